@@ -1,0 +1,1 @@
+//! The example game: walk, film and look at a city.

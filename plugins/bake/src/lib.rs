@@ -1,0 +1,1 @@
+//! The pipeline from map to city, and the veduta-bake program.

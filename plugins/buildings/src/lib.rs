@@ -1,0 +1,1 @@
+//! Plugin: spawns the procedural buildings and ground of arriving cells.

@@ -1,0 +1,1 @@
+//! Partition of free space into cells and portals, and visible sets.

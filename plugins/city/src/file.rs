@@ -1,0 +1,201 @@
+//! Reading and writing the project's RON files, with errors that show file, line, column and the offending line.
+
+use core::fmt;
+use std::path::{Path, PathBuf};
+
+use serde::{Serialize, de::DeserializeOwned};
+
+/// Files larger than this are refused before they are read; bytes.
+pub const LARGEST_FILE: u64 = 1 << 30;
+
+/// A file that could not be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The system said no.
+    #[error("{path}: {source}")]
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file is larger than [`LARGEST_FILE`].
+    #[error("{path}: {bytes} bytes is more than the {LARGEST_FILE} that such a file may have")]
+    TooLarge {
+        /// Which file.
+        path: PathBuf,
+        /// Its size.
+        bytes: u64,
+    },
+    /// The text is not what it should be.
+    #[error("{0}")]
+    Syntax(#[from] SyntaxError),
+    /// The value cannot be written as RON.
+    #[error("{path}: {source}")]
+    Write {
+        /// Which file.
+        path: PathBuf,
+        /// What the writer said.
+        source: ron::Error,
+    },
+}
+
+/// A mistake in a RON text, with its place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SyntaxError {
+    /// File, or another name of the text.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// The offending line, cut to 120 characters about the place.
+    pub text: String,
+    /// Column of the caret within `text`, from 0.
+    pub caret: usize,
+    /// What is wrong.
+    pub message: String,
+}
+
+impl fmt::Display for SyntaxError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}:{}:{}: {}", self.file, self.line, self.column, self.message)?;
+        let number = self.line.to_string();
+        writeln!(f, "{number} | {}", self.text)?;
+        write!(f, "{:width$} | {:caret$}^", "", "", width = number.len(), caret = self.caret)
+    }
+}
+
+impl std::error::Error for SyntaxError {}
+
+/// Most characters of an offending line that are shown.
+const SHOWN: usize = 120;
+
+/// RON as the project writes it: `Some(x)` may be left out.
+fn options() -> ron::Options {
+    ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
+}
+
+/// Reads a value from RON text; `file` names it in errors.
+///
+/// # Errors
+/// A [`SyntaxError`] with the place of the first mistake.
+pub fn parse<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, SyntaxError> {
+    options().from_str(text).map_err(|error| {
+        let place = error.span.start;
+        let (line, column) = (place.line.max(1), place.col.max(1));
+        let whole: Vec<char> = text.lines().nth(line - 1).unwrap_or("").chars().collect();
+        let from = (column - 1).saturating_sub(SHOWN / 2).min(whole.len());
+        let shown = &whole[from..whole.len().min(from + SHOWN)];
+        SyntaxError {
+            file: file.to_owned(),
+            line,
+            column,
+            text: shown.iter().map(|&c| if c == '\t' { ' ' } else { c }).collect(),
+            caret: column - 1 - from.min(column - 1),
+            message: error.code.to_string(),
+        }
+    })
+}
+
+/// Reads a value from bytes of RON text.
+///
+/// # Errors
+/// A [`SyntaxError`]; also where the bytes are not UTF-8.
+pub fn parse_bytes<T: DeserializeOwned>(bytes: &[u8], file: &str) -> Result<T, SyntaxError> {
+    match core::str::from_utf8(bytes) {
+        Ok(text) => parse(text.strip_prefix('\u{feff}').unwrap_or(text), file),
+        Err(error) => {
+            let good = String::from_utf8_lossy(&bytes[..error.valid_up_to()]).into_owned();
+            let line = good.lines().count().max(1);
+            let text: String = good.lines().last().unwrap_or("").chars().take(SHOWN).collect();
+            let column = text.chars().count() + 1;
+            let message = "the text is not UTF-8 from here on; save it as UTF-8".to_owned();
+            Err(SyntaxError { file: file.to_owned(), line, column, caret: column - 1, text, message })
+        }
+    }
+}
+
+/// Reads a value from a RON file.
+///
+/// # Errors
+/// [`FileError`] if the file cannot be read, is too large, or has a mistake.
+pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, FileError> {
+    let io = |source| FileError::Io { path: path.to_owned(), source };
+    let bytes = std::fs::metadata(path).map_err(io)?.len();
+    if bytes > LARGEST_FILE {
+        return Err(FileError::TooLarge { path: path.to_owned(), bytes });
+    }
+    let content = std::fs::read(path).map_err(io)?;
+    Ok(parse_bytes(&content, &path.display().to_string())?)
+}
+
+/// A value as RON text, the same on every platform.
+///
+/// # Errors
+/// What the writer says; a value of this crate always succeeds.
+pub fn to_text<T: Serialize>(value: &T) -> Result<String, ron::Error> {
+    let pretty = ron::ser::PrettyConfig::new()
+        .new_line("\n")
+        .indentor(" ")
+        .depth_limit(3)
+        .struct_names(false)
+        .extensions(ron::extensions::Extensions::empty());
+    let mut text = options().to_string_pretty(value, pretty)?;
+    text.push('\n');
+    Ok(text)
+}
+
+/// Writes a value to a RON file, whole or not at all: first beside it, then renamed.
+///
+/// # Errors
+/// [`FileError`] if the system says no.
+pub fn write<T: Serialize>(value: &T, path: &Path) -> Result<(), FileError> {
+    let text = to_text(value).map_err(|source| FileError::Write { path: path.to_owned(), source })?;
+    let io = |source| FileError::Io { path: path.to_owned(), source };
+    let mut beside = path.as_os_str().to_owned();
+    beside.push(".part");
+    let beside = PathBuf::from(beside);
+    std::fs::write(&beside, text).map_err(io)?;
+    std::fs::rename(&beside, path).map_err(io)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{CityGraph, Tour};
+
+    #[test]
+    fn a_mistake_shows_its_line_and_column() {
+        let text = "(\n  title: \"x\",\n  city: \"y\",\n  steps: [\n    Wait(second: 3),\n  ],\n)";
+        let error = parse::<Tour>(text, "a.tour.ron").expect_err("`second` is not a field");
+        assert_eq!((error.line, error.file.as_str()), (5, "a.tour.ron"));
+        let shown = error.to_string();
+        assert!(shown.contains("5 |     Wait(second: 3),"), "{shown}");
+        assert!(shown.contains("second"), "{shown}");
+    }
+
+    #[test]
+    fn bytes_that_are_no_text_are_an_error_with_a_place() {
+        let error = parse_bytes::<Tour>(b"(\n title: \"\xff\"", "t").expect_err("not UTF-8");
+        assert_eq!(error.line, 2);
+    }
+
+    #[test]
+    fn a_graph_survives_writing_and_reading() {
+        let text = "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 1, pos: (0, 1.5)), (id: 2, pos: (9, 9))],
+            links: [(from: 1, to: 2, kind: Street(Lane), name: \"Karlova\")],
+            buildings: [(outline: [(0,0),(4,0),(4,4)], colour: \"#D9B36C\", levels: 3, roof: (shape: Gabled))])";
+        let mut graph: CityGraph = parse(text, "t").unwrap_or_else(|e| panic!("{e}"));
+        graph.fill_ids();
+        let again: CityGraph = parse(&to_text(&graph).expect("plain values"), "again").unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(graph, again);
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn no_text_makes_the_reader_panic(bytes in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..200)) {
+            let _ = parse_bytes::<CityGraph>(&bytes, "fuzz");
+        }
+    }
+}

@@ -1,0 +1,686 @@
+use std::collections::{HashMap, HashSet};
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use crate::{Anchor, Id, Place, Rgb, Viewpoint};
+
+/// A closed ring in plan metres; the last vertex joins the first and is not repeated.
+pub type Ring = Vec<DVec2>;
+
+/// The city graph: streets, squares, blocks, given houses and standing objects, in plan metres. It is what survey makes,
+/// what a person edits, and what growth turns into a plan.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CityGraph {
+    /// Name of the city.
+    pub name: String,
+    /// Where plan (0, 0) lies on Earth.
+    pub anchor: Anchor,
+    /// Who is to be credited for the data, as the licence asks.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub attribution: String,
+    /// Seed of every draw that growth makes.
+    #[serde(default)]
+    pub seed: u64,
+    /// Where a visit begins.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<Viewpoint>,
+    /// Half-size of the ground beyond the outermost thing, in metres.
+    #[serde(default = "CityGraph::default_margin_m")]
+    pub margin_m: f64,
+    /// Where links meet, end or change.
+    #[serde(default)]
+    pub nodes: Vec<Node>,
+    /// Streets, railways and watercourses.
+    #[serde(default)]
+    pub links: Vec<Link>,
+    /// Squares.
+    #[serde(default)]
+    pub squares: Vec<Square>,
+    /// Blocks: built, park, monument, water.
+    #[serde(default)]
+    pub blocks: Vec<Block>,
+    /// Houses whose footprint is known.
+    #[serde(default)]
+    pub buildings: Vec<Building>,
+    /// Lamps, trees, benches, fountains and the like.
+    #[serde(default)]
+    pub objects: Vec<StandingObject>,
+    /// Things with a name.
+    #[serde(default)]
+    pub places: Vec<Place>,
+}
+
+/// An end of links.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Node {
+    /// Stable id; links refer to it.
+    pub id: Id,
+    /// Plan metres.
+    pub pos: DVec2,
+    /// Elevation in metres above the city's zero.
+    #[serde(default)]
+    pub z: f64,
+}
+
+/// What a node is, by the links that end there. Derived, never stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum NodeKind {
+    /// No link ends here.
+    Lone,
+    /// One link ends here.
+    BlindAlley,
+    /// Two links join: a name, width or class changes.
+    Joint,
+    /// Three or more links meet.
+    Crossroads,
+}
+
+/// Class of a street, widest claim on space first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
+pub enum StreetClass {
+    /// Motorway, trunk.
+    Motorway,
+    /// Primary, secondary.
+    Main,
+    /// Tertiary, unclassified, residential.
+    #[default]
+    Street,
+    /// Living street, pedestrian street, lane.
+    Lane,
+    /// Service road, driveway, alley for vehicles.
+    Service,
+    /// Footway, path, passage, cycleway.
+    Path,
+    /// Stairs.
+    Steps,
+}
+
+impl StreetClass {
+    /// Width from wall to wall, or of the way itself, where a map gives none; metres.
+    #[must_use]
+    pub const fn default_width_m(self) -> f64 {
+        match self {
+            Self::Motorway => 18.0,
+            Self::Main => 14.0,
+            Self::Street => 10.0,
+            Self::Lane => 6.5,
+            Self::Service => 4.0,
+            Self::Path | Self::Steps => 2.5,
+        }
+    }
+
+    /// Whether vehicles have a carriageway of their own between kerbs.
+    #[must_use]
+    pub const fn has_carriageway(self) -> bool {
+        matches!(self, Self::Motorway | Self::Main | Self::Street)
+    }
+}
+
+/// Paving of a street or square.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
+pub enum Surfacing {
+    /// Asphalt.
+    Asphalt,
+    /// Setts, about 10 cm.
+    #[default]
+    Cobbles,
+    /// Mosaic of small stones, about 6 cm.
+    Mosaic,
+    /// Flagstones, concrete slabs.
+    Flagstones,
+    /// Gravel, earth, sand.
+    Gravel,
+    /// Grass.
+    Grass,
+}
+
+/// What a link is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum LinkKind {
+    /// A street or way for people.
+    Street(StreetClass),
+    /// Rails. `tram` ones lie in a street.
+    Railway {
+        /// Whether they lie in a street's surface.
+        tram: bool,
+    },
+    /// River, canal, stream.
+    Watercourse,
+}
+
+/// A polyline between two nodes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Link {
+    /// Stable id; hashed from kind and middle when not given.
+    #[serde(default)]
+    pub id: Id,
+    /// First node.
+    pub from: Id,
+    /// Last node.
+    pub to: Id,
+    /// Inner vertices (curve nodes), plan metres.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub via: Vec<DVec2>,
+    /// What it is.
+    pub kind: LinkKind,
+    /// Full width in metres; 0 means the class's default.
+    #[serde(default)]
+    pub width_m: f64,
+    /// Name, may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// Layer: 0 ground, above for bridges, below for tunnels.
+    #[serde(default)]
+    pub layer: i8,
+    /// Paving; the class decides if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surfacing: Option<Surfacing>,
+}
+
+impl Link {
+    /// Width in metres: its own, or its class's.
+    #[must_use]
+    pub fn width(&self) -> f64 {
+        if self.width_m > 0.0 {
+            return self.width_m;
+        }
+        match self.kind {
+            LinkKind::Street(class) => class.default_width_m(),
+            LinkKind::Railway { .. } => 4.0,
+            LinkKind::Watercourse => 6.0,
+        }
+    }
+}
+
+/// An open place between houses.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Square {
+    /// Stable id; hashed from kind and centre when not given.
+    #[serde(default)]
+    pub id: Id,
+    /// Name, may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// Outline, counter-clockwise, plan metres.
+    pub outline: Ring,
+    /// Holes, clockwise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub holes: Vec<Ring>,
+    /// Paving.
+    #[serde(default)]
+    pub surfacing: Surfacing,
+}
+
+/// What a block holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
+pub enum BlockKind {
+    /// Houses; grown where none are given.
+    #[default]
+    Built,
+    /// Lawn, trees, paths.
+    Park,
+    /// A monument's ground: kept free.
+    Monument,
+    /// Open water.
+    Water,
+}
+
+/// What streets enclose, or an area of one kind.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Block {
+    /// Stable id; hashed from kind and centre when not given.
+    #[serde(default)]
+    pub id: Id,
+    /// What it holds.
+    #[serde(default)]
+    pub kind: BlockKind,
+    /// Name, may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// Name of the style its houses are grown in; empty: by seed.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub district: String,
+    /// Outline, counter-clockwise, plan metres.
+    pub outline: Ring,
+    /// Holes, clockwise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub holes: Vec<Ring>,
+}
+
+/// Shape of a roof, in the words of OpenStreetMap's `roof:shape`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
+pub enum RoofShape {
+    /// Level.
+    Flat,
+    /// Two slopes and two gables.
+    #[default]
+    Gabled,
+    /// Slopes on every side.
+    Hipped,
+    /// Gables cut by small hips.
+    HalfHipped,
+    /// Slopes that meet in a point.
+    Pyramidal,
+    /// One slope.
+    Skillion,
+    /// Hipped with a steep lower part.
+    Mansard,
+    /// Gabled with a steep lower part.
+    Gambrel,
+    /// Half sphere.
+    Dome,
+    /// Onion.
+    Onion,
+    /// Cone.
+    Cone,
+    /// Half cylinder.
+    Round,
+    /// A row of skillions.
+    SawTooth,
+}
+
+/// What a map says of a roof.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoofTags {
+    /// Shape; the style decides if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shape: Option<RoofShape>,
+    /// From eaves to ridge, metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_m: Option<f64>,
+    /// Direction in which the (main) slope falls, degrees clockwise from north.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction_deg: Option<f64>,
+    /// Whether the ridge runs across the longer side.
+    #[serde(default)]
+    pub across: bool,
+    /// Colour.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colour: Option<Rgb>,
+}
+
+/// A body of a building that is not simply its whole footprint: a tower, a wing, a dome on a roof.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BuildingPart {
+    /// Stable id; hashed when not given.
+    #[serde(default)]
+    pub id: Id,
+    /// Outline, counter-clockwise, plan metres.
+    pub outline: Ring,
+    /// Holes, clockwise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub holes: Vec<Ring>,
+    /// Underside above the ground, metres.
+    #[serde(default)]
+    pub min_height_m: f64,
+    /// Top (ridge) above the ground, metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_m: Option<f64>,
+    /// Storeys, from the ground (also those below `min_height_m`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub levels: Option<f64>,
+    /// Roof.
+    #[serde(default)]
+    pub roof: RoofTags,
+    /// Colour of the walls.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colour: Option<Rgb>,
+}
+
+/// A building whose footprint is known.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Building {
+    /// Stable id; hashed from kind and centre when not given.
+    #[serde(default)]
+    pub id: Id,
+    /// Name, may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// House number, may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub number: String,
+    /// Name of a style; empty: by seed.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub style: String,
+    /// Outline, counter-clockwise, plan metres.
+    pub outline: Ring,
+    /// Courtyards, clockwise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub holes: Vec<Ring>,
+    /// Underside above the ground, metres (a house over a passage).
+    #[serde(default)]
+    pub min_height_m: f64,
+    /// Top (ridge) above the ground, metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_m: Option<f64>,
+    /// Storeys below the eaves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub levels: Option<f64>,
+    /// Roof.
+    #[serde(default)]
+    pub roof: RoofTags,
+    /// Colour of the walls.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colour: Option<Rgb>,
+    /// Parts. If there are any, they stand instead of the outline.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<BuildingPart>,
+}
+
+/// Kind of a [`StandingObject`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum ObjectKind {
+    /// Street lamp.
+    Lamp,
+    /// Broad-leaved tree.
+    Tree,
+    /// Conifer.
+    Conifer,
+    /// Bench.
+    Bench,
+    /// Fountain.
+    Fountain,
+    /// Statue or small monument on a plinth.
+    Statue,
+    /// Tram or bus stop: sign and shelter.
+    TramStop,
+    /// Bollard.
+    Bollard,
+    /// Kiosk, market stall.
+    Kiosk,
+    /// Well, pump.
+    Well,
+    /// Advertising column.
+    Column,
+    /// Waste bin.
+    Bin,
+}
+
+/// Something that stands in a street or square.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StandingObject {
+    /// Stable id; hashed from kind and position when not given.
+    #[serde(default)]
+    pub id: Id,
+    /// What it is.
+    pub kind: ObjectKind,
+    /// Plan metres.
+    pub pos: DVec2,
+    /// Where its front looks, degrees clockwise from north.
+    #[serde(default)]
+    pub heading_deg: f64,
+    /// Height in metres; 0 means the kind's own.
+    #[serde(default)]
+    pub height_m: f64,
+    /// Name, may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
+}
+
+/// What is wrong with a graph, naming the thing.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum GraphError {
+    /// A number that is not finite, or lies beyond the grid.
+    #[error("{what} {id} has a coordinate that is not a number within 2,000 km of the anchor")]
+    Coordinate {
+        /// Kind of thing.
+        what: &'static str,
+        /// Which one.
+        id: Id,
+    },
+    /// Two things of one kind with one id.
+    #[error("two {what}s have the id {id}: give one of them another")]
+    DuplicateId {
+        /// Kind of thing.
+        what: &'static str,
+        /// Which id.
+        id: Id,
+    },
+    /// A link that names a node which is not there.
+    #[error("link {link} ends at node {node}, which is not in `nodes`")]
+    UnknownNode {
+        /// The link.
+        link: Id,
+        /// The node it names.
+        node: Id,
+    },
+    /// A ring of fewer than three vertices.
+    #[error("{what} {id} has an outline of {n} vertices; it needs at least three")]
+    ShortRing {
+        /// Kind of thing.
+        what: &'static str,
+        /// Which one.
+        id: Id,
+        /// How many vertices.
+        n: usize,
+    },
+    /// Latitude or longitude out of range.
+    #[error("the anchor ({lat}, {lon}) is not a latitude within ±85° and a longitude within ±180°")]
+    Anchor {
+        /// Degrees.
+        lat: f64,
+        /// Degrees.
+        lon: f64,
+    },
+}
+
+/// Farthest coordinate from the anchor that the grid can hold, with room to spare; metres.
+const FARTHEST_M: f64 = 2_000_000.0;
+
+impl CityGraph {
+    /// Ground kept beyond the outermost thing where a file says nothing; metres.
+    #[must_use]
+    pub const fn default_margin_m() -> f64 {
+        30.0
+    }
+
+    /// Gives every thing that has no id one from its kind and place, moving on where two would share one. Call after
+    /// reading a file written by hand; idempotent.
+    pub fn fill_ids(&mut self) {
+        let at: HashMap<Id, DVec2> = self.nodes.iter().map(|n| (n.id, n.pos)).collect();
+        let middle = |ring: &[DVec2]| ring.iter().copied().sum::<DVec2>() / ring.len().max(1) as f64;
+        fn fill(taken: &mut HashSet<Id>, id: &mut Id, kind: &str, pos: DVec2) {
+            if !id.is_given() {
+                *id = Id::from_place(kind, pos);
+                while taken.contains(id) {
+                    id.0 = id.0.wrapping_add(1) | 1 << 63;
+                }
+            }
+            taken.insert(*id);
+        }
+        let mut taken: HashSet<Id> = self.links.iter().map(|l| l.id).filter(|id| id.is_given()).collect();
+        for link in &mut self.links {
+            let ends = [at.get(&link.from), at.get(&link.to)].map(|p| p.copied().unwrap_or_default());
+            let mean = link.via.get(link.via.len() / 2).copied().unwrap_or((ends[0] + ends[1]) / 2.0);
+            fill(&mut taken, &mut link.id, "link", mean);
+        }
+        let mut taken = HashSet::new();
+        for square in &mut self.squares {
+            fill(&mut taken, &mut square.id, "square", middle(&square.outline));
+        }
+        let mut taken = HashSet::new();
+        for block in &mut self.blocks {
+            fill(&mut taken, &mut block.id, "block", middle(&block.outline));
+        }
+        let mut taken: HashSet<Id> = self.buildings.iter().map(|b| b.id).filter(|id| id.is_given()).collect();
+        for building in &mut self.buildings {
+            fill(&mut taken, &mut building.id, "building", middle(&building.outline));
+            let mut parts = HashSet::new();
+            for part in &mut building.parts {
+                fill(&mut parts, &mut part.id, "part", middle(&part.outline));
+            }
+        }
+        let mut taken: HashSet<Id> = self.objects.iter().map(|o| o.id).filter(|id| id.is_given()).collect();
+        for object in &mut self.objects {
+            fill(&mut taken, &mut object.id, "object", object.pos);
+        }
+        let mut taken: HashSet<Id> = self.places.iter().map(|p| p.id).filter(|id| id.is_given()).collect();
+        for place in &mut self.places {
+            fill(&mut taken, &mut place.id, "place", place.pos);
+        }
+    }
+
+    /// Everything wrong with the graph, in order; empty if growth may take it.
+    #[must_use]
+    pub fn validate(&self) -> Vec<GraphError> {
+        let mut errors = Vec::new();
+        if !(self.anchor.lat.abs() <= 85.0 && self.anchor.lon.abs() <= 180.0) {
+            errors.push(GraphError::Anchor { lat: self.anchor.lat, lon: self.anchor.lon });
+        }
+        let bad = |p: DVec2| !(p.x.abs() <= FARTHEST_M && p.y.abs() <= FARTHEST_M);
+        let mut nodes = HashSet::new();
+        for node in &self.nodes {
+            if bad(node.pos) || !node.z.is_finite() {
+                errors.push(GraphError::Coordinate { what: "node", id: node.id });
+            }
+            if !nodes.insert(node.id) {
+                errors.push(GraphError::DuplicateId { what: "node", id: node.id });
+            }
+        }
+        let mut links = HashSet::new();
+        for link in &self.links {
+            for node in [link.from, link.to] {
+                if !nodes.contains(&node) {
+                    errors.push(GraphError::UnknownNode { link: link.id, node });
+                }
+            }
+            if link.via.iter().copied().any(bad) || !link.width_m.is_finite() {
+                errors.push(GraphError::Coordinate { what: "link", id: link.id });
+            }
+            if link.id.is_given() && !links.insert(link.id) {
+                errors.push(GraphError::DuplicateId { what: "link", id: link.id });
+            }
+        }
+        let mut ring = |what: &'static str, id: Id, ring: &[DVec2]| {
+            if ring.len() < 3 {
+                errors.push(GraphError::ShortRing { what, id, n: ring.len() });
+            }
+            if ring.iter().copied().any(bad) {
+                errors.push(GraphError::Coordinate { what, id });
+            }
+        };
+        for s in &self.squares {
+            ring("square", s.id, &s.outline);
+            s.holes.iter().for_each(|h| ring("square", s.id, h));
+        }
+        for b in &self.blocks {
+            ring("block", b.id, &b.outline);
+            b.holes.iter().for_each(|h| ring("block", b.id, h));
+        }
+        for b in &self.buildings {
+            ring("building", b.id, &b.outline);
+            b.holes.iter().for_each(|h| ring("building", b.id, h));
+            for p in &b.parts {
+                ring("building part", p.id, &p.outline);
+                p.holes.iter().for_each(|h| ring("building part", p.id, h));
+            }
+        }
+        let mut buildings = HashSet::new();
+        for b in &self.buildings {
+            if b.id.is_given() && !buildings.insert(b.id) {
+                errors.push(GraphError::DuplicateId { what: "building", id: b.id });
+            }
+        }
+        for o in &self.objects {
+            if bad(o.pos) {
+                errors.push(GraphError::Coordinate { what: "object", id: o.id });
+            }
+        }
+        for p in &self.places {
+            if bad(p.pos) {
+                errors.push(GraphError::Coordinate { what: "place", id: p.id });
+            }
+        }
+        errors
+    }
+
+    /// The whole polyline of a link, ends included; `None` if an end is unknown.
+    #[must_use]
+    pub fn polyline(&self, link: &Link, at: &HashMap<Id, DVec2>) -> Option<Vec<DVec2>> {
+        let (from, to) = (*at.get(&link.from)?, *at.get(&link.to)?);
+        Some(core::iter::once(from).chain(link.via.iter().copied()).chain(core::iter::once(to)).collect())
+    }
+
+    /// Positions of the nodes by id.
+    #[must_use]
+    pub fn node_positions(&self) -> HashMap<Id, DVec2> {
+        self.nodes.iter().map(|n| (n.id, n.pos)).collect()
+    }
+
+    /// Kind of every node, by how many street links end there.
+    #[must_use]
+    pub fn node_kinds(&self) -> HashMap<Id, NodeKind> {
+        let mut ends: HashMap<Id, usize> = self.nodes.iter().map(|n| (n.id, 0)).collect();
+        for link in &self.links {
+            *ends.entry(link.from).or_default() += 1;
+            *ends.entry(link.to).or_default() += 1;
+        }
+        let kind = |n| match n {
+            0 => NodeKind::Lone,
+            1 => NodeKind::BlindAlley,
+            2 => NodeKind::Joint,
+            _ => NodeKind::Crossroads,
+        };
+        ends.into_iter().map(|(id, n)| (id, kind(n))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lane(from: u64, to: u64) -> Link {
+        Link {
+            id: Id::NONE,
+            from: Id(from),
+            to: Id(to),
+            via: Vec::new(),
+            kind: LinkKind::Street(StreetClass::Lane),
+            width_m: 0.0,
+            name: String::new(),
+            layer: 0,
+            surfacing: None,
+        }
+    }
+
+    fn node(id: u64, x: f64, y: f64) -> Node {
+        Node { id: Id(id), pos: DVec2::new(x, y), z: 0.0 }
+    }
+
+    #[test]
+    fn a_link_to_nowhere_is_named() {
+        let graph = CityGraph { nodes: vec![node(1, 0.0, 0.0)], links: vec![lane(1, 2)], ..Default::default() };
+        assert_eq!(graph.validate(), [GraphError::UnknownNode { link: Id::NONE, node: Id(2) }]);
+    }
+
+    #[test]
+    fn not_a_number_is_found() {
+        let graph = CityGraph { nodes: vec![node(1, f64::NAN, 0.0)], ..Default::default() };
+        assert_eq!(graph.validate(), [GraphError::Coordinate { what: "node", id: Id(1) }]);
+    }
+
+    #[test]
+    fn filled_ids_are_unique_and_stay() {
+        let mut graph = CityGraph {
+            nodes: vec![node(1, 0.0, 0.0), node(2, 10.0, 0.0), node(3, 0.0, 10.0)],
+            links: vec![lane(1, 2), lane(1, 2), lane(2, 3)],
+            ..Default::default()
+        };
+        graph.fill_ids();
+        let first: Vec<Id> = graph.links.iter().map(|l| l.id).collect();
+        assert_eq!(first.iter().collect::<HashSet<_>>().len(), 3, "{first:?}");
+        graph.fill_ids();
+        assert_eq!(first, graph.links.iter().map(|l| l.id).collect::<Vec<_>>());
+        assert_eq!(graph.node_kinds()[&Id(2)], NodeKind::Crossroads);
+    }
+}

@@ -1,0 +1,188 @@
+use core::ops::{Add, Sub};
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+/// Steps of the plan's grid in a metre.
+pub const GRID_PER_METRE: i32 = 1024;
+
+/// Metres of a length on the grid.
+#[must_use]
+pub fn metres(steps: i32) -> f64 {
+    f64::from(steps) / f64::from(GRID_PER_METRE)
+}
+
+/// A plan position on the grid of 1/1024 m: x east, y north.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
+pub struct GridPos(
+    /// Steps east.
+    pub i32,
+    /// Steps north.
+    pub i32,
+);
+
+impl GridPos {
+    /// The nearest grid position to a plan position in metres; saturates at the grid's end.
+    #[must_use]
+    pub fn from_metres(plan_pos: DVec2) -> Self {
+        Self(Self::steps(plan_pos.x), Self::steps(plan_pos.y))
+    }
+
+    /// A length in metres as steps of the grid, rounded; saturates.
+    #[must_use]
+    pub fn steps(length_m: f64) -> i32 {
+        libm::round(length_m * f64::from(GRID_PER_METRE)) as i32
+    }
+
+    /// Plan position in metres.
+    #[must_use]
+    pub fn to_metres(self) -> DVec2 {
+        DVec2::new(metres(self.0), metres(self.1))
+    }
+
+    /// Twice the signed area of the triangle (self, b, c) in grid steps squared: positive if it turns left.
+    #[must_use]
+    pub fn cross(self, b: Self, c: Self) -> i64 {
+        let (ux, uy) = (i64::from(b.0) - i64::from(self.0), i64::from(b.1) - i64::from(self.1));
+        let (vx, vy) = (i64::from(c.0) - i64::from(self.0), i64::from(c.1) - i64::from(self.1));
+        ux * vy - uy * vx
+    }
+}
+
+impl Add for GridPos {
+    type Output = Self;
+    fn add(self, rhs: Self) -> Self {
+        Self(self.0 + rhs.0, self.1 + rhs.1)
+    }
+}
+
+impl Sub for GridPos {
+    type Output = Self;
+    fn sub(self, rhs: Self) -> Self {
+        Self(self.0 - rhs.0, self.1 - rhs.1)
+    }
+}
+
+/// A closed ring: the last vertex joins the first and is not repeated.
+pub type GridRing = Vec<GridPos>;
+
+/// A polygon on the grid: outer ring counter-clockwise, holes clockwise.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+pub struct GridPolygon {
+    /// Outer ring, counter-clockwise.
+    pub outer: GridRing,
+    /// Holes, clockwise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub holes: Vec<GridRing>,
+}
+
+impl GridPolygon {
+    /// A polygon without holes.
+    #[must_use]
+    pub fn simple(outer: GridRing) -> Self {
+        Self { outer, holes: Vec::new() }
+    }
+
+    /// The outer ring, then the holes.
+    pub fn rings(&self) -> impl Iterator<Item = &GridRing> {
+        core::iter::once(&self.outer).chain(&self.holes)
+    }
+
+    /// Area in square metres, holes taken off.
+    #[must_use]
+    pub fn area_m2(&self) -> f64 {
+        let twice: f64 = self.rings().map(|ring| ring_area_2(ring) as f64).sum();
+        twice / 2.0 / f64::from(GRID_PER_METRE) / f64::from(GRID_PER_METRE)
+    }
+
+    /// Whether a position lies inside (even–odd rule; a position on the border may count either way).
+    #[must_use]
+    pub fn contains(&self, p: GridPos) -> bool {
+        self.rings().filter(|ring| ring_contains(ring, p)).count() % 2 == 1
+    }
+
+    /// Least and greatest corner of the outer ring; `None` if it is empty.
+    #[must_use]
+    pub fn bounds(&self) -> Option<(GridPos, GridPos)> {
+        let first = *self.outer.first()?;
+        Some(
+            self.outer
+                .iter()
+                .fold((first, first), |(lo, hi), p| (GridPos(lo.0.min(p.0), lo.1.min(p.1)), GridPos(hi.0.max(p.0), hi.1.max(p.1)))),
+        )
+    }
+
+    /// Centroid of the outer ring in metres; the mean of its vertices if it has no area.
+    #[must_use]
+    pub fn centroid(&self) -> DVec2 {
+        let Some(&origin) = self.outer.first() else { return DVec2::ZERO };
+        let base = origin.to_metres();
+        let (mut sum, mut twice) = (DVec2::ZERO, 0.0);
+        for (a, b) in edges(&self.outer) {
+            let (a, b) = (a.to_metres() - base, b.to_metres() - base);
+            let cross = a.perp_dot(b);
+            twice += cross;
+            sum += (a + b) * cross;
+        }
+        if twice.abs() < 1e-9 {
+            return self.outer.iter().map(|p| p.to_metres()).sum::<DVec2>() / self.outer.len() as f64;
+        }
+        base + sum / (3.0 * twice)
+    }
+}
+
+/// The edges of a closed ring, in order.
+pub(crate) fn edges(ring: &[GridPos]) -> impl Iterator<Item = (GridPos, GridPos)> + '_ {
+    ring.iter().copied().zip(ring.iter().copied().cycle().skip(1)).take(ring.len())
+}
+
+fn ring_area_2(ring: &[GridPos]) -> i64 {
+    let Some(&origin) = ring.first() else { return 0 };
+    edges(ring).map(|(a, b)| origin.cross(a, b)).sum()
+}
+
+fn ring_contains(ring: &[GridPos], p: GridPos) -> bool {
+    let mut inside = false;
+    for (a, b) in edges(ring) {
+        if (a.1 > p.1) != (b.1 > p.1) {
+            let left = a.cross(b, p) > 0;
+            if left == (b.1 > a.1) {
+                inside = !inside;
+            }
+        }
+    }
+    inside
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(side: i32) -> GridRing {
+        vec![GridPos(0, 0), GridPos(side, 0), GridPos(side, side), GridPos(0, side)]
+    }
+
+    #[test]
+    fn area_of_a_frame_is_outer_less_hole() {
+        let mut hole: GridRing = square(1024).into_iter().map(|p| p + GridPos(1024, 1024)).collect();
+        hole.reverse();
+        let frame = GridPolygon { outer: square(4096), holes: vec![hole] };
+        assert_eq!(frame.area_m2(), 15.0);
+        assert!(frame.contains(GridPos(512, 512)));
+        assert!(!frame.contains(GridPos(1500, 1500)), "the hole is outside");
+        assert!(!frame.contains(GridPos(-1, 5)));
+    }
+
+    #[test]
+    fn metres_survive_the_grid_to_half_a_step() {
+        let p = DVec2::new(-123.456, 7890.123);
+        assert!((GridPos::from_metres(p).to_metres() - p).abs().max_element() <= 0.5 / 1024.0);
+    }
+
+    #[test]
+    fn centroid_of_a_far_square_is_its_middle() {
+        let far: GridRing = square(2048).into_iter().map(|p| p + GridPos(1 << 30, -(1 << 30))).collect();
+        let middle = GridPolygon::simple(far).centroid() - GridPos(1 << 30, -(1 << 30)).to_metres();
+        assert!((middle - DVec2::ONE).length() < 1e-6, "{middle}");
+    }
+}

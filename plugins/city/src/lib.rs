@@ -1,0 +1,57 @@
+//! The city model: what every other crate of Veduta speaks about.
+//!
+//! ```text
+//!  CityGraph ──grow──► CityPlan ──partition──► Cells ──pack──► packets
+//!  (metres)            (grid)                  (grid)          (grid, relative to a cell)
+//! ```
+//!
+//! Values only: no engine, no threads, no clock. Reading and writing of files is confined to [`file`].
+//!
+//! # Spaces
+//! *Plan* coordinates are metres from the city's [`Anchor`]: x east, y north, z elevation. From the plan on they lie on a
+//! grid of 1/1024 m ([`GridPos`]), so that joints, ids and bytes are exact. *World* coordinates belong to the engine
+//! (x east, y up, z south) and are made in `veduta-ecs` alone.
+//!
+//! # Limits
+//! A city spans at most ±2,097 km from its anchor (the grid's 32 bits); the tangent plane stays within 1 cm of the
+//! ellipsoid's distances to about 10 km from the anchor.
+//!
+//! # Rejected
+//! Floating-point plan vertices (joints drift, ids differ between platforms) and a running random generator (nothing
+//! could be grown anew alone; see [`draw`]).
+
+mod anchor;
+mod cell;
+mod colour;
+pub mod draw;
+pub mod file;
+mod finding;
+mod graph;
+mod grid;
+mod id;
+mod overrides;
+mod packet;
+mod place;
+mod plan;
+mod style;
+mod tour;
+
+pub use anchor::Anchor;
+pub use cell::{Cell, Cells, Portal, PortalSide};
+pub use colour::{ParseColourError, Rgb};
+pub use finding::{Finding, Severity};
+pub use graph::{
+    Block, BlockKind, Building, BuildingPart, CityGraph, GraphError, Link, LinkKind, Node, NodeKind, ObjectKind, Ring, RoofShape,
+    RoofTags, Square, StandingObject, StreetClass, Surfacing,
+};
+pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres};
+pub use id::Id;
+pub use overrides::{GraphOverride, GraphOverrides, Target};
+pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, VolumeShell};
+pub use place::{Place, PlaceKind, Viewpoint};
+pub use plan::{
+    CityPlan, GroundFloor, GroundPatch, House, Opening, PlanObject, PlanRoof, PlanStreet, Storey, SurfaceKind, Volume, Wall,
+    WallKind,
+};
+pub use style::{Range, Style, StyleError, Styles};
+pub use tour::{Ease, LookAt, Step, Tour, Where};

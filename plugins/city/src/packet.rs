@@ -1,0 +1,158 @@
+use core::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{GridPolygon, GridPos, GroundPatch, Id, PlanObject, PlanRoof, Portal, Rgb, Wall};
+
+/// Urban level of detail of a façade.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Level {
+    /// Coloured outline.
+    One = 1,
+    /// With small repeated textures for windows, doors, paintings.
+    Two = 2,
+    /// With one full façade texture.
+    Three = 3,
+    /// Textured 3D model.
+    Four = 4,
+}
+
+impl Level {
+    /// All levels, coarsest first.
+    pub const ALL: [Self; 4] = [Self::One, Self::Two, Self::Three, Self::Four];
+
+    /// 0 for level 1, … 3 for level 4.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self as usize - 1
+    }
+
+    /// The level with an index, 0 to 3.
+    #[must_use]
+    pub const fn from_index(index: usize) -> Option<Self> {
+        match index {
+            0 => Some(Self::One),
+            1 => Some(Self::Two),
+            2 => Some(Self::Three),
+            3 => Some(Self::Four),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Level {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "level {}", *self as u8)
+    }
+}
+
+/// A set of levels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Levels(u8);
+
+impl Levels {
+    /// No level.
+    pub const NONE: Self = Self(0);
+    /// Every level.
+    pub const ALL: Self = Self(0b1111);
+
+    /// Whether a level is in the set.
+    #[must_use]
+    pub const fn has(self, level: Level) -> bool {
+        self.0 >> level.index() & 1 == 1
+    }
+
+    /// The set with a level added.
+    #[must_use]
+    pub const fn with(self, level: Level) -> Self {
+        Self(self.0 | 1 << level.index())
+    }
+
+    /// The set with a level taken out.
+    #[must_use]
+    pub const fn without(self, level: Level) -> Self {
+        Self(self.0 & !(1 << level.index()))
+    }
+
+    /// The finest level in the set.
+    #[must_use]
+    pub fn finest(self) -> Option<Level> {
+        Level::ALL.into_iter().rev().find(|&level| self.has(level))
+    }
+}
+
+/// Content of a level-1 packet: all that stands and lies in a cell, walls as coloured outlines. Positions are relative to
+/// [`CellShell::origin`] in plan, heights to the city's zero.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+pub struct CellShell {
+    /// Plan position that the others are relative to.
+    pub origin: GridPos,
+    /// The cell's space.
+    pub outline: GridPolygon,
+    /// Ground, yards included.
+    pub ground: Vec<GroundPatch>,
+    /// Houses with at least one wall or roof here.
+    pub houses: Vec<HouseShell>,
+    /// Standing objects.
+    pub objects: Vec<PlanObject>,
+    /// Blind portals on the cell's border: where walking ends.
+    pub blind: Vec<Portal>,
+}
+
+/// A house, or that part of it which faces the cell.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct HouseShell {
+    /// Stable id.
+    pub id: Id,
+    /// Index of its style in the city.
+    pub style: u16,
+    /// Its volumes that have something here.
+    pub volumes: Vec<VolumeShell>,
+}
+
+/// A volume, or that part of it which faces the cell.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct VolumeShell {
+    /// Whole outline.
+    pub footprint: GridPolygon,
+    /// Foot of the walls, grid steps.
+    pub bottom: i32,
+    /// Eaves, grid steps.
+    pub eaves: i32,
+    /// Colour of the walls.
+    pub colour: Rgb,
+    /// Colour of mouldings.
+    pub trim: Rgb,
+    /// The roof. Always told, so that gables can be built; drawn with the cell that has `has_roof`.
+    pub roof: PlanRoof,
+    /// Whether this cell draws the roof (and the underside, where the volume hangs in the air).
+    pub has_roof: bool,
+    /// Which edges' walls this cell draws: indices in the order of [`crate::Volume::walls`], ascending.
+    pub walls: Vec<u16>,
+}
+
+/// Content of a level-2 packet: the openings of every wall of the cell, in the order in which [`CellShell`] lists them
+/// (house by house, volume by volume, wall by wall).
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+pub struct FacadeSheet {
+    /// One for each wall.
+    pub walls: Vec<Wall>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_count_from_coarse_to_fine() {
+        let some = Levels::NONE.with(Level::One).with(Level::Three);
+        assert_eq!(some.finest(), Some(Level::Three));
+        assert!(!some.has(Level::Two));
+        assert_eq!(some.without(Level::Three).finest(), Some(Level::One));
+        for level in Level::ALL {
+            assert_eq!(Level::from_index(level.index()), Some(level));
+        }
+    }
+}

@@ -1,0 +1,201 @@
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+/// A guided tour: a list of steps, played one after another.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tour {
+    /// Title shown to the visitor.
+    pub title: String,
+    /// The city it belongs to: a path relative to the tour's file, or a URL.
+    pub city: String,
+    /// Walking speed in metres a second where a step gives none.
+    #[serde(default = "Tour::default_speed")]
+    pub speed: f64,
+    /// Eye height in metres where a step gives none.
+    #[serde(default = "Tour::default_eye_m")]
+    pub eye_m: f64,
+    /// Vertical field of view in degrees at the start.
+    #[serde(default = "Tour::default_fov_deg")]
+    pub fov_deg: f64,
+    /// Hour of the day at the start, 0 to 24.
+    #[serde(default = "Tour::default_hour")]
+    pub hour: f64,
+    /// What happens.
+    pub steps: Vec<Step>,
+}
+
+impl Tour {
+    const fn default_speed() -> f64 {
+        1.4
+    }
+    const fn default_eye_m() -> f64 {
+        1.65
+    }
+    const fn default_fov_deg() -> f64 {
+        55.0
+    }
+    const fn default_hour() -> f64 {
+        10.0
+    }
+}
+
+/// A spot: a place's name, or plan metres.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Where {
+    /// The place of that name.
+    Place(String),
+    /// Plan metres.
+    At(f64, f64),
+}
+
+impl Where {
+    /// The position, if it needs no looking up.
+    #[must_use]
+    pub fn plan_pos(&self) -> Option<DVec2> {
+        match *self {
+            Self::At(x, y) => Some(DVec2::new(x, y)),
+            Self::Place(_) => None,
+        }
+    }
+}
+
+/// Where the eye turns.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub enum LookAt {
+    /// Along the way, a little ahead.
+    #[default]
+    Ahead,
+    /// At a spot, so many metres above the ground there.
+    Spot {
+        /// The spot.
+        at: Where,
+        /// Metres above the ground.
+        #[serde(default = "Tour::default_eye_m")]
+        height_m: f64,
+    },
+    /// In a direction.
+    Heading {
+        /// Degrees clockwise from north.
+        deg: f64,
+        /// Degrees, up is positive.
+        #[serde(default)]
+        pitch_deg: f64,
+    },
+}
+
+/// How a movement starts and stops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Ease {
+    /// Gently at both ends.
+    #[default]
+    InOut,
+    /// Gently at the start.
+    In,
+    /// Gently at the end.
+    Out,
+    /// Evenly.
+    Linear,
+}
+
+/// One step of a tour.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Step {
+    /// Stand somewhere at once, behind a fade.
+    Start {
+        /// Where.
+        at: Where,
+        /// Eye height in metres.
+        #[serde(default)]
+        eye_m: Option<f64>,
+        /// Where the eye turns.
+        #[serde(default)]
+        look: LookAt,
+    },
+    /// Walk along the streets.
+    Walk {
+        /// Where to.
+        to: Where,
+        /// Spots to pass, in order, before `to`.
+        #[serde(default)]
+        via: Vec<Where>,
+        /// Metres a second.
+        #[serde(default)]
+        speed: Option<f64>,
+        /// Where the eye turns meanwhile.
+        #[serde(default)]
+        look: LookAt,
+        /// How it starts and stops.
+        #[serde(default)]
+        ease: Ease,
+    },
+    /// Fly along a smooth curve through points given as (x, y, metres above the ground).
+    Fly {
+        /// The points, after the present one.
+        through: Vec<(f64, f64, f64)>,
+        /// Metres a second.
+        speed: f64,
+        /// Where the eye turns meanwhile.
+        #[serde(default)]
+        look: LookAt,
+        /// How it starts and stops.
+        #[serde(default)]
+        ease: Ease,
+    },
+    /// Turn on the spot.
+    Look {
+        /// Where to.
+        at: LookAt,
+        /// In so many seconds.
+        seconds: f64,
+    },
+    /// Stay.
+    Wait {
+        /// So many seconds.
+        seconds: f64,
+    },
+    /// Show a caption while the tour goes on.
+    Say {
+        /// The words.
+        text: String,
+        /// For so many seconds; by the length of the text if not given.
+        #[serde(default)]
+        seconds: Option<f64>,
+    },
+    /// Change the vertical field of view while the tour goes on.
+    Fov {
+        /// Degrees.
+        deg: f64,
+        /// In so many seconds.
+        #[serde(default)]
+        seconds: f64,
+    },
+    /// Change the hour of the day while the tour goes on.
+    Time {
+        /// Hour, 0 to 24.
+        hour: f64,
+        /// In so many seconds.
+        #[serde(default)]
+        seconds: f64,
+    },
+    /// Fade out, stand somewhere else, fade in.
+    Cut {
+        /// Where.
+        to: Where,
+        /// Eye height in metres.
+        #[serde(default)]
+        eye_m: Option<f64>,
+        /// Where the eye turns.
+        #[serde(default)]
+        look: LookAt,
+        /// Seconds of the fade, out and in together.
+        #[serde(default = "Step::default_fade_s")]
+        seconds: f64,
+    },
+}
+
+impl Step {
+    const fn default_fade_s() -> f64 {
+        1.6
+    }
+}

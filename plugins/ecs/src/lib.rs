@@ -1,0 +1,1 @@
+//! What the plugins share: components, messages, system sets and coordinates.

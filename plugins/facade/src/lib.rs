@@ -1,0 +1,1 @@
+//! Plugin: facade material with in-shader level-of-detail switching.

@@ -1,0 +1,1 @@
+//! City graph to plan, and plan to meshes.

@@ -1,0 +1,1 @@
+//! Plugin: places, information and search.

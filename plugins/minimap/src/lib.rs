@@ -1,0 +1,1 @@
+//! Plugin: minimap HUD and full map.

@@ -1,0 +1,1 @@
+//! Plugin: sun, sky, fog and night.

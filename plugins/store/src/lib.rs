@@ -1,0 +1,1 @@
+//! A city on disk or behind HTTP: index, packets and checksums.

@@ -1,0 +1,1 @@
+//! Plugin: streams a city cell by cell around the viewers.

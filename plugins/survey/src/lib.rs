@@ -1,0 +1,1 @@
+//! Maps to city graph: OpenStreetMap extracts today, raster maps to come.

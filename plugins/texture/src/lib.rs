@@ -1,0 +1,1 @@
+//! The texture workshop: procedural materials and small facade textures.

@@ -1,0 +1,1 @@
+//! Plugin: guided tours scripted in RON.

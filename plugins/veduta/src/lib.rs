@@ -1,0 +1,1 @@
+//! Veduta: a city you can walk through, as Bevy plugins.

@@ -1,0 +1,1 @@
+//! Plugin: the camera controller that all else drives: walk, fly, examine.
