@@ -39,9 +39,6 @@ pub struct Cell {
     pub houses: Vec<u32>,
     /// Standing objects in it, as indices of the plan, ascending.
     pub objects: Vec<u32>,
-    /// Ground outside every cell (yards) that is drawn with this one, as indices into the plan's ground, ascending.
-    #[serde(default)]
-    pub yards: Vec<u32>,
 }
 
 /// What lies beyond a portal.

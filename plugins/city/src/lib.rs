@@ -34,6 +34,7 @@ mod packet;
 mod place;
 mod plan;
 mod style;
+mod tile;
 mod tour;
 
 pub use anchor::Anchor;
@@ -54,4 +55,5 @@ pub use plan::{
     WallKind,
 };
 pub use style::{Range, Style, StyleError, Styles};
+pub use tile::Tile;
 pub use tour::{Ease, LookAt, Step, Tour, Where};

@@ -1,1 +1,4 @@
 //! City graph to plan, and plan to meshes.
+
+pub mod mesh;
+pub mod plan;

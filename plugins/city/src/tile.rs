@@ -1,0 +1,163 @@
+use serde::{Deserialize, Serialize};
+
+use crate::{ObjectKind, Opening, Rgb, RoofShape, SurfaceKind};
+
+/// A small texture of the workshop: one layer of the texture array that walls, roofs and ground are drawn with. Meshes name
+/// it by [`Tile::index`], the workshop paints it, the material samples it.
+///
+/// A tile's colour is multiplied by the vertex colour where its alpha is 1 (plaster, roof covering), and stands as it is
+/// where its alpha is 0 (glass, timber).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Tile {
+    /// Bare plaster wall.
+    Plaster,
+    /// One bay of one storey with its opening; never `Opening::Blank`, which is [`Tile::Plaster`].
+    Bay(Opening),
+    /// Roof of clay tiles.
+    RoofTile,
+    /// Roof of slate.
+    Slate,
+    /// Sheet-metal or copper roof.
+    Metal,
+    /// Ground.
+    Ground(SurfaceKind),
+    /// Dressed stone: plinths, monuments, fountains.
+    Stone,
+    /// Timber.
+    Wood,
+    /// Foliage.
+    Leaves,
+}
+
+/// Openings in the order of their layers.
+const OPENINGS: [Opening; 16] = [
+    Opening::Window,
+    Opening::FramedWindow,
+    Opening::CorniceWindow,
+    Opening::PedimentWindow,
+    Opening::ArchedWindow,
+    Opening::LancetWindow,
+    Opening::AtticWindow,
+    Opening::WideWindow,
+    Opening::Slit,
+    Opening::Portal,
+    Opening::Door,
+    Opening::Shop,
+    Opening::Arcade,
+    Opening::Gate,
+    Opening::Clock,
+    Opening::Belfry,
+];
+
+/// Surfaces in the order of their layers.
+const SURFACES: [SurfaceKind; 9] = [
+    SurfaceKind::Asphalt,
+    SurfaceKind::Cobbles,
+    SurfaceKind::Mosaic,
+    SurfaceKind::Flagstones,
+    SurfaceKind::Gravel,
+    SurfaceKind::Grass,
+    SurfaceKind::Yard,
+    SurfaceKind::Water,
+    SurfaceKind::Ballast,
+];
+
+impl Tile {
+    /// Number of layers.
+    pub const COUNT: usize = 1 + OPENINGS.len() + 3 + SURFACES.len() + 3;
+
+    /// The tile of an opening.
+    #[must_use]
+    pub const fn of_opening(opening: Opening) -> Self {
+        match opening {
+            Opening::Blank => Self::Plaster,
+            other => Self::Bay(other),
+        }
+    }
+
+    /// The covering of a roof: slate where the colour is bluish or grey and dark, metal on domes or where it is greenish,
+    /// clay tiles otherwise.
+    #[must_use]
+    pub const fn of_roof(shape: RoofShape, colour: Rgb) -> Self {
+        let Rgb(r, g, b) = colour;
+        if matches!(shape, RoofShape::Dome | RoofShape::Onion | RoofShape::Flat) || g > r && g >= b {
+            Self::Metal
+        } else if b >= r || (r < 0x70 && r as i16 - (b as i16) < 24) {
+            Self::Slate
+        } else {
+            Self::RoofTile
+        }
+    }
+
+    /// The stuff an object is made of, for the larger part.
+    #[must_use]
+    pub const fn of_object(kind: ObjectKind) -> Self {
+        match kind {
+            ObjectKind::Tree | ObjectKind::Conifer => Self::Leaves,
+            ObjectKind::Bench | ObjectKind::Kiosk => Self::Wood,
+            ObjectKind::Fountain | ObjectKind::Statue | ObjectKind::Well | ObjectKind::Bollard => Self::Stone,
+            ObjectKind::Lamp | ObjectKind::TramStop | ObjectKind::Column | ObjectKind::Bin => Self::Metal,
+        }
+    }
+
+    /// Layer in the texture array, 0 to [`Tile::COUNT`] − 1.
+    #[must_use]
+    pub fn index(self) -> usize {
+        let position = |found: Option<usize>| found.unwrap_or(0);
+        let (walls, roofs) = (1, 1 + OPENINGS.len());
+        let grounds = roofs + 3;
+        let stuffs = grounds + SURFACES.len();
+        match self {
+            Self::Plaster | Self::Bay(Opening::Blank) => 0,
+            Self::Bay(opening) => walls + position(OPENINGS.iter().position(|&o| o == opening)),
+            Self::RoofTile => roofs,
+            Self::Slate => roofs + 1,
+            Self::Metal => roofs + 2,
+            Self::Ground(surface) => grounds + position(SURFACES.iter().position(|&s| s == surface)),
+            Self::Stone => stuffs,
+            Self::Wood => stuffs + 1,
+            Self::Leaves => stuffs + 2,
+        }
+    }
+
+    /// All tiles in the order of their layers.
+    pub fn all() -> impl Iterator<Item = Self> {
+        core::iter::once(Self::Plaster)
+            .chain(OPENINGS.map(Self::Bay))
+            .chain([Self::RoofTile, Self::Slate, Self::Metal])
+            .chain(SURFACES.map(Self::Ground))
+            .chain([Self::Stone, Self::Wood, Self::Leaves])
+    }
+
+    /// Width and height in metres that one repeat of the tile covers. Bays are stretched to their wall's grid instead; for
+    /// them it is the size they are painted for.
+    #[must_use]
+    pub const fn size_m(self) -> (f32, f32) {
+        match self {
+            Self::Bay(_) => (2.8, 3.4),
+            Self::Plaster => (4.0, 4.0),
+            Self::RoofTile | Self::Slate | Self::Metal | Self::Stone | Self::Wood | Self::Leaves => (2.0, 2.0),
+            Self::Ground(SurfaceKind::Cobbles | SurfaceKind::Mosaic) => (1.6, 1.6),
+            Self::Ground(SurfaceKind::Water) => (8.0, 8.0),
+            Self::Ground(_) => (3.2, 3.2),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_tile_has_its_own_layer_in_order() {
+        let layers: Vec<usize> = Tile::all().map(Tile::index).collect();
+        assert_eq!(layers, (0..Tile::COUNT).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn roofs_of_prague_get_their_covering() {
+        assert_eq!(Tile::of_roof(RoofShape::Gabled, Rgb(0xA2, 0x4B, 0x33)), Tile::RoofTile);
+        assert_eq!(Tile::of_roof(RoofShape::Pyramidal, Rgb(0x4A, 0x4F, 0x55)), Tile::Slate);
+        assert_eq!(Tile::of_roof(RoofShape::Dome, Rgb(0x6F, 0x9B, 0x86)), Tile::Metal);
+    }
+}

@@ -1,0 +1,1 @@
+//! Meshes of a cell from its packets.

@@ -1,0 +1,1 @@
+//! The city plan from the city graph.
