@@ -1,1 +1,55 @@
-//! Plugin: spawns the procedural buildings and ground of arriving cells.
+//! Spawns the procedural buildings, ground and standing objects of arriving cells.
+//!
+//! ```text
+//!  CellReady ──► task pool: packets → MeshData → Mesh ──► spawn within the frame's budget ──► CellStands
+//! ```
+//!
+//! Packets carry plans, not meshes: walls, roofs and ground are made on the walker's machine, off the main thread, and
+//! spawned as one mesh per cell and level.
+//!
+//! # Use
+//! ```no_run
+//! use bevy::prelude::*;
+//! use veduta_buildings::BuildingsPlugin;
+//!
+//! App::new().add_plugins((DefaultPlugins, BuildingsPlugin::default())).run();
+//! ```
+//! Give it cells: `veduta-streaming` does, or spawn entities with [`Cell`](veduta_ecs::Cell) and
+//! [`CellContent`](veduta_ecs::CellContent) and send [`CellReady`](veduta_ecs::CellReady) yourself. Without the façade plugin
+//! meshes get plain materials in their own colours.
+//!
+//! # Limits
+//! A cell's level is uploaded in one piece; cells are small enough (70 m) for that to stay under a millisecond.
+//!
+//! # Rejected
+//! One entity per house (Bevy pays per entity, every frame).
+
+mod build;
+mod convert;
+
+use bevy::prelude::*;
+use veduta_ecs::{MaterialsProvided, VedutaSystems};
+
+pub use build::{BuildSettings, Building};
+
+/// Makes meshes of arriving cells.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct BuildingsPlugin {
+    /// Where meshes are made.
+    pub building: Building,
+}
+
+impl Plugin for BuildingsPlugin {
+    fn build(&self, app: &mut App) {
+        veduta_ecs::ensure(app);
+        app.insert_resource(self.building)
+            .init_resource::<BuildSettings>()
+            .register_type::<BuildSettings>()
+            .init_resource::<build::Queue>()
+            .add_systems(Update, (build::start, build::finish).chain().in_set(VedutaSystems::Build))
+            .add_systems(
+                Update,
+                build::retire_coarser.in_set(VedutaSystems::Show).run_if(not(resource_exists::<MaterialsProvided>)),
+            );
+    }
+}

@@ -30,6 +30,7 @@ mod graph;
 mod grid;
 mod id;
 mod overrides;
+mod overview;
 mod packet;
 mod place;
 mod plan;
@@ -48,6 +49,7 @@ pub use graph::{
 pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres};
 pub use id::Id;
 pub use overrides::{GraphOverride, GraphOverrides, Target};
+pub use overview::Overview;
 pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, VolumeShell};
 pub use place::{Place, PlaceKind, Viewpoint};
 pub use plan::{

@@ -1,1 +1,70 @@
-//! What the plugins share: components, messages, system sets and coordinates.
+//! What the plugins of Veduta share: components, messages, resources, system sets and the one module that converts between
+//! plan and engine coordinates. Almost no systems: only the one that puts an [`Eye`] on screen.
+//!
+//! ```text
+//!  tour ─┐                        ┌─► streaming ──CellReady──► buildings ──CellMesh──► facade
+//!  walker┼──► Eye ──► Transform   │       (follows every Viewer)
+//!  film ─┘      └─────────────────┘
+//! ```
+//!
+//! Everything that moves the camera writes an [`Eye`] in plan space; [`EcsPlugin`] turns it into the engine's transform.
+//! Plugins never import each other; each works alone in another Bevy project with this crate beside it.
+//!
+//! # Rejected
+//! A shadow world beside the ECS (two truths drift apart) and plan coordinates as `f32` transforms (they jitter a few
+//! kilometres from the anchor; the [`WorldOrigin`] floats instead).
+
+mod cell;
+mod eye;
+mod place;
+mod sets;
+mod space;
+
+use bevy::prelude::*;
+
+pub use cell::{
+    Cell, CellContent, CellEntered, CellMesh, CellMeshKind, CellReady, CellReleased, CellStands, LevelFade, MaterialsProvided,
+    StandingCells,
+};
+pub use eye::{Eye, Steering, Viewer};
+pub use place::{City, CityFailed, CityOpened, JumpTo, OpenCity};
+pub use sets::VedutaSystems;
+pub use space::WorldOrigin;
+
+/// Registers what the plugins share. Every plugin of Veduta adds it if it is missing.
+#[derive(Debug, Default, Clone, Copy)]
+pub struct EcsPlugin;
+
+impl Plugin for EcsPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<WorldOrigin>()
+            .init_resource::<StandingCells>()
+            .init_resource::<Steering>()
+            .register_type::<Eye>()
+            .register_type::<Viewer>()
+            .register_type::<LevelFade>()
+            .add_message::<CellEntered>()
+            .add_message::<CellReady>()
+            .add_message::<CellStands>()
+            .add_message::<CellReleased>()
+            .add_message::<CityOpened>()
+            .add_message::<CityFailed>()
+            .add_message::<JumpTo>()
+            .configure_sets(
+                Update,
+                (VedutaSystems::Steer, VedutaSystems::Stream, VedutaSystems::Build, VedutaSystems::Show).chain(),
+            )
+            .add_systems(Update, eye::apply_eyes.in_set(VedutaSystems::Show));
+    }
+
+    fn is_unique(&self) -> bool {
+        true
+    }
+}
+
+/// Adds the shared plugin unless another plugin has done so.
+pub fn ensure(app: &mut App) {
+    if !app.is_plugin_added::<EcsPlugin>() {
+        app.add_plugins(EcsPlugin);
+    }
+}

@@ -1,1 +1,77 @@
-//! Plugin: facade material with in-shader level-of-detail switching.
+//! Façade level-of-detail switching and its material.
+//!
+//! Walls come as one mesh per cell and level. Which level shows is decided per façade *in the shader*: from the distance to
+//! the façade's centre follows a weight for every level, and a fixed 8×8 ordered-dither pattern splits the pixels between
+//! neighbouring levels so that level n keeps a pixel exactly where level n + 1 drops it. There is never a hole and never
+//! both, without temporal anti-aliasing, and also for cells that arrive late: they fade in over what was there before.
+//!
+//! ```text
+//!  CellMesh ──► material by level ─┐
+//!  LevelFade ──► MeshTag (4 × 8 bit)├─► shader: keep pixel where R(n+1) ≤ bayer < R(n)
+//!  LevelDistances ──► uniform ─────┘      R(n) = max over m ≥ n of fade(m) · near(m)
+//! ```
+//!
+//! | level | shown from | what it is |
+//! |---|---|---|
+//! | 1 | the horizon | coloured outline |
+//! | 2 | [`LevelDistances::far`]`[0]` | small repeated textures |
+//! | 3 | `far[1]` | one full texture |
+//! | 4 | `far[2]` | relief |
+//!
+//! # Use
+//! ```no_run
+//! use bevy::prelude::*;
+//! use veduta_facade::{FacadePlugin, LevelDistances};
+//!
+//! App::new()
+//!     .add_plugins((DefaultPlugins, FacadePlugin::default()))
+//!     .insert_resource(LevelDistances::uniform(60.0))
+//!     .run();
+//! ```
+//! Then spawn meshes with a [`CellMesh`](veduta_ecs::CellMesh) and, on their parent, a [`LevelFade`](veduta_ecs::LevelFade). A
+//! mesh carries in its second UV set the centre of its façade (x, z, in the mesh's own space) and in its colour's alpha the
+//! layer of the texture array (`veduta_city::Tile::index`).
+//!
+//! # Limits
+//! Shadows are cast by level 1 alone, which has every level's silhouette, so that they neither pop nor dither. WebGL2-safe:
+//! no storage buffers, two texture arrays, one uniform.
+//!
+//! # Rejected
+//! Bevy's `VisibilityRange` (one entity per part; late arrivals do not dither), alpha blending (sorting), and per-façade
+//! entities (cost every frame, near or far).
+
+mod fade;
+mod material;
+
+use bevy::prelude::*;
+use veduta_ecs::{CellMesh, MaterialsProvided, VedutaSystems};
+
+pub use fade::FadeSettings;
+pub use material::{CityMaterial, CityMaterials, FacadeExtension, LevelDistances, TileSize};
+
+/// Gives cell meshes their material and switches levels per façade.
+#[derive(Debug, Clone, Default)]
+pub struct FacadePlugin {
+    /// Edge of a tile of the texture array in texels.
+    pub tiles: TileSize,
+}
+
+impl Plugin for FacadePlugin {
+    fn build(&self, app: &mut App) {
+        veduta_ecs::ensure(app);
+        app.init_resource::<LevelDistances>()
+            .init_resource::<FadeSettings>()
+            .insert_resource(self.tiles)
+            .insert_resource(MaterialsProvided)
+            .register_type::<LevelDistances>()
+            .register_type::<FadeSettings>();
+        // Without rendering (tests, servers) there is nothing to shade: fading still runs, so that its state can be tested.
+        app.add_systems(Update, (fade::fade_levels, fade::tag_meshes).chain().in_set(VedutaSystems::Show));
+        if app.is_plugin_added::<bevy::pbr::PbrPlugin>() {
+            material::build(app);
+        }
+    }
+}
+
+/// A mesh of a cell that waits for its material.
+type NewCellMesh = (With<CellMesh>, Without<MeshMaterial3d<CityMaterial>>);

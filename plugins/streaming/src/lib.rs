@@ -1,1 +1,120 @@
-//! Plugin: streams a city cell by cell around the viewers.
+//! Streams a city cell by cell around its viewers.
+//!
+//! ```text
+//!  OpenCity ──► fetch threads ◄──► Client (store)       CityOpened, City
+//!  Eye ──► follow (CellEntered) ──► plan what is wanted ──► ask ──► deliver (CellReady) ──► release (CellReleased)
+//! ```
+//!
+//! The current cell is followed by portal crossing. Wanted are the cells of its visible set at level 1, nearest first, then
+//! their finer levels within [`StreamingSettings::level_2_m`], then the neighbours of what is visible; a viewer above the
+//! roofs wants everything within [`StreamingSettings::flying_m`]. Levels of a cell arrive strictly in order. Nothing is read
+//! or decoded on the main thread.
+//!
+//! # Use
+//! ```no_run
+//! use bevy::prelude::*;
+//! use veduta_ecs::{OpenCity, Viewer};
+//! use veduta_streaming::StreamingPlugin;
+//!
+//! App::new()
+//!     .add_plugins((DefaultPlugins, StreamingPlugin::default()))
+//!     .insert_resource(OpenCity("http://localhost:8000/prague.city".into()))
+//!     .add_systems(Startup, |mut commands: Commands| { commands.spawn((Camera3d::default(), Viewer)); })
+//!     .run();
+//! ```
+//!
+//! # Limits
+//! The index is read whole when a city opens.
+//!
+//! # Rejected
+//! Bevy's asset server for packets: no checksums, no retry, no order, and whole files are all it reads.
+
+mod deliver;
+mod fetch;
+mod follow;
+mod want;
+
+use bevy::prelude::*;
+use veduta_ecs::VedutaSystems;
+
+pub use deliver::StreamingStats;
+pub use fetch::Fetching;
+pub use follow::CurrentCell;
+pub use want::Wanted;
+
+/// Streams the city that [`OpenCity`](veduta_ecs::OpenCity) names.
+#[derive(Debug, Clone, Default)]
+pub struct StreamingPlugin {
+    /// Where reading and decoding happen.
+    pub fetching: Fetching,
+}
+
+/// The order of streaming in a frame, within [`VedutaSystems::Stream`].
+#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum StreamingSystems {
+    /// Opens and closes cities.
+    Open,
+    /// Finds the cell of every viewer.
+    Follow,
+    /// Plans what is wanted.
+    Want,
+    /// Takes what has arrived and asks for more.
+    Deliver,
+    /// Lets go of what is no longer wanted.
+    Release,
+}
+
+/// Distances, caps and budgets. Live.
+#[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq)]
+#[reflect(Resource)]
+pub struct StreamingSettings {
+    /// Level 2 is wanted within this distance of a viewer, metres.
+    pub level_2_m: f64,
+    /// A viewer above the roofs wants level 1 within this distance, metres.
+    pub flying_m: f64,
+    /// Height above the ground from which a viewer counts as flying, metres.
+    pub flying_from_m: f64,
+    /// Skyline cells are wanted within this distance, metres.
+    pub skyline_m: f64,
+    /// Seconds that a cell stays after it was last wanted.
+    pub keep_s: f64,
+    /// Most bytes of content that stay loaded, as sent; over it the furthest cells that are not in sight go first.
+    pub memory_cap_bytes: u64,
+    /// Most packets taken a frame.
+    pub packets_a_frame: usize,
+    /// Highest level asked for.
+    pub finest: u8,
+}
+
+impl Default for StreamingSettings {
+    fn default() -> Self {
+        Self {
+            level_2_m: 220.0,
+            flying_m: 700.0,
+            flying_from_m: 6.0,
+            skyline_m: 2_000.0,
+            keep_s: 10.0,
+            memory_cap_bytes: 64 << 20,
+            packets_a_frame: 16,
+            finest: 4,
+        }
+    }
+}
+
+impl Plugin for StreamingPlugin {
+    fn build(&self, app: &mut App) {
+        veduta_ecs::ensure(app);
+        use StreamingSystems::{Deliver, Follow, Open, Release, Want};
+        app.insert_resource(self.fetching)
+            .init_resource::<StreamingSettings>()
+            .init_resource::<Wanted>()
+            .init_resource::<StreamingStats>()
+            .register_type::<StreamingSettings>()
+            .configure_sets(Update, (Open, Follow, Want, Deliver, Release).chain().in_set(VedutaSystems::Stream))
+            .add_systems(Update, fetch::open_city.in_set(Open))
+            .add_systems(Update, follow::follow_viewers.in_set(Follow))
+            .add_systems(Update, want::plan_wanted.in_set(Want))
+            .add_systems(Update, deliver::deliver.in_set(Deliver))
+            .add_systems(Update, deliver::release_cells.in_set(Release));
+    }
+}

@@ -1,0 +1,180 @@
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
+use veduta_city::{CellShell, FacadeSheet, Level};
+use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellStands, LevelFade, MaterialsProvided, StandingCells};
+use veduta_growth::mesh::{self, MeshData};
+
+use crate::convert::mesh_from;
+
+/// Where meshes are made.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Building {
+    /// On the task pool.
+    #[default]
+    Pool,
+    /// At once, in the system that starts them: for tests and films, which must repeat exactly.
+    Inline,
+}
+
+/// What a frame may spend. Live.
+#[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq)]
+#[reflect(Resource)]
+pub struct BuildSettings {
+    /// Most vertices handed to the engine a frame; a single mesh may exceed it alone.
+    pub vertices_a_frame: usize,
+    /// Most meshes in the making at a time.
+    pub in_the_making: usize,
+}
+
+impl Default for BuildSettings {
+    fn default() -> Self {
+        Self { vertices_a_frame: 60_000, in_the_making: 4 }
+    }
+}
+
+/// Meshes of a cell's level, made.
+struct Made {
+    order: Order,
+    meshes: Vec<(CellMeshKind, Mesh, usize)>,
+    error: Option<String>,
+}
+
+/// What is to be made.
+#[derive(Clone)]
+struct Order {
+    ready: CellReady,
+    shell: Arc<CellShell>,
+    sheet: Option<Arc<FacadeSheet>>,
+}
+
+/// Work in the making, in the order of arrival: results are taken in that order, so that every run spawns alike.
+#[derive(Resource, Default)]
+pub(crate) struct Queue {
+    waiting: VecDeque<Order>,
+    making: VecDeque<Work>,
+}
+
+enum Work {
+    Task(Task<Made>),
+    Done(Box<Made>),
+}
+
+/// Starts making what has arrived.
+pub(crate) fn start(
+    mut ready: MessageReader<CellReady>,
+    contents: Query<&CellContent>,
+    building: Res<Building>,
+    settings: Res<BuildSettings>,
+    mut queue: ResMut<Queue>,
+) {
+    for &ready in ready.read() {
+        let Ok(content) = contents.get(ready.entity) else { continue };
+        queue.waiting.push_back(Order { ready, shell: Arc::clone(&content.shell), sheet: content.sheet.clone() });
+    }
+    while queue.making.len() < settings.in_the_making.max(1) {
+        let Some(order) = queue.waiting.pop_front() else { break };
+        if !contents.contains(order.ready.entity) {
+            continue;
+        }
+        let work = match *building {
+            Building::Inline => Work::Done(Box::new(make(order))),
+            Building::Pool => Work::Task(AsyncComputeTaskPool::get().spawn(async move { make(order) })),
+        };
+        queue.making.push_back(work);
+    }
+}
+
+/// Makes the meshes of one level of one cell. Pure.
+fn make(order: Order) -> Made {
+    let shell = &order.shell;
+    let mut parts: Vec<(CellMeshKind, MeshData)> = Vec::new();
+    let mut error = None;
+    match order.ready.level {
+        Level::One => {
+            let mut base = mesh::ground(shell);
+            base.append(&mesh::roofs(shell));
+            base.append(&mesh::objects(shell));
+            parts.push((CellMeshKind::Base, base));
+            parts.push((CellMeshKind::Walls(Level::One), mesh::level1(shell)));
+        }
+        Level::Two => match order.sheet.as_ref().map(|sheet| mesh::level2(shell, sheet)) {
+            Some(Ok(data)) => parts.push((CellMeshKind::Walls(Level::Two), data)),
+            Some(Err(e)) => error = Some(e.to_string()),
+            None => error = Some("its façade sheet is not here".to_owned()),
+        },
+        level => error = Some(format!("{level} is not made by this version")),
+    }
+    let meshes = parts.into_iter().filter(|(_, data)| !data.is_empty()).map(|(kind, data)| {
+        let vertices = data.positions.len();
+        (kind, mesh_from(data), vertices)
+    });
+    Made { meshes: meshes.collect(), order, error }
+}
+
+/// Spawns what is made, within the frame's budget.
+pub(crate) fn finish(
+    mut commands: Commands,
+    settings: Res<BuildSettings>,
+    provided: Option<Res<MaterialsProvided>>,
+    mut queue: ResMut<Queue>,
+    mut assets: ResMut<Assets<Mesh>>,
+    mut materials: Option<ResMut<Assets<StandardMaterial>>>,
+    mut plain: Local<Option<Handle<StandardMaterial>>>,
+    cells: Query<(&Cell, Option<&LevelFade>)>,
+    mut standing: ResMut<StandingCells>,
+    mut stands: MessageWriter<CellStands>,
+) {
+    let mut vertices = 0;
+    while vertices < settings.vertices_a_frame {
+        let made = match queue.making.pop_front() {
+            None => break,
+            Some(Work::Done(made)) => *made,
+            Some(Work::Task(mut task)) => match check_ready(&mut task) {
+                Some(made) => made,
+                None => {
+                    queue.making.push_front(Work::Task(task));
+                    break;
+                }
+            },
+        };
+        let CellReady { entity, cell, level } = made.order.ready;
+        if !cells.contains(entity) {
+            continue; // released meanwhile
+        }
+        if let Some(error) = made.error {
+            error!("cell {cell}, {level}: {error}; the level before it stays");
+            continue;
+        }
+        for (kind, mesh, count) in made.meshes {
+            vertices += count;
+            let mut child = commands.spawn((CellMesh { cell, kind }, Mesh3d(assets.add(mesh)), ChildOf(entity)));
+            if provided.is_none()
+                && let Some(materials) = materials.as_mut()
+            {
+                let handle = plain.get_or_insert_with(|| materials.add(StandardMaterial::default()));
+                child.insert(MeshMaterial3d(handle.clone()));
+            }
+        }
+        standing.add(cell, level, &made.order.shell);
+        stands.write(CellStands { entity, cell, level });
+    }
+}
+
+/// Where no plugin switches levels, a cell's finer walls take the place of the coarser ones.
+pub(crate) fn retire_coarser(
+    mut commands: Commands,
+    arrived: Query<&CellMesh, Added<CellMesh>>,
+    meshes: Query<(Entity, &CellMesh)>,
+) {
+    for finer in &arrived {
+        let CellMeshKind::Walls(level) = finer.kind else { continue };
+        for (entity, coarser) in &meshes {
+            if coarser.cell == finer.cell && matches!(coarser.kind, CellMeshKind::Walls(l) if l < level) {
+                commands.entity(entity).despawn();
+            }
+        }
+    }
+}

@@ -1,0 +1,15 @@
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use veduta_growth::mesh::MeshData;
+
+/// The engine's mesh of plain vertex data, for the GPU alone.
+pub(crate) fn mesh_from(data: MeshData) -> Mesh {
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::RENDER_WORLD)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, data.positions)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, data.normals)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, data.uvs)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, data.centres)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, data.colours)
+        .with_inserted_indices(Indices::U32(data.indices))
+}

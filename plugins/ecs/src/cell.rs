@@ -1,0 +1,162 @@
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use veduta_city::{CellShell, FacadeSheet, GridPos, Level, Levels};
+
+/// A cell of the open city that is wanted or loaded; one entity each, at the cell's origin.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
+#[require(Transform, Visibility)]
+pub struct Cell(
+    /// Index in the city.
+    pub u32,
+);
+
+/// What has arrived of a cell.
+#[derive(Component, Debug, Clone)]
+pub struct CellContent {
+    /// Level 1: ground, houses, objects.
+    pub shell: Arc<CellShell>,
+    /// Level 2: openings.
+    pub sheet: Option<Arc<FacadeSheet>>,
+}
+
+/// What a mesh of a cell shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum CellMeshKind {
+    /// Ground, roofs and standing objects: shown at every distance.
+    Base,
+    /// Walls of one level.
+    Walls(Level),
+}
+
+/// A mesh of a cell; a child of its [`Cell`]. Whoever provides materials answers its arrival.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellMesh {
+    /// Index of the cell.
+    pub cell: u32,
+    /// What it shows.
+    pub kind: CellMeshKind,
+}
+
+/// How far each level of a cell has faded in, 0 to 1; level n at index n − 1. Zero for a level that is not there.
+#[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Default)]
+#[reflect(Component)]
+pub struct LevelFade(
+    /// One for each level.
+    pub [f32; 4],
+);
+
+/// Present where a plugin gives cell meshes their materials; else whoever spawns them gives plain ones.
+#[derive(Resource, Debug, Default, Clone, Copy)]
+pub struct MaterialsProvided;
+
+/// The viewer has crossed into another cell, or out of every cell.
+#[derive(Message, Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellEntered {
+    /// The viewer.
+    pub viewer: Entity,
+    /// The cell; `None` outside of every cell.
+    pub cell: Option<u32>,
+}
+
+/// The packet of a cell's level is here and verified; its content is on the entity.
+#[derive(Message, Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellReady {
+    /// The cell's entity.
+    pub entity: Entity,
+    /// The cell.
+    pub cell: u32,
+    /// The level.
+    pub level: Level,
+}
+
+/// The meshes of a cell's level have been spawned.
+#[derive(Message, Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellStands {
+    /// The cell's entity.
+    pub entity: Entity,
+    /// The cell.
+    pub cell: u32,
+    /// The level.
+    pub level: Level,
+}
+
+/// A cell is gone, with all its levels.
+#[derive(Message, Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellReleased {
+    /// The cell.
+    pub cell: u32,
+}
+
+/// Cells that stand at level 1 or better, by index: what can be walked on. Kept by whoever builds.
+#[derive(Resource, Debug, Default, Clone)]
+pub struct StandingCells {
+    cells: BTreeMap<u32, (Levels, Arc<CellShell>)>,
+}
+
+impl StandingCells {
+    /// A level of a cell stands.
+    pub fn add(&mut self, cell: u32, level: Level, shell: &Arc<CellShell>) {
+        let entry = self.cells.entry(cell).or_insert_with(|| (Levels::NONE, Arc::clone(shell)));
+        entry.0 = entry.0.with(level);
+    }
+
+    /// A cell is gone.
+    pub fn remove(&mut self, cell: u32) {
+        self.cells.remove(&cell);
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.cells.clear();
+    }
+
+    /// The levels of a cell that stand.
+    #[must_use]
+    pub fn levels(&self, cell: u32) -> Levels {
+        self.cells.get(&cell).map_or(Levels::NONE, |entry| entry.0)
+    }
+
+    /// Whether a plan position lies in a cell that stands: walking ends elsewhere.
+    #[must_use]
+    pub fn hold(&self, pos: GridPos) -> bool {
+        self.cells.values().any(|(_, shell)| shell.outline.contains(pos - shell.origin))
+    }
+
+    /// Number of cells that stand.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Whether none stands.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.cells.is_empty()
+    }
+
+    /// All standing cells in order, with their levels and content.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, Levels, &Arc<CellShell>)> {
+        self.cells.iter().map(|(&cell, (levels, shell))| (cell, *levels, shell))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use veduta_city::GridPolygon;
+
+    #[test]
+    fn only_standing_cells_hold() {
+        let outline = GridPolygon::simple(vec![GridPos(0, 0), GridPos(2048, 0), GridPos(2048, 2048), GridPos(0, 2048)]);
+        let shell = Arc::new(CellShell { origin: GridPos(10_240, 0), outline, ..CellShell::default() });
+        let mut standing = StandingCells::default();
+        assert!(!standing.hold(GridPos(11_000, 100)));
+        standing.add(4, Level::One, &shell);
+        assert!(standing.hold(GridPos(11_000, 100)) && !standing.hold(GridPos(100, 100)));
+        assert!(standing.levels(4).has(Level::One) && !standing.levels(4).has(Level::Two));
+        standing.remove(4);
+        assert!(standing.is_empty() && !standing.hold(GridPos(11_000, 100)));
+    }
+}

@@ -1,0 +1,115 @@
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use veduta_city::Viewpoint;
+
+use crate::WorldOrigin;
+
+/// A camera that sees the city: streaming loads what it needs, its [`Eye`] says where it is.
+#[derive(Component, Reflect, Debug, Default, Clone, Copy)]
+#[reflect(Component)]
+#[require(Eye)]
+pub struct Viewer;
+
+/// Where a viewer stands and looks, in plan space. The one interface through which cameras are moved: the walker, tours,
+/// films and tests write it; `EcsPlugin` turns it into `Transform` and field of view.
+#[derive(Component, Reflect, Debug, Clone, Copy, PartialEq)]
+#[reflect(Component)]
+pub struct Eye {
+    /// Plan metres.
+    pub plan_pos: DVec2,
+    /// Elevation of the ground under the eye, metres.
+    pub ground_m: f64,
+    /// Metres above the ground.
+    pub eye_m: f64,
+    /// Degrees clockwise from north.
+    pub heading_deg: f64,
+    /// Degrees, up is positive.
+    pub pitch_deg: f64,
+    /// Vertical field of view, degrees.
+    pub fov_deg: f64,
+    /// 0 clear … 1 dark.
+    pub fade: f64,
+}
+
+impl Default for Eye {
+    fn default() -> Self {
+        Self {
+            plan_pos: DVec2::ZERO,
+            ground_m: 0.0,
+            eye_m: Viewpoint::default_eye_m(),
+            heading_deg: 0.0,
+            pitch_deg: 0.0,
+            fov_deg: 55.0,
+            fade: 0.0,
+        }
+    }
+}
+
+impl Eye {
+    /// An eye at a viewpoint, on ground of elevation 0, with the default field of view.
+    #[must_use]
+    pub fn at(view: Viewpoint) -> Self {
+        Self {
+            plan_pos: DVec2::new(view.pos.x, view.pos.y),
+            eye_m: view.eye_m,
+            heading_deg: view.heading_deg,
+            pitch_deg: view.pitch_deg,
+            ..Self::default()
+        }
+    }
+
+    /// Elevation of the eye itself, metres.
+    #[must_use]
+    pub fn z_m(&self) -> f64 {
+        self.ground_m + self.eye_m
+    }
+}
+
+/// Who moves the viewer's eye.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Steering {
+    /// The visitor: keys, mouse, gamepad.
+    #[default]
+    Visitor,
+    /// A tour or film: the visitor's controls rest, and touching them hands over.
+    Guided,
+}
+
+/// Puts every eye on screen.
+pub(crate) fn apply_eyes(
+    origin: Res<WorldOrigin>,
+    mut viewers: Query<(&Eye, &mut Transform, Option<&mut Projection>), With<Viewer>>,
+) {
+    for (eye, mut transform, projection) in &mut viewers {
+        let next = Transform::from_translation(origin.world_from_plan(eye.plan_pos, eye.z_m()))
+            .with_rotation(WorldOrigin::rotation(eye.heading_deg, eye.pitch_deg));
+        transform.set_if_neq(next);
+        let fov = (eye.fov_deg as f32).to_radians().clamp(0.05, 2.8);
+        if let Some(mut projection) = projection
+            && matches!(&*projection, Projection::Perspective(p) if (p.fov - fov).abs() > 1e-6)
+            && let Projection::Perspective(p) = &mut *projection
+        {
+            p.fov = fov;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::EcsPlugin;
+
+    #[test]
+    fn an_eye_moves_its_camera() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, EcsPlugin));
+        let eye = Eye { plan_pos: DVec2::new(3.0, 4.0), ground_m: 1.0, fov_deg: 40.0, ..Eye::default() };
+        let viewer = app.world_mut().spawn((Viewer, eye, Transform::default(), Projection::default())).id();
+        app.update();
+        let entity = app.world().entity(viewer);
+        let at = entity.get::<Transform>().expect("spawned above").translation;
+        assert!((at - Vec3::new(3.0, 2.65, -4.0)).length() < 1e-5, "{at}");
+        let Some(Projection::Perspective(p)) = entity.get::<Projection>() else { panic!("spawned above") };
+        assert!((p.fov - 40_f32.to_radians()).abs() < 1e-5);
+    }
+}

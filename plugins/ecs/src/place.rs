@@ -1,0 +1,50 @@
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use veduta_city::{Anchor, GridPolygon, Overview, Place, Viewpoint};
+
+/// The open city, as maps, guides and tours need it. Streaming inserts it; a game without streaming may insert its own.
+#[derive(Resource, Debug, Clone, Default)]
+pub struct City {
+    /// Name.
+    pub name: String,
+    /// Whom to credit.
+    pub attribution: String,
+    /// Where it lies on Earth.
+    pub anchor: Anchor,
+    /// Where a visit begins.
+    pub start: Viewpoint,
+    /// Edge of the modelled city.
+    pub extent: GridPolygon,
+    /// Things with a name.
+    pub places: Arc<Vec<Place>>,
+    /// Streets, areas and houses in outline; `None` until it has arrived.
+    pub overview: Option<Arc<Overview>>,
+}
+
+/// Asks for a city: a directory, or the URL of one on a web server. What was open before is closed.
+#[derive(Resource, Debug, Clone, PartialEq, Eq)]
+pub struct OpenCity(
+    /// Path or URL.
+    pub String,
+);
+
+/// A city is open: its index has arrived.
+#[derive(Message, Debug, Clone, Copy)]
+pub struct CityOpened;
+
+/// Something of the city could not be had; the walk goes on with what is there.
+#[derive(Message, Debug, Clone)]
+pub struct CityFailed {
+    /// What happened, with place and fix.
+    pub message: String,
+    /// Whether it will be tried again by itself.
+    pub will_retry: bool,
+}
+
+/// Puts the viewer somewhere else, behind a fade.
+#[derive(Message, Debug, Clone, Copy)]
+pub struct JumpTo(
+    /// Where.
+    pub Viewpoint,
+);

@@ -1,0 +1,97 @@
+use bevy::mesh::MeshTag;
+use bevy::prelude::*;
+use veduta_city::Level;
+use veduta_ecs::{Cell, CellMesh, CellStands, LevelFade};
+
+/// How arriving levels fade in.
+#[derive(Resource, Reflect, Debug, Clone, Copy)]
+#[reflect(Resource)]
+pub struct FadeSettings {
+    /// Seconds from nothing to all; 0 shows them at once (films).
+    pub seconds: f32,
+}
+
+impl Default for FadeSettings {
+    fn default() -> Self {
+        Self { seconds: 0.6 }
+    }
+}
+
+/// Advances the fades of levels whose meshes stand. Level 1 of a cell stands at once: nothing was there before it, and a
+/// dissolving house would show the street behind.
+pub(crate) fn fade_levels(
+    time: Res<Time>,
+    settings: Res<FadeSettings>,
+    mut stands: MessageReader<CellStands>,
+    mut growing: Local<Vec<(Entity, usize)>>,
+    mut cells: Query<&mut LevelFade, With<Cell>>,
+) {
+    for message in stands.read() {
+        let Ok(mut fade) = cells.get_mut(message.entity) else { continue };
+        let i = message.level.index();
+        if message.level == Level::One || settings.seconds <= 0.0 {
+            fade.0[i] = 1.0;
+        } else {
+            fade.0[i] = fade.0[i].max(1.0 / 255.0);
+            growing.push((message.entity, i));
+        }
+    }
+    let step = time.delta_secs() / settings.seconds.max(1e-3);
+    growing.retain(|&(entity, i)| {
+        let Ok(mut fade) = cells.get_mut(entity) else { return false };
+        fade.0[i] = (fade.0[i] + step).min(1.0);
+        fade.0[i] < 1.0
+    });
+}
+
+/// Hands a cell's fades to its meshes, four times eight bits in the mesh's tag.
+pub(crate) fn tag_meshes(
+    cells: Query<(&LevelFade, &Children), Or<(Changed<LevelFade>, Changed<Children>)>>,
+    mut meshes: Query<&mut MeshTag, With<CellMesh>>,
+) {
+    for (fade, children) in &cells {
+        let tag = pack(fade.0);
+        for child in children {
+            if let Ok(mut mesh) = meshes.get_mut(*child) {
+                mesh.set_if_neq(MeshTag(tag));
+            }
+        }
+    }
+}
+
+fn pack(fade: [f32; 4]) -> u32 {
+    fade.iter().rev().fold(0, |tag, f| tag << 8 | (f.clamp(0.0, 1.0) * 255.0).round() as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use bevy::time::TimeUpdateStrategy;
+    use veduta_ecs::CellMeshKind;
+
+    #[test]
+    fn level_1_stands_at_once_and_level_2_fades_in() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, crate::FacadePlugin::default()));
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(100)));
+        app.insert_resource(FadeSettings { seconds: 0.5 });
+        let cell = app.world_mut().spawn((Cell(0), LevelFade::default())).id();
+        let kind = CellMeshKind::Walls(Level::Two);
+        let mesh = app.world_mut().spawn((CellMesh { cell: 0, kind }, MeshTag::default(), ChildOf(cell))).id();
+        app.update();
+        for level in [Level::One, Level::Two] {
+            app.world_mut().write_message(CellStands { entity: cell, cell: 0, level });
+        }
+        app.update();
+        let fade = |app: &App| app.world().get::<LevelFade>(cell).expect("spawned above").0;
+        assert_eq!(fade(&app)[0], 1.0);
+        assert!(fade(&app)[1] > 0.0 && fade(&app)[1] < 0.5, "{:?}", fade(&app));
+        for _ in 0..6 {
+            app.update();
+        }
+        assert_eq!(fade(&app)[1], 1.0);
+        assert_eq!(app.world().get::<MeshTag>(mesh).expect("spawned above").0, 0x0000_FFFF);
+    }
+}

@@ -1,0 +1,191 @@
+use bevy::asset::{RenderAssetUsages, embedded_asset};
+use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
+use bevy::light::NotShadowCaster;
+use bevy::mesh::MeshTag;
+use bevy::pbr::{ExtendedMaterial, MaterialExtension};
+use bevy::prelude::*;
+use bevy::render::render_resource::{
+    AsBindGroup, Extent3d, ShaderType, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
+};
+use bevy::shader::ShaderRef;
+use veduta_city::Level;
+use veduta_ecs::{CellMesh, CellMeshKind, VedutaSystems};
+use veduta_texture::paint_tiles;
+
+use crate::NewCellMesh;
+
+/// The material of everything in a cell.
+pub type CityMaterial = ExtendedMaterial<StandardMaterial, FacadeExtension>;
+
+/// Edge of a tile in texels: a power of two from 32 to 1024.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TileSize(
+    /// Texels.
+    pub u32,
+);
+
+impl Default for TileSize {
+    fn default() -> Self {
+        Self(256)
+    }
+}
+
+/// At which distances façades change level, metres from the eye to the façade's centre. Live.
+#[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq)]
+#[reflect(Resource)]
+pub struct LevelDistances {
+    /// Level n + 2 is all there nearer than `near[n]`.
+    pub near: [f32; 3],
+    /// Level n + 2 begins to show at `far[n]`; not below `near[n]`. 0 forbids the level.
+    pub far: [f32; 3],
+}
+
+impl Default for LevelDistances {
+    fn default() -> Self {
+        Self { near: [110.0, 40.0, 12.0], far: [150.0, 55.0, 18.0] }
+    }
+}
+
+impl LevelDistances {
+    /// Level 2 within a distance, levels 3 and 4 within a third and a tenth of it.
+    #[must_use]
+    pub fn uniform(far_m: f32) -> Self {
+        let far = [far_m, far_m / 3.0, far_m / 10.0];
+        Self { near: far.map(|f| f * 0.75), far }
+    }
+}
+
+/// What the extension's shader reads besides the textures.
+#[derive(ShaderType, Debug, Clone, Copy, Reflect, Default)]
+pub struct FacadeUniform {
+    /// `x, y, z`: near ends of the bands 1|2, 2|3, 3|4; `w`: this material's level, 0 for what shows at every distance.
+    near_level: Vec4,
+    /// `x, y, z`: far ends of the bands; `w`: share of windows that are lit, 0 to 1.
+    far_lit: Vec4,
+}
+
+/// Extends the standard material by tiles and level switching.
+#[derive(Asset, AsBindGroup, Reflect, Debug, Clone)]
+pub struct FacadeExtension {
+    #[uniform(100)]
+    uniform: FacadeUniform,
+    #[texture(101, dimension = "2d_array")]
+    #[sampler(102)]
+    colour: Handle<Image>,
+    #[texture(103, dimension = "2d_array")]
+    normal: Handle<Image>,
+}
+
+const SHADER: &str = "embedded://veduta_facade/facade.wgsl";
+
+impl MaterialExtension for FacadeExtension {
+    fn fragment_shader() -> ShaderRef {
+        SHADER.into()
+    }
+}
+
+/// The materials in use: for what shows at every distance, and for each level's walls.
+#[derive(Resource, Debug, Clone)]
+pub struct CityMaterials {
+    base: Handle<CityMaterial>,
+    walls: [Handle<CityMaterial>; 4],
+}
+
+/// Share of windows that are lit, 0 to 1, is set from outside through the materials.
+impl CityMaterials {
+    fn handles(&self) -> impl Iterator<Item = &Handle<CityMaterial>> {
+        core::iter::once(&self.base).chain(&self.walls)
+    }
+
+    /// Sets the share of lit windows, 0 to 1, if it differs by more than a hundredth.
+    pub fn light_windows(&self, share: f32, assets: &mut Assets<CityMaterial>) {
+        for handle in self.handles() {
+            let differs = assets.get(handle).is_some_and(|m| (m.extension.uniform.far_lit.w - share).abs() > 0.01);
+            if differs && let Some(mut material) = assets.get_mut(handle) {
+                material.extension.uniform.far_lit.w = share;
+            }
+        }
+    }
+}
+
+pub(crate) fn build(app: &mut App) {
+    embedded_asset!(app, "facade.wgsl");
+    app.add_plugins(MaterialPlugin::<CityMaterial>::default())
+        .add_systems(Startup, paint)
+        .add_systems(Update, (set_distances, dress_meshes).chain().in_set(VedutaSystems::Show));
+}
+
+/// Seed of the stock tiles: one workshop for every city, so that the same tiles are painted everywhere.
+const WORKSHOP_SEED: u64 = 1;
+
+fn paint(
+    mut commands: Commands,
+    size: Res<TileSize>,
+    distances: Res<LevelDistances>,
+    mut images: ResMut<Assets<Image>>,
+    mut materials: ResMut<Assets<CityMaterial>>,
+) {
+    let tiles = paint_tiles(size.0, WORKSHOP_SEED);
+    let mut array = |data: Vec<u8>, format| {
+        let extent = Extent3d { width: tiles.size, height: tiles.size, depth_or_array_layers: tiles.layers };
+        let mut image = Image::new_uninit(extent, TextureDimension::D2, format, RenderAssetUsages::RENDER_WORLD);
+        image.data = Some(data);
+        image.texture_descriptor.mip_level_count = tiles.mips;
+        image.texture_view_descriptor =
+            Some(TextureViewDescriptor { dimension: Some(TextureViewDimension::D2Array), ..TextureViewDescriptor::default() });
+        image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
+            address_mode_u: ImageAddressMode::Repeat,
+            address_mode_v: ImageAddressMode::Repeat,
+            mag_filter: ImageFilterMode::Linear,
+            min_filter: ImageFilterMode::Linear,
+            mipmap_filter: ImageFilterMode::Linear,
+            anisotropy_clamp: 4,
+            ..ImageSamplerDescriptor::linear()
+        });
+        images.add(image)
+    };
+    let colour = array(tiles.colour, TextureFormat::Rgba8UnormSrgb);
+    let normal = array(tiles.normal, TextureFormat::Rgba8Unorm);
+    let mut material = |level: f32| {
+        let [a, b, c] = distances.near;
+        let [d, e, f] = distances.far;
+        materials.add(CityMaterial {
+            base: StandardMaterial { base_color: Color::WHITE, reflectance: 0.25, ..StandardMaterial::default() },
+            extension: FacadeExtension {
+                uniform: FacadeUniform { near_level: Vec4::new(a, b, c, level), far_lit: Vec4::new(d, e, f, 0.0) },
+                colour: colour.clone(),
+                normal: normal.clone(),
+            },
+        })
+    };
+    commands.insert_resource(CityMaterials { base: material(0.0), walls: [1.0, 2.0, 3.0, 4.0].map(&mut material) });
+}
+
+fn set_distances(distances: Res<LevelDistances>, in_use: Option<Res<CityMaterials>>, mut assets: ResMut<Assets<CityMaterial>>) {
+    let Some(in_use) = in_use else { return };
+    if !distances.is_changed() || distances.is_added() {
+        return;
+    }
+    for handle in in_use.handles() {
+        let Some(mut material) = assets.get_mut(handle) else { continue };
+        let u = &mut material.extension.uniform;
+        u.near_level = Vec3::from_array(distances.near).extend(u.near_level.w);
+        u.far_lit = Vec3::from_array(distances.far).extend(u.far_lit.w);
+    }
+}
+
+/// Gives new cell meshes their material. Level 1 and the base cast shadows; finer walls have the same silhouette.
+fn dress_meshes(mut commands: Commands, in_use: Option<Res<CityMaterials>>, new: Query<(Entity, &CellMesh), NewCellMesh>) {
+    let Some(in_use) = in_use else { return };
+    for (entity, mesh) in &new {
+        let mut entity = commands.entity(entity);
+        match mesh.kind {
+            CellMeshKind::Base => entity.insert(MeshMaterial3d(in_use.base.clone())),
+            CellMeshKind::Walls(level) => entity.insert(MeshMaterial3d(in_use.walls[level.index()].clone())),
+        };
+        entity.insert_if_new(MeshTag::default());
+        if matches!(mesh.kind, CellMeshKind::Walls(level) if level != Level::One) {
+            entity.insert(NotShadowCaster);
+        }
+    }
+}

@@ -1,0 +1,205 @@
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use veduta_city::{GridPos, Level};
+use veduta_ecs::{Cell, CellContent, CellReady, CellReleased, City, CityFailed, CityOpened, LevelFade, StandingCells, WorldOrigin};
+use veduta_store::{CityIndex, ClientEvent, Packet, sheet_fits};
+
+use crate::fetch::Store;
+use crate::{StreamingSettings, Wanted};
+
+/// Figures of streaming, for diagnostics and films.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct StreamingStats {
+    /// Bytes of packets received, by level.
+    pub bytes_received: [u64; 4],
+    /// Bytes of packets that are loaded, as sent.
+    pub bytes_loaded: u64,
+    /// Requests under way.
+    pub in_flight: usize,
+    /// Requests that failed.
+    pub failures: u64,
+    /// Cells that have an entity.
+    pub cells: usize,
+}
+
+/// Entity, last time wanted and bytes of every loaded cell.
+#[derive(Resource, Default)]
+struct LoadedCells {
+    cells: BTreeMap<u32, LoadedCell>,
+}
+
+struct LoadedCell {
+    entity: Entity,
+    bytes: u64,
+    levels: Vec<Level>,
+    wanted_at_s: f64,
+}
+
+/// Takes what has arrived, within the frame's budget, and asks for what is wanted.
+pub(crate) fn deliver(world: &mut World) {
+    let Some(mut store) = world.remove_resource::<Store>() else {
+        world.remove_resource::<LoadedCells>();
+        return;
+    };
+    if store.client.index().is_none() {
+        // Freshly opened: nothing of an earlier city stays on the books.
+        world.insert_resource(LoadedCells::default());
+        world.insert_resource(StreamingStats::default());
+    }
+    let now_s = world.resource::<Time>().elapsed_secs_f64();
+    let order = world.resource::<Wanted>().order.clone();
+    store.client.want(order);
+    let budget = world.resource::<StreamingSettings>().packets_a_frame.max(1);
+    let mut taken = 0;
+    loop {
+        while let Some(request) = store.client.next_request(now_s) {
+            store.ask(request);
+        }
+        let Some((id, result)) = store.answer() else { break };
+        for event in store.client.deliver(id, result, now_s) {
+            on_event(world, &store, event);
+        }
+        taken += 1;
+        if taken >= budget {
+            break;
+        }
+    }
+    let stats = store.client.stats();
+    let mut figures = world.resource_mut::<StreamingStats>();
+    figures.in_flight = stats.in_flight;
+    figures.failures = stats.failures;
+    world.insert_resource(store);
+}
+
+fn on_event(world: &mut World, store: &Store, event: ClientEvent) {
+    match event {
+        ClientEvent::Opened => {
+            if let Some(index) = store.client.index() {
+                open(world, index);
+            }
+        }
+        ClientEvent::OverviewReady => {
+            if let (Some(overview), Some(mut city)) = (store.client.overview().cloned(), world.get_resource_mut::<City>()) {
+                city.overview = Some(overview);
+            }
+        }
+        ClientEvent::Arrived { cell, level, packet } => arrive(world, store, cell, level, packet),
+        ClientEvent::Failed { what, error, again_in_s } => {
+            let message = match again_in_s {
+                Some(s) => format!("{what}: {error}; trying again in {s:.1} s"),
+                None => format!("{what}: {error}"),
+            };
+            warn!("{message}");
+            world.write_message(CityFailed { message, will_retry: again_in_s.is_some() });
+        }
+    }
+}
+
+fn open(world: &mut World, index: &Arc<CityIndex>) {
+    // The floating origin begins on a whole metre at the start, so that positions there are exact.
+    let plan = GridPos(GridPos::steps(index.start.pos.x.round()), GridPos::steps(index.start.pos.y.round()));
+    *world.resource_mut::<WorldOrigin>() = WorldOrigin { plan };
+    world.insert_resource(City {
+        name: index.name.clone(),
+        attribution: index.attribution.clone(),
+        anchor: index.anchor,
+        start: index.start,
+        extent: index.extent.clone(),
+        places: Arc::new(index.places.clone()),
+        overview: None,
+    });
+    info!("{}: {} cells", index.name, index.cells.len());
+    world.write_message(CityOpened);
+}
+
+fn arrive(world: &mut World, store: &Store, cell: u32, level: Level, packet: Packet) {
+    let now_s = world.resource::<Time>().elapsed_secs_f64();
+    let bytes = store.client.index().and_then(|i| i.cells.get(cell as usize)?.packets[level.index()].as_ref().map(|b| b.bytes));
+    let bytes = u64::from(bytes.unwrap_or(0));
+    let origin = *world.resource::<WorldOrigin>();
+    let known = world.resource::<LoadedCells>().cells.get(&cell).map(|c| c.entity);
+    let entity = match (packet, known) {
+        (Packet::Shell(shell), None) => {
+            let at = Transform::from_translation(origin.world_from_grid(shell.origin));
+            let content = CellContent { shell: Arc::new(shell), sheet: None };
+            world.spawn((Cell(cell), content, LevelFade::default(), at)).id()
+        }
+        (Packet::Facades(sheet), Some(entity)) => {
+            let Some(mut content) = world.get_mut::<CellContent>(entity) else { return };
+            if !sheet_fits(&content.shell, &sheet) {
+                let message = format!("cell {cell}: its level 2 does not fit its level 1; bake the city again");
+                error!("{message}");
+                world.write_message(CityFailed { message, will_retry: false });
+                return;
+            }
+            content.sheet = Some(Arc::new(sheet));
+            entity
+        }
+        // A level 1 that is already here, or a level 2 whose cell was released meanwhile: nothing to do.
+        (Packet::Shell(_), Some(_)) | (Packet::Facades(_), None) => return,
+    };
+    let mut loaded = world.resource_mut::<LoadedCells>();
+    let entry = loaded.cells.entry(cell).or_insert(LoadedCell { entity, bytes: 0, levels: Vec::new(), wanted_at_s: now_s });
+    entry.bytes += bytes;
+    entry.levels.push(level);
+    let mut stats = world.resource_mut::<StreamingStats>();
+    stats.bytes_received[level.index()] += bytes;
+    stats.bytes_loaded += bytes;
+    world.write_message(CellReady { entity, cell, level });
+}
+
+/// Lets go of cells that nobody has wanted for a while, and of the furthest ones where memory runs over.
+pub(crate) fn release_cells(world: &mut World) {
+    let Some(mut store) = world.remove_resource::<Store>() else { return };
+    let Some(mut loaded) = world.remove_resource::<LoadedCells>() else {
+        world.insert_resource(store);
+        return;
+    };
+    let now_s = world.resource::<Time>().elapsed_secs_f64();
+    let settings = *world.resource::<StreamingSettings>();
+    world.resource_scope(|world, wanted: Mut<'_, Wanted>| {
+        for (cell, entry) in &mut loaded.cells {
+            if wanted.wants(*cell) {
+                entry.wanted_at_s = now_s;
+            }
+        }
+        let mut leaving: Vec<u32> =
+            loaded.cells.iter().filter(|(_, c)| now_s - c.wanted_at_s > settings.keep_s).map(|(&cell, _)| cell).collect();
+        leaving.extend(over_the_cap(&loaded, &wanted, &leaving, settings.memory_cap_bytes));
+        for cell in leaving {
+            let Some(entry) = loaded.cells.remove(&cell) else { continue };
+            for level in entry.levels {
+                store.client.forget(cell, level);
+            }
+            world.despawn(entry.entity);
+            world.resource_mut::<StandingCells>().remove(cell);
+            world.write_message(CellReleased { cell });
+        }
+        let mut stats = world.resource_mut::<StreamingStats>();
+        stats.bytes_loaded = loaded.cells.values().map(|c| c.bytes).sum();
+        stats.cells = loaded.cells.len();
+    });
+    world.insert_resource(loaded);
+    world.insert_resource(store);
+}
+
+/// Which cells must go for the cap to hold: what is wanted keeps within it by itself, so those that stay only for a possible
+/// return, longest unwanted first.
+fn over_the_cap(loaded: &LoadedCells, wanted: &Wanted, leaving: &[u32], cap: u64) -> Vec<u32> {
+    let staying = || loaded.cells.iter().filter(|(cell, _)| !leaving.contains(cell));
+    let mut bytes: u64 = staying().map(|(_, c)| c.bytes).sum();
+    let mut idle: Vec<(f64, u32, u64)> =
+        staying().filter(|&(&cell, _)| !wanted.wants(cell)).map(|(&cell, c)| (c.wanted_at_s, cell, c.bytes)).collect();
+    idle.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut going = Vec::new();
+    for (_, cell, size) in idle {
+        if bytes <= cap {
+            break;
+        }
+        bytes -= size;
+        going.push(cell);
+    }
+    going
+}

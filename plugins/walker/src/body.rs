@@ -1,0 +1,222 @@
+use bevy::math::{DVec2, DVec3};
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::{
+    CharacterAutostep, CharacterLength, Collider, KinematicCharacterController, KinematicCharacterControllerOutput, RigidBody,
+};
+use veduta_city::GridPos;
+use veduta_ecs::{Eye, Steering, Viewer, WorldOrigin};
+
+use crate::{Intent, Jump, SolidCells, WalkerSettings};
+
+/// A viewer that the visitor's controls move.
+#[derive(Component, Debug, Clone, Copy, Default)]
+#[require(Viewer, Gait)]
+pub struct Walker;
+
+/// How the walker moves just now.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default)]
+pub struct Gait {
+    /// Whether it flies.
+    pub flying: bool,
+    /// Velocity over ground: right-handed plan x, y and up; metres a second.
+    pub velocity: DVec3,
+    /// Field of view it turns to, vertical degrees; 0 before the first choice.
+    fov_goal_deg: f64,
+    /// Eye height above the ground to come back to after flying.
+    eye_goal_m: f64,
+}
+
+/// The walker's body: a capsule, moved by rapier's character controller.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WalkerBody {
+    /// The viewer whose body it is.
+    pub of: Entity,
+}
+
+/// Height of the capsule, metres: a person's shoulders fit through a door.
+const HEIGHT_M: f32 = 1.7;
+/// Gap that the controller keeps to everything, metres.
+const SKIN_M: f32 = 0.02;
+/// Farther than this from its eye, a body is put there instead of walked: someone else has moved the eye.
+const APART_M: f64 = 1.0;
+
+/// Height of the capsule's middle over the ground.
+fn middle_m() -> f32 {
+    HEIGHT_M / 2.0 + SKIN_M
+}
+
+/// Gives every new walker a body.
+pub(crate) fn give_bodies(
+    mut commands: Commands,
+    settings: Res<WalkerSettings>,
+    origin: Res<WorldOrigin>,
+    new: Query<(Entity, &Eye), Added<Walker>>,
+) {
+    for (viewer, eye) in &new {
+        let half = HEIGHT_M / 2.0 - settings.radius_m;
+        commands.spawn((
+            WalkerBody { of: viewer },
+            RigidBody::KinematicPositionBased,
+            Collider::capsule_y(half, settings.radius_m),
+            Transform::from_translation(origin.world_from_plan(eye.plan_pos, eye.ground_m) + Vec3::Y * middle_m()),
+            KinematicCharacterController {
+                offset: CharacterLength::Absolute(SKIN_M),
+                autostep: Some(CharacterAutostep {
+                    max_height: CharacterLength::Absolute(settings.step_m),
+                    min_width: CharacterLength::Absolute(settings.radius_m * 0.5),
+                    include_dynamic_bodies: false,
+                }),
+                snap_to_ground: Some(CharacterLength::Absolute(settings.step_m)),
+                ..KinematicCharacterController::default()
+            },
+        ));
+    }
+}
+
+/// Puts a body under its eye where something else has moved the eye: a tour, a jump, a flight.
+pub(crate) fn take_over(
+    origin: Res<WorldOrigin>,
+    steering: Res<Steering>,
+    jump: Res<Jump>,
+    walkers: Query<(&Eye, &Gait), With<Walker>>,
+    mut bodies: Query<(&WalkerBody, &mut Transform, &mut KinematicCharacterController)>,
+) {
+    for (body, mut transform, mut controller) in &mut bodies {
+        let Ok((eye, gait)) = walkers.get(body.of) else { continue };
+        let (at, _) = origin.plan_from_world(transform.translation);
+        let carried = *steering == Steering::Guided || gait.flying || jump.is_under_way();
+        if carried || at.distance(eye.plan_pos) > APART_M {
+            let place = origin.world_from_plan(eye.plan_pos, eye.ground_m) + Vec3::Y * (middle_m() + 0.01);
+            transform.set_if_neq(Transform::from_translation(place));
+            controller.translation = None;
+        }
+    }
+}
+
+/// What the controller made of the last stride becomes the eye's place, unless it leads where nothing stands.
+pub(crate) fn settle(
+    time: Res<Time>,
+    origin: Res<WorldOrigin>,
+    steering: Res<Steering>,
+    jump: Res<Jump>,
+    solid: Res<SolidCells>,
+    mut walkers: Query<(&mut Eye, &mut Gait), With<Walker>>,
+    mut bodies: Query<(&WalkerBody, &mut Transform, Option<&KinematicCharacterControllerOutput>)>,
+) {
+    for (body, mut transform, output) in &mut bodies {
+        let Ok((mut eye, mut gait)) = walkers.get_mut(body.of) else { continue };
+        if *steering == Steering::Guided || gait.flying || jump.is_under_way() {
+            continue;
+        }
+        let (at, z_m) = origin.plan_from_world(transform.translation);
+        let foot_m = z_m - f64::from(middle_m());
+        let was_inside = solid.hold(grid(eye.plan_pos));
+        if was_inside && !solid.hold(grid(at)) {
+            // A closed portal, the city's edge, or a corner cut too fine: slide along one axis, else stay.
+            let slid = [DVec2::new(at.x, eye.plan_pos.y), DVec2::new(eye.plan_pos.x, at.y)];
+            let stay = slid.into_iter().find(|p| solid.hold(grid(*p))).unwrap_or(eye.plan_pos);
+            transform.translation = origin.world_from_plan(stay, z_m);
+            gait.velocity *= 0.5;
+            eye.plan_pos = stay;
+        } else {
+            eye.plan_pos = at;
+        }
+        // Steps and kerbs are climbed in one stride by the body and smoothly by the eye.
+        let follow = 1.0 - (-14.0 * time.delta_secs_f64()).exp();
+        eye.ground_m += (foot_m - eye.ground_m) * follow;
+        if output.is_some_and(|o| o.grounded) {
+            gait.velocity.z = 0.0;
+        }
+    }
+}
+
+fn grid(plan_pos: DVec2) -> GridPos {
+    GridPos(GridPos::steps(plan_pos.x), GridPos::steps(plan_pos.y))
+}
+
+/// Turns the head and takes the next stride.
+pub(crate) fn stride(
+    time: Res<Time>,
+    settings: Res<WalkerSettings>,
+    steering: Res<Steering>,
+    jump: Res<Jump>,
+    intent: Res<Intent>,
+    solid: Res<SolidCells>,
+    mut walkers: Query<(Entity, &mut Eye, &mut Gait), With<Walker>>,
+    mut bodies: Query<(&WalkerBody, &mut KinematicCharacterController)>,
+) {
+    let dt = time.delta_secs_f64().min(0.1);
+    for (viewer, mut eye, mut gait) in &mut walkers {
+        if *steering == Steering::Guided {
+            gait.velocity = DVec3::ZERO;
+            gait.flying = eye.eye_m > settings.eye_m.1 + 0.5;
+            continue;
+        }
+        turn_head(&mut eye, &mut gait, &intent, &settings, &solid, dt);
+        if jump.is_under_way() {
+            gait.velocity = DVec3::ZERO;
+            continue;
+        }
+        let pace = if gait.flying {
+            settings.fly_m_s * if intent.run { 4.0 } else { 1.0 }
+        } else if intent.run {
+            settings.run_m_s
+        } else {
+            settings.walk_m_s
+        };
+        let heading = eye.heading_deg.to_radians();
+        let (ahead, right) = (DVec2::new(heading.sin(), heading.cos()), DVec2::new(heading.cos(), -heading.sin()));
+        let wish = (ahead * intent.go.y + right * intent.go.x).clamp_length_max(1.0) * pace;
+        let ease = 1.0 - (-9.0 * dt).exp();
+        let planar = gait.velocity.truncate();
+        let planar = planar + (wish - planar) * ease;
+        gait.velocity = planar.extend(gait.velocity.z);
+        if gait.flying {
+            let rise = (intent.go.z + intent.go.y * eye.pitch_deg.to_radians().sin()) * pace;
+            gait.velocity.z += (rise - gait.velocity.z) * ease;
+            let step = gait.velocity * dt;
+            eye.plan_pos += step.truncate();
+            eye.eye_m = (eye.eye_m + step.z).max(1.0);
+            continue;
+        }
+        // Without a floor there is no falling: the cell has not arrived.
+        let falls = solid.hold(grid(eye.plan_pos));
+        gait.velocity.z = if falls { (gait.velocity.z - 9.81 * dt).max(-20.0) } else { 0.0 };
+        let step = gait.velocity * dt;
+        for (_, mut controller) in bodies.iter_mut().filter(|(body, _)| body.of == viewer) {
+            controller.translation = Some(Vec3::new(step.x as f32, step.z as f32, -step.y as f32));
+        }
+    }
+}
+
+/// Heading, pitch, field of view, eye height, walking or flying.
+fn turn_head(eye: &mut Eye, gait: &mut Gait, intent: &Intent, settings: &WalkerSettings, solid: &SolidCells, dt: f64) {
+    eye.heading_deg = (eye.heading_deg + intent.turn_deg).rem_euclid(360.0);
+    eye.pitch_deg = (eye.pitch_deg + intent.tilt_deg).clamp(-85.0, 85.0);
+    if let Some(fov) = intent.fov.and_then(|i| settings.fovs_deg.get(i)) {
+        gait.fov_goal_deg = *fov;
+    }
+    if gait.fov_goal_deg > 0.0 {
+        eye.fov_deg += (gait.fov_goal_deg - eye.fov_deg) * (1.0 - (-8.0 * dt).exp());
+    }
+    let (low, high) = settings.eye_m;
+    if gait.eye_goal_m == 0.0 {
+        gait.eye_goal_m = eye.eye_m.clamp(low, high);
+    }
+    if intent.toggle_fly {
+        gait.flying = !gait.flying;
+        gait.velocity = DVec3::ZERO;
+        // Whoever lands on a roof or in a yard comes down in the nearest street.
+        if !gait.flying
+            && !solid.hold(grid(eye.plan_pos))
+            && let Some(street) = solid.nearest(grid(eye.plan_pos))
+        {
+            let p = street.to_metres();
+            eye.plan_pos = DVec2::new(p.x, p.y);
+        }
+    }
+    if !gait.flying {
+        gait.eye_goal_m = (gait.eye_goal_m + intent.raise_m).clamp(low, high);
+        eye.eye_m += (gait.eye_goal_m - eye.eye_m) * (1.0 - (-6.0 * dt).exp());
+    }
+}

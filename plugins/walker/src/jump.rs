@@ -1,0 +1,96 @@
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use veduta_city::{GridPos, Viewpoint};
+use veduta_ecs::{City, CityOpened, Eye, JumpTo, Steering, Viewer};
+
+use crate::{SolidCells, Walker};
+
+/// A jump under way: fade out, stand there, wait until the cell there stands, fade in.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Default)]
+pub enum Jump {
+    /// None.
+    #[default]
+    None,
+    /// Darkening.
+    Leaving(Viewpoint),
+    /// Dark, until there is a floor.
+    Waiting {
+        /// Seconds waited so far.
+        for_s: f64,
+    },
+    /// Clearing.
+    Arriving,
+}
+
+/// Seconds of a fade, one way.
+const FADE_S: f64 = 0.25;
+/// After so many seconds in the dark the view clears whatever stands: a place without a cell has no floor to wait for.
+const PATIENCE_S: f64 = 8.0;
+
+impl Jump {
+    /// Whether the visitor's feet are off the ground meanwhile.
+    #[must_use]
+    pub const fn is_under_way(&self) -> bool {
+        matches!(self, Self::Leaving(_) | Self::Waiting { .. })
+    }
+}
+
+/// Starts jumps that are asked for; an opened city begins with a jump to its start.
+pub(crate) fn begin(
+    mut asked: MessageReader<JumpTo>,
+    mut opened: MessageReader<CityOpened>,
+    city: Option<Res<City>>,
+    mut jump: ResMut<Jump>,
+    mut steering: ResMut<Steering>,
+    mut viewers: Query<&mut Eye, (With<Viewer>, With<Walker>)>,
+) {
+    if opened.read().last().is_some()
+        && let Some(city) = city
+    {
+        for mut eye in &mut viewers {
+            *eye = Eye { fade: 1.0, ..Eye::at(city.start) };
+        }
+        *jump = Jump::Waiting { for_s: 0.0 };
+    }
+    if let Some(&JumpTo(view)) = asked.read().last() {
+        *jump = Jump::Leaving(view);
+        steering.set_if_neq(Steering::Visitor);
+    }
+}
+
+/// Carries a jump on.
+pub(crate) fn advance(
+    time: Res<Time>,
+    steering: Res<Steering>,
+    solid: Res<SolidCells>,
+    mut jump: ResMut<Jump>,
+    mut viewers: Query<&mut Eye, (With<Viewer>, With<Walker>)>,
+) {
+    if *jump == Jump::None || *steering == Steering::Guided {
+        return;
+    }
+    let Ok(mut eye) = viewers.single_mut() else { return };
+    let step = time.delta_secs_f64() / FADE_S;
+    let next = match *jump {
+        Jump::Leaving(view) => {
+            eye.fade = (eye.fade + step).min(1.0);
+            if eye.fade < 1.0 {
+                return;
+            }
+            let fov_deg = eye.fov_deg;
+            *eye = Eye { fade: 1.0, fov_deg, ..Eye::at(view) };
+            Jump::Waiting { for_s: 0.0 }
+        }
+        Jump::Waiting { for_s } => {
+            let DVec2 { x, y } = eye.plan_pos;
+            let here = solid.hold(GridPos(GridPos::steps(x), GridPos::steps(y)));
+            if here || for_s > PATIENCE_S { Jump::Arriving } else { Jump::Waiting { for_s: for_s + time.delta_secs_f64() } }
+        }
+        Jump::Arriving => {
+            eye.fade = (eye.fade - step).max(0.0);
+            if eye.fade > 0.0 { Jump::Arriving } else { Jump::None }
+        }
+        Jump::None => Jump::None,
+    };
+    jump.set_if_neq(next);
+}
