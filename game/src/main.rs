@@ -1,2 +1,7 @@
-//! x
-fn main() {}
+//! The `veduta` program.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    veduta_game::cli::run()
+}

@@ -1,1 +1,39 @@
-//! The pipeline from map to city, and the veduta-bake program.
+//! The pipeline from map to city, and the `veduta-bake` program.
+//!
+//! ```text
+//!  OSM ─survey─► graph ─overrides─► grow ─► plan ─► partition ─► cells ─► packets ─► DIR.city
+//!  *.graph.ron ──┘                  *.plan.ron ──┘
+//! ```
+//!
+//! Each arrow is a pure function of its input, a seed and the overrides; each value can be written to a file, looked at,
+//! edited and fed to the next step. No GPU and no engine are needed.
+//!
+//! ```no_run
+//! use std::path::Path;
+//! use veduta_bake::{bake, BakeSettings};
+//!
+//! let baked = bake(Path::new("town.osm.pbf"), Path::new("town.city"), &BakeSettings::default(), &mut |stage| println!("{stage}"))?;
+//! println!("{}, {} findings", baked.stats, baked.findings.len());
+//! # Ok::<(), veduta_bake::BakeError>(())
+//! ```
+//!
+//! # Limits
+//! One input at a time; the whole plan is in memory while it is baked.
+//!
+//! # Rejected
+//! A task graph with cached stages: every stage takes well under a second for a town.
+
+mod enlarge;
+mod error;
+mod input;
+mod pipeline;
+mod scene;
+mod svg;
+
+pub use enlarge::enlarged;
+pub use error::BakeError;
+pub use input::{Input, InputKind};
+pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, cut, plan, survey};
+pub use scene::overrides_beside;
+pub use svg::map_svg;
+pub use veduta_growth::plan::GROWTH_VERSION;

@@ -1,2 +1,9 @@
-//! x
-fn main() {}
+//! The `veduta-bake` program.
+
+mod program;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    program::run()
+}

@@ -1,5 +1,6 @@
 use bevy::math::DVec2;
 use bevy::prelude::*;
+use bevy::render::view::ColorGrading;
 use veduta_city::Viewpoint;
 
 use crate::WorldOrigin;
@@ -78,9 +79,9 @@ pub enum Steering {
 /// Puts every eye on screen.
 pub(crate) fn apply_eyes(
     origin: Res<WorldOrigin>,
-    mut viewers: Query<(&Eye, &mut Transform, Option<&mut Projection>), With<Viewer>>,
+    mut viewers: Query<(&Eye, &mut Transform, Option<&mut Projection>, Option<&mut ColorGrading>), With<Viewer>>,
 ) {
-    for (eye, mut transform, projection) in &mut viewers {
+    for (eye, mut transform, projection, grading) in &mut viewers {
         let next = Transform::from_translation(origin.world_from_plan(eye.plan_pos, eye.z_m()))
             .with_rotation(WorldOrigin::rotation(eye.heading_deg, eye.pitch_deg));
         transform.set_if_neq(next);
@@ -90,6 +91,13 @@ pub(crate) fn apply_eyes(
             && let Projection::Perspective(p) = &mut *projection
         {
             p.fov = fov;
+        }
+        // A fade is exposure that closes: it darkens sky and city alike, on screen and in films.
+        let stops = (1.0 - eye.fade.clamp(0.0, 1.0)).max(1e-4).log2() as f32;
+        if let Some(mut grading) = grading
+            && (grading.global.exposure - stops).abs() > 1e-4
+        {
+            grading.global.exposure = stops;
         }
     }
 }

@@ -15,6 +15,7 @@
 //! kilometres from the anchor; the [`WorldOrigin`] floats instead).
 
 mod cell;
+mod clock;
 mod eye;
 mod place;
 mod sets;
@@ -26,6 +27,7 @@ pub use cell::{
     Cell, CellContent, CellEntered, CellMesh, CellMeshKind, CellReady, CellReleased, CellStands, LevelFade, MaterialsProvided,
     StandingCells,
 };
+pub use clock::CityClock;
 pub use eye::{Eye, Steering, Viewer};
 pub use place::{City, CityFailed, CityOpened, JumpTo, OpenCity};
 pub use sets::VedutaSystems;
@@ -40,9 +42,11 @@ impl Plugin for EcsPlugin {
         app.init_resource::<WorldOrigin>()
             .init_resource::<StandingCells>()
             .init_resource::<Steering>()
+            .init_resource::<CityClock>()
             .register_type::<Eye>()
             .register_type::<Viewer>()
             .register_type::<LevelFade>()
+            .register_type::<CityClock>()
             .add_message::<CellEntered>()
             .add_message::<CellReady>()
             .add_message::<CellStands>()

@@ -1,1 +1,80 @@
-//! Plugin: minimap HUD and full map.
+//! Minimap HUD and full map.
+//!
+//! ```text
+//!  City.overview ──once──► tiles of triangles ──each frame──► those in view, turned and scaled ──► egui
+//! ```
+//!
+//! The map is drawn from the city's own vectors: streets, squares, houses, parks, water, with names. The walker's place and
+//! heading are live. A click on the large map jumps to the place or street under it.
+//!
+//! # Use
+//! ```no_run
+//! use bevy::prelude::*;
+//! use veduta_minimap::MinimapPlugin;
+//!
+//! App::new().add_plugins((DefaultPlugins, MinimapPlugin)).run();
+//! ```
+//! It shows the [`City`](veduta_ecs::City) resource's overview around the first [`Viewer`](veduta_ecs::Viewer); in a game without
+//! streaming, insert a `City` of your own.
+//!
+//! | key | |
+//! |---|---|
+//! | M | large map |
+//! | N | north up or heading up |
+//! | +, − or wheel | zoom |
+//!
+//! # Limits
+//! Labels are placed anew each frame for what is in view; the nearest 60 are tried.
+//!
+//! # Rejected
+//! A second camera from above (draws the whole city twice, and roofs hide the streets' names).
+
+mod draw;
+mod label;
+mod tiles;
+mod view;
+
+use bevy::prelude::*;
+use bevy_egui::{EguiPlugin, EguiPrimaryContextPass};
+
+pub use tiles::MapTiles;
+pub use view::MapView;
+
+/// Draws the map.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MinimapPlugin;
+
+/// How the minimap looks. Live.
+#[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq)]
+#[reflect(Resource)]
+pub struct MinimapSettings {
+    /// Whether it is shown at all.
+    pub visible: bool,
+    /// Edge of the map in the corner as a share of the window's height.
+    pub share: f32,
+    /// Metres from the middle to the edge of the map in the corner.
+    pub radius_m: f32,
+    /// Whether north stays up; else the walker's heading does.
+    pub north_up: bool,
+}
+
+impl Default for MinimapSettings {
+    fn default() -> Self {
+        Self { visible: true, share: 0.3, radius_m: 110.0, north_up: false }
+    }
+}
+
+impl Plugin for MinimapPlugin {
+    fn build(&self, app: &mut App) {
+        veduta_ecs::ensure(app);
+        if !app.is_plugin_added::<EguiPlugin>() {
+            app.add_plugins(EguiPlugin::default());
+        }
+        app.init_resource::<MinimapSettings>()
+            .init_resource::<MapTiles>()
+            .init_resource::<MapView>()
+            .register_type::<MinimapSettings>()
+            .add_systems(Update, (tiles::cut_tiles, view::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>)))
+            .add_systems(EguiPrimaryContextPass, draw::draw_map);
+    }
+}

@@ -1,1 +1,94 @@
-//! Plugin: guided tours scripted in RON.
+//! Guided tours: RON files that move the eye through the city, with captions, pause, wander-off and resume.
+//!
+//! ```text
+//!  *.tour.ron ──asset──► Tour ──compile (route)──► poses over time ──► Eye, CityClock, caption
+//! ```
+//!
+//! # Write a tour
+//! ```
+//! let text = r#"(
+//!     title: "To the square",
+//!     city: "old_prague.graph.ron",
+//!     steps: [
+//!         Start(at: Place("Powder Tower")),
+//!         Say(text: "Kings began their way here."),
+//!         Walk(to: Place("Old Town Square")),
+//!         Look(at: Spot(at: Place("Old Town Hall"), height_m: 40), seconds: 3),
+//!         Wait(seconds: 2),
+//!     ],
+//! )"#;
+//! let tour: veduta_city::Tour = veduta_city::file::parse(text, "square.tour.ron")?;
+//! assert_eq!(tour.steps.len(), 5);
+//! # Ok::<(), veduta_city::file::SyntaxError>(())
+//! ```
+//! A mistake shows file, line, column and the offending line; the last good version of a reloaded tour stays. A tour is
+//! played with [`TourCommand`]s, and [`TourPlayer`] says how it stands:
+//! ```no_run
+//! use bevy::prelude::*;
+//! use veduta_tour::{TourCommand, TourPlugin};
+//!
+//! App::new()
+//!     .add_plugins((DefaultPlugins, TourPlugin::default()))
+//!     .add_systems(Startup, |mut tour: MessageWriter<TourCommand>| {
+//!         tour.write(TourCommand::Open("royal_route.tour.ron".into()));
+//!     })
+//!     .run();
+//! ```
+//!
+//! | key | |
+//! |---|---|
+//! | T | play, pause, resume after wandering off |
+//! | , and . | ten seconds back, ahead |
+//! | [ and ] | slower, faster |
+//!
+//! # Limits
+//! Walked steps need streets: they wait until the city's overview has arrived.
+//!
+//! # Rejected
+//! Animation clips in the engine's format: nobody writes them by hand.
+
+mod asset;
+mod caption;
+mod keys;
+mod play;
+
+use bevy::prelude::*;
+use bevy_egui::{EguiPlugin, EguiPrimaryContextPass};
+use veduta_ecs::VedutaSystems;
+
+pub use asset::{TourAsset, TourLoadError};
+pub use caption::CaptionSettings;
+pub use play::{TourCommand, TourEnded, TourPlayer, TourState};
+
+/// Plays guided tours.
+#[derive(Debug, Clone, Copy)]
+pub struct TourPlugin {
+    /// Whether captions are drawn and keys read.
+    pub interface: bool,
+}
+
+impl Default for TourPlugin {
+    fn default() -> Self {
+        Self { interface: true }
+    }
+}
+
+impl Plugin for TourPlugin {
+    fn build(&self, app: &mut App) {
+        veduta_ecs::ensure(app);
+        app.init_asset::<TourAsset>()
+            .register_asset_loader(asset::TourLoader)
+            .init_resource::<TourPlayer>()
+            .init_resource::<CaptionSettings>()
+            .add_message::<TourCommand>()
+            .add_message::<TourEnded>()
+            .add_systems(Update, (play::obey, play::compile_tour, play::play).chain().in_set(VedutaSystems::Steer));
+        if self.interface {
+            if !app.is_plugin_added::<EguiPlugin>() {
+                app.add_plugins(EguiPlugin::default());
+            }
+            app.add_systems(Update, keys::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>))
+                .add_systems(EguiPrimaryContextPass, caption::draw_caption);
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! `veduta bench`: figures that anyone can repeat, as lines of JSON.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use bevy::asset::AssetPlugin;
+use bevy::ecs::schedule::SingleThreadedExecutor;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use cpu_time::ThreadTime;
+use veduta::buildings::{Building, BuildingsPlugin};
+use veduta::city::{Tour, file};
+use veduta::facade::FacadePlugin;
+use veduta::prelude::*;
+use veduta::streaming::{Fetching, StreamingStats};
+use veduta_bake::{BakeSettings, Input, bake, enlarged, overrides_beside, survey};
+
+use crate::{Failure, cities};
+
+/// What to measure.
+#[derive(clap::ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bench {
+    /// Bake time, and bytes a house by level.
+    Bake,
+    /// The sample tour in the city and in one ten times as large: entities, CPU time a frame by system set, bytes.
+    Walk,
+}
+
+/// How many times larger the large city is.
+const TIMES: (u32, u32) = (5, 2);
+/// Frames a second at which the tour is walked.
+const FPS: f64 = 30.0;
+
+/// Measures and prints.
+///
+/// # Errors
+/// If the city cannot be baked or the tour not be played.
+pub fn bench(what: Bench, city: Option<&str>) -> Result<(), Failure> {
+    let scene = city.map_or_else(cities::sample_scene, PathBuf::from);
+    match what {
+        Bench::Bake => bench_bake(&scene),
+        Bench::Walk => bench_walk(&scene),
+    }
+}
+
+fn line(name: &str, value: f64, unit: &str) {
+    println!("{}", serde_json::json!({ "name": name, "value": value, "unit": unit, "peer": null, "peer_value": null }));
+}
+
+fn workplace(name: &str) -> Result<PathBuf, Failure> {
+    let dir = std::env::temp_dir().join(format!("veduta-bench-{}-{name}", std::process::id()));
+    std::fs::create_dir_all(&dir).map_err(|e| format!("{}: {e}", dir.display()))?;
+    Ok(dir)
+}
+
+fn bench_bake(scene: &Path) -> Result<(), Failure> {
+    let dir = workplace("bake")?;
+    let mut seconds = Vec::new();
+    let mut last = None;
+    for _ in 0..5 {
+        let began = Instant::now();
+        last = Some(bake(scene, &dir.join("b.city"), &BakeSettings::default(), &mut |_| ())?);
+        seconds.push(began.elapsed().as_secs_f64());
+    }
+    if let Some(baked) = last {
+        line("bake_s", median(&mut seconds), "s");
+        line("houses", baked.stats.houses as f64, "1");
+        for level in veduta::city::Level::ALL {
+            if let Some(bytes) = baked.stats.bytes_per_house(level).filter(|b| *b > 0.0) {
+                line(&format!("bytes_per_house_level{}", level as u8), bytes, "B");
+            }
+        }
+    }
+    std::fs::remove_dir_all(&dir)?;
+    Ok(())
+}
+
+fn bench_walk(scene: &Path) -> Result<(), Failure> {
+    let dir = workplace("walk")?;
+    let input = Input::of(scene)?;
+    let (graph, ..) = survey(&input)?;
+    let large = dir.join("large.graph.ron");
+    file::write(&enlarged(&graph, TIMES.0, TIMES.1), &large)?;
+    let overrides = overrides_beside(&input.path);
+    if overrides.exists() {
+        // Edits are applied already; styles still count.
+        let mut kept: veduta::city::GraphOverrides = file::read(&overrides)?;
+        kept.edits.clear();
+        file::write(&kept, &overrides_beside(&large))?;
+    }
+    let tour: Tour = file::read(&cities::sample_scene().join("royal_route.tour.ron"))?;
+    let mut medians = Vec::new();
+    for (name, source) in [("sample", scene), ("large", large.as_path())] {
+        let city = dir.join(format!("{name}.city"));
+        let baked = bake(source, &city, &BakeSettings::default(), &mut |_| ())?;
+        let mut walk = Walk::run(&city, &tour)?;
+        line(&format!("{name}_houses"), baked.stats.houses as f64, "1");
+        line(&format!("{name}_entities_max"), f64::from(walk.entities), "1");
+        line(&format!("{name}_frame_us"), median(&mut walk.frames), "us");
+        for (set, times) in SETS.iter().zip(&mut walk.sets) {
+            line(&format!("{name}_{}_us", format!("{set:?}").to_lowercase()), median(times), "us");
+        }
+        line(&format!("{name}_tour_bytes"), walk.bytes as f64, "B");
+        medians.push(median(&mut walk.frames));
+    }
+    line("frame_ratio_10x", medians[1] / medians[0], "1");
+    std::fs::remove_dir_all(&dir)?;
+    Ok(())
+}
+
+/// The middle value; 0 of none.
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+const SETS: [VedutaSystems; 4] = [VedutaSystems::Steer, VedutaSystems::Stream, VedutaSystems::Build, VedutaSystems::Show];
+
+/// Figures of one walk along the tour.
+struct Walk {
+    frames: Vec<f64>,
+    sets: [Vec<f64>; 4],
+    entities: u32,
+    bytes: u64,
+}
+
+/// CPU time of the thread at the borders of the system sets.
+#[derive(Resource, Default)]
+struct Marks(Vec<Duration>);
+
+impl Walk {
+    /// Plays the tour without drawing, on one thread, and measures its CPU time.
+    fn run(city: &Path, tour: &Tour) -> Result<Self, Failure> {
+        let mut app = quiet_app(city);
+        app.world_mut().spawn((Viewer, Transform::default(), Projection::default()));
+        for _ in 0..2_000 {
+            app.update();
+            if app.world().get_resource::<City>().is_some_and(|c| c.overview.is_some()) {
+                break;
+            }
+        }
+        app.world_mut().write_message(TourCommand::Give(Box::new(tour.clone())));
+        app.update();
+        app.update();
+        let player = app.world().resource::<TourPlayer>();
+        let Some(duration_s) = player.tour().map(|t| t.duration_s()) else {
+            return Err(player.error().unwrap_or("the tour did not start").to_owned().into());
+        };
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / FPS)));
+        let mut walk = Self { frames: Vec::new(), sets: Default::default(), entities: 0, bytes: 0 };
+        for _ in 0..(duration_s * FPS) as u32 {
+            app.world_mut().resource_mut::<Marks>().0.clear();
+            let began = ThreadTime::now();
+            app.update();
+            walk.frames.push(began.elapsed().as_secs_f64() * 1e6);
+            let marks = &app.world().resource::<Marks>().0;
+            for (times, pair) in walk.sets.iter_mut().zip(marks.windows(2)) {
+                times.push((pair[1].saturating_sub(pair[0])).as_secs_f64() * 1e6);
+            }
+            walk.entities = walk.entities.max(app.world().entities().count_spawned());
+        }
+        walk.bytes = app.world().resource::<StreamingStats>().bytes_received.iter().sum();
+        Ok(walk)
+    }
+}
+
+/// All that runs on the main thread of a walk, without drawing; reading and building happen on their threads.
+fn quiet_app(city: &Path) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), bevy::transform::TransformPlugin))
+        .init_asset::<Mesh>()
+        .add_plugins((
+            veduta::ecs::EcsPlugin,
+            StreamingPlugin { fetching: Fetching::Threads(2) },
+            BuildingsPlugin { building: Building::Pool },
+            FacadePlugin::default(),
+            SkyPlugin,
+            TourPlugin { interface: false },
+            GuidePlugin { interface: false },
+        ))
+        .insert_resource(OpenCity(city.display().to_string()))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(1)))
+        .init_resource::<Marks>()
+        .add_systems(Update, mark.before(VedutaSystems::Steer))
+        .add_systems(Update, mark.after(VedutaSystems::Steer).before(VedutaSystems::Stream))
+        .add_systems(Update, mark.after(VedutaSystems::Stream).before(VedutaSystems::Build))
+        .add_systems(Update, mark.after(VedutaSystems::Build).before(VedutaSystems::Show))
+        .add_systems(Update, mark.after(VedutaSystems::Show))
+        .edit_schedule(Update, |schedule| {
+            schedule.set_executor(SingleThreadedExecutor::new());
+        });
+    app
+}
+
+fn mark(mut marks: ResMut<Marks>) {
+    marks.0.push(ThreadTime::now().as_duration());
+}

@@ -1,0 +1,97 @@
+//! Finds cities: opens baked ones, bakes maps first.
+
+use std::path::{Path, PathBuf};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use veduta_bake::{BakeSettings, Input, InputKind, Stage, bake, overrides_beside};
+use veduta_store::{FORMAT_VERSION, INDEX_NAME};
+
+use crate::Failure;
+
+/// The sample city's scene folder.
+#[must_use]
+pub fn sample_scene() -> PathBuf {
+    project_root().join("scenes/old_prague")
+}
+
+/// The project's folder: where the program was built, or the working directory if that is gone.
+#[must_use]
+pub fn project_root() -> PathBuf {
+    let built = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_owned();
+    if built.join("scenes").is_dir() { built } else { PathBuf::from(".") }
+}
+
+/// What streaming can open: a URL or the directory of a baked city. Maps, graphs and scenes are baked into the user's
+/// cache, once for each content.
+///
+/// # Errors
+/// If there is nothing to open, or the map cannot be baked.
+pub fn open(city: Option<&str>) -> Result<String, Failure> {
+    let Some(city) = city else { return open_path(&sample_scene()) };
+    if city.starts_with("http://") || city.starts_with("https://") {
+        return Ok(city.to_owned());
+    }
+    open_path(Path::new(city))
+}
+
+fn open_path(path: &Path) -> Result<String, Failure> {
+    if path.join(INDEX_NAME).is_file() {
+        return Ok(path.display().to_string());
+    }
+    let input = Input::of(path)?;
+    let baked = cached(&input)?;
+    if !baked.join(INDEX_NAME).is_file() {
+        bake_with_bar(&input.path, &baked)?;
+    }
+    Ok(baked.display().to_string())
+}
+
+/// Where the city of an input lies in the cache: named by its content, that of its overrides, and the versions that made it.
+fn cached(input: &Input) -> Result<PathBuf, Failure> {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(&FORMAT_VERSION.to_le_bytes());
+    hasher.update(&veduta_bake::GROWTH_VERSION.to_le_bytes());
+    hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
+    let read = |path: &Path| std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()));
+    hasher.update(&read(&input.path)?);
+    let overrides = overrides_beside(&input.path);
+    if input.kind != InputKind::Plan && overrides.exists() {
+        hasher.update(&read(&overrides)?);
+    }
+    let stem = input.path.file_name().unwrap_or_default().to_string_lossy();
+    let stem = stem.split('.').next().unwrap_or("city");
+    let name = format!("{stem}-{}.city", &hasher.finalize().to_hex()[..16]);
+    Ok(cache_dir().join(name))
+}
+
+fn cache_dir() -> PathBuf {
+    let var = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    let base = var("XDG_CACHE_HOME")
+        .or_else(|| var("LOCALAPPDATA"))
+        .or_else(|| var("HOME").map(|home| home.join(".cache")))
+        .unwrap_or_else(std::env::temp_dir);
+    base.join("veduta").join("cities")
+}
+
+fn bake_with_bar(input: &Path, out: &Path) -> Result<(), Failure> {
+    let bar = ProgressBar::new(Stage::ALL.len() as u64);
+    if let Ok(style) = ProgressStyle::with_template("baking {prefix}: {bar:24} {msg} ({elapsed})") {
+        bar.set_style(style);
+    }
+    bar.set_prefix(input.file_name().unwrap_or_default().to_string_lossy().into_owned());
+    if let Some(parent) = out.parent() {
+        std::fs::create_dir_all(parent).map_err(|e| format!("{}: {e}", parent.display()))?;
+    }
+    let mut done = 0;
+    let baked = bake(input, out, &BakeSettings::default(), &mut |stage| {
+        bar.set_position(done);
+        bar.set_message(stage.to_string());
+        done += 1;
+    });
+    bar.finish_and_clear();
+    let baked = baked?;
+    if !baked.findings.is_empty() {
+        eprintln!("{} findings; `veduta-bake bake {} --findings` lists them", baked.findings.len(), input.display());
+    }
+    Ok(())
+}

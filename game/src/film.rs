@@ -1,0 +1,124 @@
+//! `veduta film`: a tour, frame by frame.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use veduta::city::{Tour, file};
+use veduta::prelude::*;
+
+use crate::encode::Encoder;
+use crate::profile::Profile;
+use crate::studio::{Size, Studio};
+use crate::{Failure, cities, encode};
+
+/// What film to make.
+#[derive(Debug, Clone)]
+pub struct FilmOrder {
+    /// The tour's file.
+    pub tour: PathBuf,
+    /// Directory, `.mp4` or `.png`.
+    pub out: PathBuf,
+    /// Size of a frame.
+    pub size: Size,
+    /// Frames a second.
+    pub fps: u32,
+    /// Quality.
+    pub profile: Profile,
+    /// First second of the tour.
+    pub from_s: f64,
+    /// Last second; the tour's end if not given.
+    pub to_s: Option<f64>,
+    /// Whether to print one line of JSON for each frame.
+    pub json: bool,
+}
+
+impl FilmOrder {
+    /// The sample tour, small enough for a software renderer.
+    ///
+    /// # Errors
+    /// If the sample tour is not there.
+    pub fn sample() -> Result<Self, Failure> {
+        let tour = cities::sample_scene().join("royal_route.tour.ron");
+        if !tour.is_file() {
+            return Err(format!("{}: the sample tour is not there; run from the project's folder", tour.display()).into());
+        }
+        let size = Size { width: 640, height: 360 };
+        Ok(Self { out: default_out(&tour), tour, size, fps: 12, profile: Profile::Medium, from_s: 0.0, to_s: None, json: false })
+    }
+}
+
+/// `out/NAME.mp4` for a tour `NAME.tour.ron`; a directory of frames' film is asked for by `--out`.
+#[must_use]
+pub fn default_out(tour: &Path) -> PathBuf {
+    let name = tour.file_name().unwrap_or_default().to_string_lossy().replace(".tour.ron", "");
+    Path::new("out").join(format!("{name}.{}", if encode::has_ffmpeg() { "mp4" } else { "png" }))
+}
+
+/// Films a tour and says where the film is.
+///
+/// # Errors
+/// If the tour has mistakes, its city does not open, a frame misses cells, or the film cannot be written.
+pub fn film(order: &FilmOrder) -> Result<(), Failure> {
+    let tour: Tour = file::read(&order.tour)?;
+    let beside = order.tour.parent().unwrap_or(Path::new("."));
+    let place = if tour.city.contains("://") { tour.city.clone() } else { beside.join(&tour.city).display().to_string() };
+    let city = cities::open(Some(&place))?;
+    if let Some(parent) = order.out.parent().filter(|p| !p.as_os_str().is_empty()) {
+        std::fs::create_dir_all(parent).map_err(|e| format!("{}: {e}", parent.display()))?;
+    }
+    let mut studio = Studio::open(&city, order.size, order.profile)?;
+    let duration_s = begin(&mut studio, tour, order)?;
+    let to_s = order.to_s.unwrap_or(duration_s).clamp(order.from_s, duration_s);
+    let frames = ((to_s - order.from_s) * f64::from(order.fps)).floor().max(1.0) as u32;
+    let mut encoder = Encoder::open(&order.out, order.size, order.fps, frames)?;
+    let bar = if order.json { ProgressBar::hidden() } else { ProgressBar::new(u64::from(frames)) };
+    if let Ok(style) = ProgressStyle::with_template("filming {bar:32} {pos}/{len} frames, {eta} to go; {msg}") {
+        bar.set_style(style);
+    }
+    let step = Duration::from_secs_f64(1.0 / f64::from(order.fps.max(1)));
+    let mut holes = 0;
+    for n in 0..frames {
+        if n > 0 {
+            studio.advance(step);
+        }
+        let missing = studio.settle();
+        if !missing.is_empty() {
+            holes += 1;
+            eprintln!("frame {n}: missing cells {missing:?}");
+        }
+        encoder.add(n, &studio.shoot()?)?;
+        bar.inc(1);
+        bar.set_message(format!("{holes} frames with missing cells"));
+        if order.json {
+            let eye = studio.eye();
+            println!(
+                "{}",
+                serde_json::json!({ "frame": n, "missing": missing, "x": eye.plan_pos.x, "y": eye.plan_pos.y, "eye_m": eye.eye_m,
+                    "heading_deg": eye.heading_deg, "pitch_deg": eye.pitch_deg, "fade": eye.fade })
+            );
+        }
+    }
+    bar.finish_and_clear();
+    let path = encoder.finish()?;
+    println!("{}: {frames} frames, {holes} with missing cells", path.display());
+    if holes == 0 { Ok(()) } else { Err(format!("{holes} of {frames} frames miss cells").into()) }
+}
+
+/// Starts the tour, stands at its first moment, and warms up there. Gives its length in seconds.
+fn begin(studio: &mut Studio, tour: Tour, order: &FilmOrder) -> Result<f64, Failure> {
+    studio.world().write_message(TourCommand::Give(Box::new(tour)));
+    studio.advance(Duration::ZERO);
+    studio.advance(Duration::ZERO);
+    let player = studio.world().resource::<TourPlayer>();
+    let Some(duration_s) = player.tour().map(|t| t.duration_s()) else {
+        return Err(player.error().map_or_else(|| "the tour did not start".to_owned(), ToOwned::to_owned).into());
+    };
+    if order.from_s > 0.0 {
+        studio.world().write_message(TourCommand::Seek(order.from_s));
+    }
+    studio.advance(Duration::ZERO);
+    studio.settle();
+    studio.warm_up();
+    Ok(duration_s)
+}

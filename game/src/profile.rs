@@ -1,0 +1,107 @@
+//! Quality profiles.
+
+use bevy::anti_alias::fxaa::Fxaa;
+use bevy::anti_alias::smaa::Smaa;
+use bevy::prelude::*;
+use bevy::render::renderer::RenderAdapterInfo;
+use bevy::render::render_resource::WgpuAdapterInfo;
+use veduta::prelude::*;
+
+/// How much the picture may cost.
+#[derive(Resource, clap::ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Profile {
+    /// Software rendering, weak laptops.
+    Low,
+    /// Integrated graphics; films on a software renderer.
+    Medium,
+    /// A graphics card.
+    High,
+    /// A strong graphics card.
+    Ultra,
+}
+
+impl Profile {
+    /// The profile for an adapter.
+    #[must_use]
+    pub fn for_adapter(info: &WgpuAdapterInfo) -> Self {
+        use bevy::render::settings::WgpuSettings;
+        let _ = WgpuSettings::default;
+        match format!("{:?}", info.device_type).as_str() {
+            "DiscreteGpu" => Self::High,
+            "IntegratedGpu" | "VirtualGpu" => Self::Medium,
+            _ => Self::Low,
+        }
+    }
+
+    /// Edge of a tile in texels.
+    #[must_use]
+    pub const fn tile_size(self) -> u32 {
+        match self {
+            Self::Low => 128,
+            Self::Medium => 256,
+            Self::High | Self::Ultra => 512,
+        }
+    }
+
+    /// Sky and shadows.
+    #[must_use]
+    pub fn sky(self) -> veduta::sky::SkySettings {
+        let (shadows, shadow_m, cascades, shadow_map) = match self {
+            Self::Low => (false, 80.0, 1, 1024),
+            Self::Medium => (true, 200.0, 2, 2048),
+            Self::High => (true, 300.0, 4, 2048),
+            Self::Ultra => (true, 500.0, 4, 4096),
+        };
+        veduta::sky::SkySettings { shadows, shadow_m, cascades, shadow_map, ..default() }
+    }
+
+    /// Level distances.
+    #[must_use]
+    pub fn levels(self) -> LevelDistances {
+        LevelDistances::uniform(match self {
+            Self::Low => 90.0,
+            Self::Medium => 160.0,
+            Self::High => 260.0,
+            Self::Ultra => 400.0,
+        })
+    }
+
+    /// What is loaded.
+    #[must_use]
+    pub fn streaming(self) -> StreamingSettings {
+        let level_2_m = f64::from(self.levels().far[0]) + 40.0;
+        StreamingSettings { level_2_m, ..default() }
+    }
+
+    /// Inserts what the profile sets.
+    pub fn apply(self, app: &mut App) {
+        app.insert_resource(self)
+            .insert_resource(self.sky())
+            .insert_resource(self.levels())
+            .insert_resource(self.streaming())
+            .add_systems(Update, dress_cameras);
+    }
+}
+
+/// Gives new cameras the profile's anti-aliasing.
+fn dress_cameras(mut commands: Commands, profile: Res<Profile>, new: Query<Entity, Added<Camera3d>>) {
+    for camera in &new {
+        let mut camera = commands.entity(camera);
+        match *profile {
+            Profile::Low => camera.insert((Msaa::Off, Fxaa::default())),
+            Profile::Medium => camera.insert((Msaa::Off, Smaa::default())),
+            Profile::High | Profile::Ultra => camera.insert(Msaa::Sample4),
+        };
+    }
+}
+
+/// The adapter's profile, where the visitor has chosen none.
+pub(crate) fn adapt(adapter: Option<Res<RenderAdapterInfo>>, mut commands: Commands) {
+    let Some(adapter) = adapter else { return };
+    let profile = Profile::for_adapter(&adapter.0);
+    info!("{}: profile {profile:?}", adapter.name);
+    commands.insert_resource(profile);
+    commands.insert_resource(profile.sky());
+    commands.insert_resource(profile.levels());
+    commands.insert_resource(profile.streaming());
+}

@@ -1,0 +1,89 @@
+//! `veduta shot`: one picture.
+
+use core::str::FromStr;
+use std::path::PathBuf;
+
+use bevy::math::DVec2;
+use veduta::prelude::*;
+
+use crate::Failure;
+use crate::profile::Profile;
+use crate::studio::{Size, Studio};
+
+/// Stand and direction: `x,y,eye,heading,pitch`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct At {
+    /// Plan metres.
+    pub plan_pos: DVec2,
+    /// Metres above the ground.
+    pub eye_m: f64,
+    /// Degrees clockwise from north.
+    pub heading_deg: f64,
+    /// Degrees, up is positive.
+    pub pitch_deg: f64,
+}
+
+impl FromStr for At {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok().filter(|n: &f64| n.is_finite())).collect();
+        match numbers.as_deref() {
+            Some(&[x, y, eye_m, heading_deg, pitch_deg]) => Ok(Self { plan_pos: DVec2::new(x, y), eye_m, heading_deg, pitch_deg }),
+            _ => Err(format!("`{text}` is no stand: write \"x,y,eye,heading,pitch\", five numbers, as in \"12,-40,1.65,270,5\"")),
+        }
+    }
+}
+
+/// What picture to take.
+#[derive(Debug, Clone)]
+pub struct ShotOrder {
+    /// City directory or URL.
+    pub city: String,
+    /// From where.
+    pub at: At,
+    /// The picture's file (PNG).
+    pub out: PathBuf,
+    /// Its size.
+    pub size: Size,
+    /// Hour of the day.
+    pub hour: f64,
+    /// Vertical field of view, degrees.
+    pub fov_deg: f64,
+    /// Quality.
+    pub profile: Profile,
+}
+
+/// Takes a picture.
+///
+/// # Errors
+/// If the city does not open, something in sight does not stand, or the file cannot be written.
+pub fn shot(order: &ShotOrder) -> Result<(), Failure> {
+    let mut studio = Studio::open(&order.city, order.size, order.profile)?;
+    let At { plan_pos, eye_m, heading_deg, pitch_deg } = order.at;
+    studio.set_eye(Eye { plan_pos, eye_m, heading_deg, pitch_deg, fov_deg: order.fov_deg, ..Eye::default() });
+    studio.world().resource_mut::<CityClock>().hour = order.hour;
+    studio.advance(core::time::Duration::from_secs(2));
+    let missing = studio.settle();
+    if !missing.is_empty() {
+        return Err(format!("{}: cells {missing:?} are in sight but could not be loaded", order.city).into());
+    }
+    studio.advance(core::time::Duration::from_secs(2));
+    studio.warm_up();
+    studio.shoot()?.save(&order.out).map_err(|e| format!("{}: {e}", order.out.display()))?;
+    println!("{}", order.out.display());
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stand_is_five_numbers() {
+        let at: At = "12, -40.5,1.65,270,5".parse().expect("five numbers");
+        assert_eq!((at.plan_pos.y, at.heading_deg), (-40.5, 270.0));
+        for wrong in ["1,2,3,4", "1,2,3,4,x", "1,2,3,4,NaN", ""] {
+            assert!(wrong.parse::<At>().is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! Renders without a display, frame by frame: the same bytes each time on the same machine.
+
+use core::str::FromStr;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use bevy::app::PluginsState;
+use bevy::camera::RenderTarget;
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+use bevy::time::TimeUpdateStrategy;
+use bevy::window::ExitCondition;
+use bevy::winit::WinitPlugin;
+use image::RgbaImage;
+use veduta::buildings::{Building, BuildingsPlugin};
+use veduta::ecs::StandingCells;
+use veduta::facade::{FacadePlugin, TileSize};
+use veduta::prelude::*;
+use veduta::streaming::{Fetching, Wanted};
+
+use crate::Failure;
+use crate::profile::Profile;
+
+/// Width and height in pixels, written `1280x720`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Size {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+}
+
+impl FromStr for Size {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('x').and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
+        match parts {
+            Some((width, height)) if (16..=8192).contains(&width) && (16..=8192).contains(&height) => Ok(Self { width, height }),
+            _ => Err(format!("`{text}` is no size: write WIDTHxHEIGHT, each from 16 to 8192, as in 1280x720")),
+        }
+    }
+}
+
+/// Frames rendered until the shaders of a first picture are surely compiled and its textures uploaded.
+const WARM_UP: usize = 12;
+/// Updates in which a city must have opened and what is in sight must stand.
+const PATIENCE: usize = 4_000;
+
+type Captured = Arc<Mutex<Option<RgbaImage>>>;
+
+/// A camera in a city, without a display.
+pub struct Studio {
+    app: App,
+    target: Handle<Image>,
+    viewer: Entity,
+    captured: Captured,
+}
+
+impl Studio {
+    /// Opens a city (directory or URL) for pictures of a size.
+    ///
+    /// # Errors
+    /// If there is no adapter to render with, or the city does not open.
+    pub fn open(city: &str, size: Size, profile: Profile) -> Result<Self, Failure> {
+        let mut app = App::new();
+        app.add_plugins(
+            DefaultPlugins
+                .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
+                .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
+                .set(bevy::log::LogPlugin { filter: "warn,wgpu=error,naga=warn,bevy_render=error".into(), ..default() })
+                .disable::<WinitPlugin>()
+                .disable::<PipelinedRenderingPlugin>(),
+        )
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+        profile.apply(&mut app);
+        app.add_plugins((
+            veduta::ecs::EcsPlugin,
+            StreamingPlugin { fetching: Fetching::Inline },
+            BuildingsPlugin { building: Building::Inline },
+            FacadePlugin { tiles: TileSize(profile.tile_size()) },
+            SkyPlugin,
+            TourPlugin::default(),
+        ))
+        .insert_resource(veduta::buildings::BuildSettings { vertices_a_frame: usize::MAX, in_the_making: 64 })
+        .insert_resource(OpenCity(city.to_owned()));
+        let target = {
+            let mut image = Image::new_target_texture(size.width, size.height, TextureFormat::Rgba8UnormSrgb, None);
+            image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+            app.world_mut().resource_mut::<Assets<Image>>().add(image)
+        };
+        app.world_mut().resource_mut::<StreamingSettings>().packets_a_frame = usize::MAX;
+        let viewer = app
+            .world_mut()
+            .spawn((Camera3d::default(), RenderTarget::Image(target.clone().into()), Tonemapping::AgX, lens(), Viewer))
+            .id();
+        while app.plugins_state() == PluginsState::Adding {
+            bevy::tasks::tick_global_task_pools_on_main_thread();
+        }
+        app.finish();
+        app.cleanup();
+        let mut studio = Self { app, target, viewer, captured: Captured::default() };
+        studio.await_city(city)?;
+        Ok(studio)
+    }
+
+    fn await_city(&mut self, city: &str) -> Result<(), Failure> {
+        for _ in 0..PATIENCE {
+            self.app.update();
+            if self.app.world().get_resource::<City>().is_some_and(|c| c.overview.is_some()) {
+                return Ok(());
+            }
+            let failures = self.app.world().resource::<Messages<CityFailed>>();
+            if let Some(failure) = failures.iter_current_update_messages().find(|f| !f.will_retry) {
+                return Err(failure.message.clone().into());
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        Err(format!("{city}: the city did not open").into())
+    }
+
+    /// Where the camera stands and looks.
+    pub fn set_eye(&mut self, eye: Eye) {
+        if let Some(mut current) = self.app.world_mut().get_mut::<Eye>(self.viewer) {
+            *current = eye;
+        }
+    }
+
+    /// Where the camera stands and looks now.
+    #[must_use]
+    pub fn eye(&self) -> Eye {
+        self.app.world().get::<Eye>(self.viewer).copied().unwrap_or_default()
+    }
+
+    /// The world, for what a command sets beside the camera.
+    pub fn world(&mut self) -> &mut World {
+        self.app.world_mut()
+    }
+
+    /// Lets time pass.
+    pub fn advance(&mut self, time: Duration) {
+        self.app.insert_resource(TimeUpdateStrategy::ManualDuration(time));
+        self.app.update();
+        self.app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+    }
+
+    /// Cells in sight that do not stand.
+    #[must_use]
+    pub fn missing(&self) -> Vec<u32> {
+        let standing = self.app.world().resource::<StandingCells>();
+        let wanted = self.app.world().resource::<Wanted>();
+        wanted.order.iter().filter(|&&(cell, level)| !standing.levels(cell).has(level)).map(|&(cell, _)| cell).collect()
+    }
+
+    /// Waits, without letting time pass, until all that is wanted stands; gives back what does not even then.
+    pub fn settle(&mut self) -> Vec<u32> {
+        for _ in 0..PATIENCE {
+            let missing = self.missing();
+            if missing.is_empty() {
+                break;
+            }
+            self.app.update();
+        }
+        self.missing()
+    }
+
+    /// Renders until nothing changes any more: for the first picture.
+    pub fn warm_up(&mut self) {
+        for _ in 0..WARM_UP {
+            self.app.update();
+        }
+    }
+
+    /// Takes the picture of this moment.
+    ///
+    /// # Errors
+    /// If the renderer gives no picture.
+    pub fn shoot(&mut self) -> Result<RgbaImage, Failure> {
+        let captured = Arc::clone(&self.captured);
+        self.app.world_mut().spawn(Screenshot::image(self.target.clone())).observe(move |shot: On<ScreenshotCaptured>| {
+            let picture = shot.image.clone().try_into_dynamic().map(|p| p.to_rgba8()).ok();
+            *captured.lock().unwrap_or_else(PoisonError::into_inner) = picture;
+        });
+        for _ in 0..PATIENCE {
+            self.app.update();
+            if let Some(picture) = self.captured.lock().unwrap_or_else(PoisonError::into_inner).take() {
+                return Ok(picture);
+            }
+        }
+        Err("the renderer gave no picture; is a Vulkan driver installed (Debian: mesa-vulkan-drivers)?".into())
+    }
+}
+
+/// Near and far planes that hold a façade at arm's length and the sky dome.
+#[must_use]
+pub fn lens() -> Projection {
+    Projection::Perspective(PerspectiveProjection { near: 0.1, far: 6_000.0, ..default() })
+}

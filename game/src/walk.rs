@@ -1,0 +1,96 @@
+//! `veduta walk`: the window.
+
+use std::path::Path;
+
+use bevy::asset::io::AssetSourceBuilder;
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::prelude::*;
+use veduta::facade::{FacadePlugin, TileSize};
+use veduta::prelude::*;
+
+use crate::profile::Profile;
+use crate::{Failure, cities, hud, profile, studio};
+
+/// Whether there is a display to open a window on.
+#[must_use]
+pub fn has_display() -> bool {
+    if !cfg!(all(unix, not(target_os = "macos"))) {
+        return true;
+    }
+    ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].iter().any(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()))
+}
+
+/// Opens a window in a city, and stays until it is closed.
+///
+/// # Errors
+/// If the tour to begin with is not there, or the program ends with a failure.
+pub fn walk(city: &str, chosen: Option<Profile>, tour: Option<&Path>) -> Result<(), Failure> {
+    let first = tour.map_or_else(|| cities::sample_scene().join("royal_route.tour.ron"), Path::to_owned);
+    if tour.is_some() && !first.is_file() {
+        return Err(format!("{}: there is no such tour", first.display()).into());
+    }
+    let tours = first.parent().unwrap_or(Path::new(".")).to_owned();
+    let tours = std::path::absolute(&tours).unwrap_or(tours);
+    let mut app = App::new();
+    app.register_asset_source("tours", AssetSourceBuilder::platform_default(&tours.display().to_string(), None));
+    app.add_plugins(
+        DefaultPlugins
+            .set(WindowPlugin {
+                primary_window: Some(Window { title: "Veduta".into(), resolution: (1280, 720).into(), ..default() }),
+                ..default()
+            })
+            .set(AssetPlugin { watch_for_changes_override: Some(true), ..default() })
+            .set(bevy::log::LogPlugin { filter: "info,wgpu=error,naga=warn,bevy_render=warn,symphonia=warn".into(), ..default() }),
+    );
+    let start = chosen.unwrap_or(Profile::Low);
+    start.apply(&mut app);
+    app.add_plugins((
+        veduta::ecs::EcsPlugin,
+        StreamingPlugin::default(),
+        BuildingsPlugin::default(),
+        FacadePlugin { tiles: TileSize(start.tile_size().max(256)) },
+        SkyPlugin,
+        WalkerPlugin::default(),
+        TourPlugin::default(),
+        MinimapPlugin,
+        GuidePlugin::default(),
+        hud::HudPlugin,
+    ))
+    .insert_resource(OpenCity(city.to_owned()))
+    .insert_resource(FirstTour { name: first.file_name().unwrap_or_default().to_string_lossy().into_owned(), now: tour.is_some() })
+    .add_systems(Startup, spawn_walker)
+    .add_systems(Update, offer_tour);
+    if chosen.is_none() {
+        app.add_systems(Startup, profile::adapt.before(spawn_walker));
+    }
+    match app.run() {
+        AppExit::Success => Ok(()),
+        AppExit::Error(code) => Err(format!("ended with code {code}").into()),
+    }
+}
+
+fn spawn_walker(mut commands: Commands) {
+    commands.spawn((Camera3d::default(), Tonemapping::AgX, studio::lens(), Walker, Eye { fade: 1.0, ..default() }));
+}
+
+/// The tour that T begins with.
+#[derive(Resource)]
+struct FirstTour {
+    name: String,
+    now: bool,
+}
+
+/// Opens the first tour once the city is open: at once if it was asked for, else when T is pressed.
+fn offer_tour(
+    mut opened: MessageReader<CityOpened>,
+    keys: Res<ButtonInput<KeyCode>>,
+    first: Res<FirstTour>,
+    player: Res<TourPlayer>,
+    mut tour: MessageWriter<TourCommand>,
+) {
+    let begins = opened.read().last().is_some() && first.now;
+    let idle = player.state() == veduta::tour::TourState::Idle;
+    if begins || (idle && keys.just_pressed(KeyCode::KeyT)) {
+        tour.write(TourCommand::Open(format!("tours://{}", first.name)));
+    }
+}

@@ -1,0 +1,78 @@
+use glam::DVec2;
+use veduta_city::{CityGraph, Id};
+
+/// A city of `columns` × `rows` copies of a graph side by side, the first where the original lies: for measuring how costs
+/// grow with a city's size. Places keep their names in the first copy alone.
+#[must_use]
+pub fn enlarged(graph: &CityGraph, columns: u32, rows: u32) -> CityGraph {
+    let Some((low, high)) = bounds(graph) else { return graph.clone() };
+    let step = high - low + DVec2::splat(2.0 * graph.margin_m + 20.0);
+    let mut large = CityGraph { nodes: Vec::new(), ..graph.clone() };
+    for copy in 0..columns.max(1) * rows.max(1) {
+        let by = DVec2::new(f64::from(copy % columns.max(1)), f64::from(copy / columns.max(1))) * step;
+        let id = |id: Id| if copy == 0 { id } else { Id::from_place(&format!("{id} copy {copy}"), DVec2::ZERO) };
+        large.nodes.extend(graph.nodes.iter().map(|n| {
+            let mut n = *n;
+            (n.id, n.pos) = (id(n.id), n.pos + by);
+            n
+        }));
+        if copy == 0 {
+            continue;
+        }
+        let ring = |ring: &[DVec2]| ring.iter().map(|p| *p + by).collect::<Vec<_>>();
+        let rings = |holes: &[Vec<DVec2>]| holes.iter().map(|h| ring(h)).collect::<Vec<_>>();
+        large.links.extend(graph.links.iter().cloned().map(|mut l| {
+            (l.id, l.from, l.to, l.via) = (id(l.id), id(l.from), id(l.to), ring(&l.via));
+            l
+        }));
+        large.squares.extend(graph.squares.iter().cloned().map(|mut s| {
+            (s.id, s.outline, s.holes) = (id(s.id), ring(&s.outline), rings(&s.holes));
+            s
+        }));
+        large.blocks.extend(graph.blocks.iter().cloned().map(|mut b| {
+            (b.id, b.outline, b.holes) = (id(b.id), ring(&b.outline), rings(&b.holes));
+            b
+        }));
+        large.buildings.extend(graph.buildings.iter().cloned().map(|mut b| {
+            (b.id, b.outline, b.holes) = (id(b.id), ring(&b.outline), rings(&b.holes));
+            for part in &mut b.parts {
+                (part.id, part.outline, part.holes) = (id(part.id), ring(&part.outline), rings(&part.holes));
+            }
+            b
+        }));
+        large.objects.extend(graph.objects.iter().cloned().map(|mut o| {
+            (o.id, o.pos) = (id(o.id), o.pos + by);
+            o
+        }));
+    }
+    large
+}
+
+fn bounds(graph: &CityGraph) -> Option<(DVec2, DVec2)> {
+    let points = || {
+        let areas = graph.squares.iter().map(|s| &s.outline).chain(graph.blocks.iter().map(|b| &b.outline));
+        let rings = areas.chain(graph.buildings.iter().map(|b| &b.outline)).flatten();
+        graph.nodes.iter().map(|n| n.pos).chain(graph.links.iter().flat_map(|l| &l.via).copied()).chain(rings.copied())
+    };
+    let low = points().reduce(DVec2::min)?;
+    Some((low, points().reduce(DVec2::max)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_do_not_touch_and_the_graph_stays_valid() {
+        let text = "(name: \"T\", anchor: (lat: 50, lon: 14), margin_m: 10,
+            nodes: [(id: 1, pos: (0, 0)), (id: 2, pos: (100, 50))],
+            links: [(id: 9, from: 1, to: 2, kind: Street(Lane))],
+            buildings: [(outline: [(10, 10), (20, 10), (20, 20)])])";
+        let mut graph: CityGraph = veduta_city::file::parse(text, "t").unwrap_or_else(|e| panic!("{e}"));
+        graph.fill_ids();
+        let large = enlarged(&graph, 5, 2);
+        assert_eq!((large.nodes.len(), large.links.len(), large.buildings.len()), (20, 10, 10));
+        assert_eq!(large.validate(), []);
+        assert!(large.buildings[1].outline[0].x > 100.0 + 20.0);
+    }
+}

@@ -1,0 +1,78 @@
+use std::path::PathBuf;
+
+use veduta_city::file::FileError;
+use veduta_city::{GraphError, StyleError};
+
+/// A bake that came to nothing. What stood at the output's place before still stands.
+#[derive(Debug, thiserror::Error)]
+pub enum BakeError {
+    /// The input could not be read.
+    #[error("{path}: {source}")]
+    Read {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The input is larger than any map this version takes.
+    #[error("{path}: {bytes} bytes are more than the {limit} that a map may have; cut out a smaller area first")]
+    TooLarge {
+        /// Which file.
+        path: PathBuf,
+        /// Its size.
+        bytes: u64,
+        /// The most.
+        limit: u64,
+    },
+    /// The input is of no known kind.
+    #[error("{0}: not a map that can be baked; give an OpenStreetMap extract (.osm, .osm.gz, .osm.pbf, Overpass .json), a city graph (.graph.ron), a plan (.plan.ron) or a folder with a .graph.ron")]
+    UnknownKind(PathBuf),
+    /// A scene folder without a graph, or with several.
+    #[error("{path}: a scene folder holds exactly one .graph.ron; this one holds {n}")]
+    Scene {
+        /// Which folder.
+        path: PathBuf,
+        /// How many graphs it holds.
+        n: usize,
+    },
+    /// A RON file has a mistake.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The map could not be surveyed.
+    #[error("{0}")]
+    Survey(#[from] veduta_survey::SurveyError),
+    /// The graph is not one that can be grown.
+    #[error("{path}: {}", list(.errors))]
+    Graph {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        errors: Vec<GraphError>,
+    },
+    /// The styles are not ones to draw from.
+    #[error("{path}: {}", list(.errors))]
+    Styles {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        errors: Vec<StyleError>,
+    },
+    /// The graph could not be grown.
+    #[error("{0}")]
+    Grow(#[from] veduta_growth::plan::GrowthError),
+    /// The city could not be written.
+    #[error("{0}")]
+    Store(#[from] veduta_store::StoreError),
+    /// The map holds nothing that could be walked.
+    #[error("{0}: nothing to walk in: no street or square is left of this map; see the findings above")]
+    Empty(PathBuf),
+}
+
+/// The first few of several mistakes, and how many more there are.
+fn list<E: core::fmt::Display>(errors: &[E]) -> String {
+    let mut text: Vec<String> = errors.iter().take(5).map(ToString::to_string).collect();
+    if errors.len() > 5 {
+        text.push(format!("and {} more", errors.len() - 5));
+    }
+    text.join("; ")
+}

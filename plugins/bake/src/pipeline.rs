@@ -1,0 +1,150 @@
+use core::fmt;
+use std::path::Path;
+
+use veduta_cells::{PartitionSettings, cell_shells, facade_sheets, partition};
+use veduta_city::{Cells, CityGraph, CityPlan, Finding, GraphOverrides, Style, Styles, file};
+use veduta_store::{CityStats, write_city};
+
+use crate::{BakeError, Input, InputKind, overrides_beside};
+
+/// What may be chosen of a bake.
+#[derive(Debug, Clone, Default)]
+pub struct BakeSettings {
+    /// Seed instead of the graph's own.
+    pub seed: Option<u64>,
+    /// How cells are cut.
+    pub partition: PartitionSettings,
+}
+
+/// Where a bake is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Reading and surveying the map.
+    Survey,
+    /// Growing the plan.
+    Grow,
+    /// Cutting cells and finding what is visible.
+    Cut,
+    /// Writing the city.
+    Pack,
+}
+
+impl Stage {
+    /// All stages in order.
+    pub const ALL: [Self; 4] = [Self::Survey, Self::Grow, Self::Cut, Self::Pack];
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Survey => "surveying the map",
+            Self::Grow => "growing the plan",
+            Self::Cut => "cutting cells",
+            Self::Pack => "writing the city",
+        })
+    }
+}
+
+/// A baked city.
+#[derive(Debug, Clone)]
+pub struct Baked {
+    /// What was written.
+    pub stats: CityStats,
+    /// What was dropped or repaired on the way, stage by stage.
+    pub findings: Vec<Finding>,
+}
+
+/// A plan and what was dropped or repaired on the way to it.
+#[derive(Debug, Clone)]
+pub struct Planned {
+    /// The plan.
+    pub plan: CityPlan,
+    /// Findings of survey, overrides and growth.
+    pub findings: Vec<Finding>,
+}
+
+/// The city graph of an input, with its overrides applied, and the styles that they bring.
+///
+/// # Errors
+/// If the input or its overrides cannot be read or are not what they should be.
+pub fn survey(input: &Input) -> Result<(CityGraph, Vec<Style>, Vec<Finding>), BakeError> {
+    let (mut graph, mut findings) = match input.kind {
+        InputKind::Osm => {
+            let name = input.path.file_name().unwrap_or_default().to_string_lossy();
+            let survey = veduta_survey::survey_osm(&input.content()?, &name)?;
+            (survey.graph, survey.findings)
+        }
+        InputKind::Graph => (file::read::<CityGraph>(&input.path)?, Vec::new()),
+        InputKind::Plan => return Err(BakeError::UnknownKind(input.path.clone())),
+    };
+    graph.fill_ids();
+    let beside = overrides_beside(&input.path);
+    let mut styles = Vec::new();
+    if beside.exists() {
+        let overrides: GraphOverrides = file::read(&beside)?;
+        findings.extend(overrides.apply(&mut graph));
+        graph.fill_ids();
+        styles = overrides.styles;
+    }
+    let errors = graph.validate();
+    if errors.is_empty() { Ok((graph, styles, findings)) } else { Err(BakeError::Graph { path: input.path.clone(), errors }) }
+}
+
+/// The plan of an input.
+///
+/// # Errors
+/// As [`survey`], and if the graph cannot be grown.
+pub fn plan(input: &Input, settings: &BakeSettings, progress: &mut dyn FnMut(Stage)) -> Result<Planned, BakeError> {
+    progress(Stage::Survey);
+    if input.kind == InputKind::Plan {
+        return Ok(Planned { plan: file::read(&input.path)?, findings: Vec::new() });
+    }
+    let (mut graph, more, mut findings) = survey(input)?;
+    graph.seed = settings.seed.unwrap_or(graph.seed);
+    progress(Stage::Grow);
+    let styles = with_styles(veduta_growth::plan::stock_styles(), more);
+    let errors = styles.validate();
+    if !errors.is_empty() {
+        return Err(BakeError::Styles { path: overrides_beside(&input.path), errors });
+    }
+    let growth = veduta_growth::plan::grow(&graph, &styles)?;
+    findings.extend(growth.findings);
+    Ok(Planned { plan: growth.plan, findings })
+}
+
+/// The stock styles with others added, or put in place of those of the same name.
+fn with_styles(mut styles: Styles, more: Vec<Style>) -> Styles {
+    for style in more {
+        match styles.find(&style.name) {
+            Some(i) => styles.0[i] = style,
+            None => styles.0.push(style),
+        }
+    }
+    styles
+}
+
+/// Cuts a plan into cells.
+#[must_use]
+pub fn cut(plan: &CityPlan, settings: &BakeSettings) -> (Cells, Vec<Finding>) {
+    let cut = partition(plan, &settings.partition);
+    (cut.cells, cut.findings)
+}
+
+/// Bakes an input to a city directory, whole or not at all.
+///
+/// # Errors
+/// If any stage fails; what stood at `out` before still stands.
+pub fn bake(input: &Path, out: &Path, settings: &BakeSettings, progress: &mut dyn FnMut(Stage)) -> Result<Baked, BakeError> {
+    let found = Input::of(input)?;
+    let Planned { plan, mut findings } = plan(&found, settings, progress)?;
+    progress(Stage::Cut);
+    let (cells, more) = cut(&plan, settings);
+    findings.extend(more);
+    if cells.cells.is_empty() {
+        return Err(BakeError::Empty(input.to_owned()));
+    }
+    progress(Stage::Pack);
+    let (shells, sheets) = rayon::join(|| cell_shells(&plan, &cells), || facade_sheets(&plan, &cells));
+    let stats = write_city(out, &plan, &cells, &shells, &sheets)?;
+    Ok(Baked { stats, findings })
+}

@@ -1,0 +1,215 @@
+mod check;
+mod inspect;
+mod serve;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::{Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
+use veduta_bake::{BakeSettings, Input, Planned, Stage, bake, map_svg, plan, survey};
+use veduta_city::{Finding, Severity, file};
+
+/// What every command may fail with: a message that names the file and the fix.
+pub(crate) type Failure = Box<dyn std::error::Error>;
+
+/// Turns maps into cities you can walk through.
+#[derive(Parser)]
+#[command(name = "veduta-bake", version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+    /// No progress bar and no list of findings.
+    #[arg(long, global = true)]
+    quiet: bool,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Turn a map into a city graph.
+    Survey {
+        /// OpenStreetMap extract or graph.
+        input: PathBuf,
+        /// Where to write the graph.
+        #[arg(short, long)]
+        output: PathBuf,
+    },
+    /// Grow a city graph into a plan.
+    Grow {
+        /// Graph, map or scene folder.
+        input: PathBuf,
+        /// Where to write the plan.
+        #[arg(short, long)]
+        output: PathBuf,
+        /// Seed instead of the graph's own.
+        #[arg(long)]
+        seed: Option<u64>,
+    },
+    /// Bake a map, graph, plan or scene folder to a city.
+    Bake {
+        /// What to bake.
+        input: PathBuf,
+        /// The city's directory; beside the input if not given.
+        #[arg(short, long)]
+        output: Option<PathBuf>,
+        /// Seed instead of the graph's own.
+        #[arg(long)]
+        seed: Option<u64>,
+        /// Print figures as one line of JSON.
+        #[arg(long)]
+        json: bool,
+        /// List every finding instead of the first of each kind.
+        #[arg(long)]
+        findings: bool,
+    },
+    /// Look into a baked city: figures, and whether every packet is whole.
+    Inspect {
+        /// City directory or URL.
+        city: String,
+        /// Print figures as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Check RON files: graphs, overrides, plans, styles, tours.
+    Check {
+        /// The files.
+        #[arg(required = true)]
+        files: Vec<PathBuf>,
+    },
+    /// Draw the map of a plan, graph or map as SVG.
+    Map {
+        /// What to draw.
+        input: PathBuf,
+        /// Where to write the picture.
+        #[arg(short, long)]
+        output: PathBuf,
+    },
+    /// Serve a city over HTTP on this machine.
+    Serve {
+        /// City directory.
+        city: PathBuf,
+        /// Port; 0 takes a free one.
+        #[arg(long, default_value_t = 8080)]
+        port: u16,
+    },
+}
+
+/// Runs the program: 0 done, 1 failed with a message, 2 wrong usage.
+pub(crate) fn run() -> ExitCode {
+    let arguments = Arguments::parse();
+    match command(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("veduta-bake: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn command(arguments: Arguments) -> Result<(), Failure> {
+    let quiet = arguments.quiet;
+    match arguments.command {
+        Command::Survey { input, output } => {
+            let (graph, _, findings) = survey(&Input::of(&input)?)?;
+            file::write(&graph, &output)?;
+            report(&findings, quiet, false);
+            println!("{}: {} links, {} buildings, {} places", output.display(), graph.links.len(), graph.buildings.len(), graph.places.len());
+        }
+        Command::Grow { input, output, seed } => {
+            let planned = planned(&input, seed, quiet)?;
+            file::write(&planned.plan, &output)?;
+            println!("{}: {} houses", output.display(), planned.plan.houses.len());
+        }
+        Command::Bake { input, output, seed, json, findings } => {
+            bake_city(&input, output, seed, quiet, json, findings)?;
+        }
+        Command::Inspect { city, json } => inspect::inspect(&city, json)?,
+        Command::Check { files } => check::check(&files)?,
+        Command::Map { input, output } => {
+            let planned = planned(&input, None, quiet)?;
+            std::fs::write(&output, map_svg(&planned.plan)).map_err(|e| format!("{}: {e}", output.display()))?;
+            println!("{}", output.display());
+        }
+        Command::Serve { city, port } => serve::serve(&city, port)?,
+    }
+    Ok(())
+}
+
+fn planned(input: &Path, seed: Option<u64>, quiet: bool) -> Result<Planned, Failure> {
+    let settings = BakeSettings { seed, ..BakeSettings::default() };
+    let planned = plan(&Input::of(input)?, &settings, &mut |_| ())?;
+    report(&planned.findings, quiet, false);
+    Ok(planned)
+}
+
+fn bake_city(input: &Path, output: Option<PathBuf>, seed: Option<u64>, quiet: bool, json: bool, all: bool) -> Result<(), Failure> {
+    let output = output.unwrap_or_else(|| city_beside(input));
+    let settings = BakeSettings { seed, ..BakeSettings::default() };
+    let bar = if quiet || json { ProgressBar::hidden() } else { ProgressBar::new(Stage::ALL.len() as u64) };
+    if let Ok(style) = ProgressStyle::with_template("{bar:24} {msg} ({elapsed})") {
+        bar.set_style(style);
+    }
+    let began = Instant::now();
+    let mut spans: Vec<(Stage, f64)> = Vec::new();
+    let baked = bake(input, &output, &settings, &mut |stage| {
+        bar.set_position(spans.len() as u64);
+        bar.set_message(stage.to_string());
+        spans.push((stage, began.elapsed().as_secs_f64()));
+    });
+    bar.finish_and_clear();
+    let baked = baked?;
+    let total_s = began.elapsed().as_secs_f64();
+    if json {
+        let ends = spans.iter().skip(1).map(|s| s.1).chain([total_s]);
+        let seconds: serde_json::Map<String, serde_json::Value> =
+            spans.iter().zip(ends).map(|((stage, from), to)| (format!("{stage:?}").to_lowercase(), (to - from).into())).collect();
+        let line = serde_json::json!({
+            "city": output, "stats": baked.stats, "findings": baked.findings.len(), "seconds": seconds, "total_s": total_s,
+        });
+        println!("{line}");
+    } else {
+        report(&baked.findings, quiet, all);
+        println!("{}: {}; {total_s:.1} s", output.display(), baked.stats);
+    }
+    Ok(())
+}
+
+/// `X.city` beside an input `X.…`.
+fn city_beside(input: &Path) -> PathBuf {
+    let overrides = veduta_bake::overrides_beside(input);
+    let name = overrides.file_name().unwrap_or_default().to_string_lossy().replace(".graph.overrides.ron", ".city");
+    input.with_file_name(name)
+}
+
+/// Tells what was dropped or repaired: everything, or a count and the first of each kind of message.
+fn report(findings: &[Finding], quiet: bool, all: bool) {
+    if quiet || findings.is_empty() {
+        return;
+    }
+    let mut told: Vec<(String, usize)> = Vec::new();
+    for finding in findings {
+        if all {
+            eprintln!("{finding}");
+            continue;
+        }
+        let kind: String = finding.message.chars().filter(|c| !c.is_ascii_digit()).take(48).collect();
+        match told.iter_mut().find(|(k, _)| *k == kind) {
+            Some((_, n)) => *n += 1,
+            None => {
+                told.push((kind, 1));
+                if told.len() <= 12 {
+                    eprintln!("{finding}");
+                }
+            }
+        }
+    }
+    let count = |severity| findings.iter().filter(|f| f.severity == severity).count();
+    eprintln!(
+        "{} dropped, {} repaired, {} notes{}",
+        count(Severity::Dropped),
+        count(Severity::Repaired),
+        count(Severity::Note),
+        if all { "" } else { " (all of them: bake --findings)" }
+    );
+}

@@ -1,0 +1,23 @@
+use std::path::{Path, PathBuf};
+
+/// The overrides file that belongs to a graph or map: `X.graph.overrides.ron` beside `X.graph.ron`, `X.osm.pbf` and the like.
+#[must_use]
+pub fn overrides_beside(input: &Path) -> PathBuf {
+    let name = input.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let lower = name.to_lowercase();
+    let endings = [".graph.ron", ".osm.pbf", ".osm.gz", ".osm.bz2", ".osm", ".pbf", ".json.gz", ".json"];
+    let stem = endings.iter().find(|e| lower.ends_with(*e)).map_or(name.as_str(), |e| &name[..name.len() - e.len()]);
+    input.with_file_name(format!("{stem}.graph.overrides.ron"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn overrides_lie_beside_their_map() {
+        assert_eq!(overrides_beside(Path::new("a/town.graph.ron")), Path::new("a/town.graph.overrides.ron"));
+        assert_eq!(overrides_beside(Path::new("a/town.osm.pbf")), Path::new("a/town.graph.overrides.ron"));
+        assert_eq!(overrides_beside(Path::new("Žižkov.OSM")), Path::new("Žižkov.graph.overrides.ron"));
+    }
+}

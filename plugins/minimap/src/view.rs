@@ -1,0 +1,113 @@
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use bevy_egui::egui::{Pos2, Rect, Vec2 as EguiVec2};
+
+use crate::MinimapSettings;
+
+/// State of the large map.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Default)]
+pub struct MapView {
+    /// Whether the large map is open.
+    pub open: bool,
+    /// Its middle in plan metres, once it has been dragged; else the walker's place.
+    pub middle: Option<DVec2>,
+    /// Metres from the middle to its nearer edge; 0 until opened.
+    pub radius_m: f32,
+}
+
+/// M, N, + and −.
+pub(crate) fn read_keys(keys: Res<ButtonInput<KeyCode>>, mut view: ResMut<MapView>, mut settings: ResMut<MinimapSettings>) {
+    if keys.just_pressed(KeyCode::KeyM) {
+        view.open = !view.open;
+        view.middle = None;
+        if view.radius_m == 0.0 {
+            view.radius_m = 320.0;
+        }
+    }
+    if view.open && keys.just_pressed(KeyCode::Escape) {
+        view.open = false;
+    }
+    if keys.just_pressed(KeyCode::KeyN) {
+        settings.north_up = !settings.north_up;
+    }
+    let closer = keys.any_just_pressed([KeyCode::Equal, KeyCode::NumpadAdd]);
+    let wider = keys.any_just_pressed([KeyCode::Minus, KeyCode::NumpadSubtract]);
+    let factor = if closer { 0.8 } else if wider { 1.25 } else { 1.0 };
+    if factor != 1.0 {
+        let radius = if view.open { &mut view.radius_m } else { &mut settings.radius_m };
+        *radius = zoomed(*radius, factor);
+    }
+}
+
+/// A radius scaled within what makes sense on a map.
+pub(crate) fn zoomed(radius_m: f32, factor: f32) -> f32 {
+    (radius_m * factor).clamp(25.0, 5_000.0)
+}
+
+/// How plan metres lie on the screen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Projection {
+    pub rect: Rect,
+    middle: DVec2,
+    /// Points a metre.
+    pub scale: f32,
+    /// Heading that points up, radians clockwise from north.
+    pub up: f32,
+}
+
+impl Projection {
+    pub fn new(rect: Rect, middle: DVec2, radius_m: f32, up_deg: f64) -> Self {
+        let scale = rect.width().min(rect.height()) / 2.0 / radius_m.max(1.0);
+        Self { rect, middle, scale, up: up_deg.to_radians() as f32 }
+    }
+
+    /// Screen position of a plan position.
+    pub fn screen(&self, plan_pos: DVec2) -> Pos2 {
+        let d = (plan_pos - self.middle).as_vec2() * self.scale;
+        let (sin, cos) = self.up.sin_cos();
+        self.rect.center() + EguiVec2::new(d.x * cos - d.y * sin, -(d.x * sin + d.y * cos))
+    }
+
+    /// Plan position under a screen position.
+    pub fn plan(&self, screen: Pos2) -> DVec2 {
+        let d = (screen - self.rect.center()) / self.scale;
+        let (sin, cos) = self.up.sin_cos();
+        self.middle + DVec2::new(f64::from(d.x * cos - d.y * sin), f64::from(-d.x * sin - d.y * cos))
+    }
+
+    /// Metres from the middle to a corner.
+    pub fn reach_m(&self) -> f32 {
+        self.rect.size().length() / 2.0 / self.scale
+    }
+
+    pub fn middle(&self) -> DVec2 {
+        self.middle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> Rect {
+        Rect::from_min_size(Pos2::ZERO, EguiVec2::splat(200.0))
+    }
+
+    #[test]
+    fn ahead_is_up_when_the_heading_is() {
+        let east_up = Projection::new(square(), DVec2::ZERO, 100.0, 90.0);
+        let p = east_up.screen(DVec2::new(50.0, 0.0));
+        assert!((p.x - 100.0).abs() < 1e-3 && (p.y - 50.0).abs() < 1e-3, "{p:?}");
+        let north_up = Projection::new(square(), DVec2::ZERO, 100.0, 0.0);
+        let p = north_up.screen(DVec2::new(50.0, 0.0));
+        assert!((p.x - 150.0).abs() < 1e-3 && (p.y - 100.0).abs() < 1e-3, "{p:?}");
+    }
+
+    #[test]
+    fn a_click_finds_the_plan_position_it_is_drawn_from() {
+        let map = Projection::new(square(), DVec2::new(-300.0, 40.0), 250.0, 137.0);
+        for plan in [DVec2::new(-290.0, 60.0), DVec2::new(-400.0, -20.0)] {
+            assert!((map.plan(map.screen(plan)) - plan).length() < 1e-2);
+        }
+    }
+}

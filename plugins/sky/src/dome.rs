@@ -1,0 +1,92 @@
+use bevy::asset::embedded_asset;
+use bevy::camera::visibility::NoFrustumCulling;
+use bevy::light::{NotShadowCaster, NotShadowReceiver};
+use bevy::prelude::*;
+use bevy::render::render_resource::{AsBindGroup, ShaderType};
+use bevy::shader::ShaderRef;
+use veduta_ecs::{VedutaSystems, Viewer};
+
+use crate::Light;
+
+/// What the dome's shader reads.
+#[derive(ShaderType, Debug, Clone, Copy, Default, PartialEq)]
+struct SkyUniform {
+    /// Linear colour; `w`: radiance.
+    zenith: Vec4,
+    /// Linear colour; `w`: night, 0 to 1.
+    horizon: Vec4,
+    /// Direction to the sun; `w`: drift of the clouds.
+    sun: Vec4,
+    /// Linear colour of the sun; `w`: cover of clouds, 0 to 1.
+    key: Vec4,
+}
+
+/// The sky: gradient, glow of the sun, clouds, stars.
+#[derive(Asset, TypePath, AsBindGroup, Debug, Clone)]
+pub struct SkyMaterial {
+    #[uniform(0)]
+    uniform: SkyUniform,
+}
+
+impl Material for SkyMaterial {
+    fn fragment_shader() -> ShaderRef {
+        "embedded://veduta_sky/sky.wgsl".into()
+    }
+    fn enable_prepass() -> bool {
+        false
+    }
+    fn enable_shadows() -> bool {
+        false
+    }
+}
+
+/// The dome that surrounds the viewers.
+#[derive(Component)]
+struct Dome;
+
+/// Radius in metres: within every camera's far plane, beyond every house.
+const RADIUS_M: f32 = 4_000.0;
+
+pub(crate) fn build(app: &mut App) {
+    embedded_asset!(app, "sky.wgsl");
+    app.add_plugins(MaterialPlugin::<SkyMaterial>::default())
+        .add_systems(Startup, raise)
+        .add_systems(Update, (tint, follow).in_set(VedutaSystems::Show));
+}
+
+fn raise(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<SkyMaterial>>) {
+    let inside_out = Mesh::from(Sphere::new(RADIUS_M).mesh().uv(32, 18)).with_inverted_winding();
+    let Ok(mesh) = inside_out else { return };
+    commands.spawn((
+        Dome,
+        Mesh3d(meshes.add(mesh)),
+        MeshMaterial3d(materials.add(SkyMaterial { uniform: SkyUniform::default() })),
+        NotShadowCaster,
+        NotShadowReceiver,
+        NoFrustumCulling,
+    ));
+}
+
+fn tint(light: Res<Light>, time: Res<Time>, mut materials: ResMut<Assets<SkyMaterial>>, dome: Query<&MeshMaterial3d<SkyMaterial>, With<Dome>>) {
+    for handle in &dome {
+        let p = light.palette;
+        let uniform = SkyUniform {
+            zenith: p.zenith.extend(p.sky),
+            horizon: p.horizon.extend(p.night),
+            sun: light.sun.direction().extend((time.elapsed_secs() * 0.5).floor() * 0.004),
+            key: p.key.extend(0.45),
+        };
+        if materials.get(handle).is_some_and(|m| m.uniform != uniform)
+            && let Some(mut material) = materials.get_mut(handle)
+        {
+            material.uniform = uniform;
+        }
+    }
+}
+
+fn follow(viewers: Query<&Transform, (With<Viewer>, Without<Dome>)>, mut dome: Query<&mut Transform, With<Dome>>) {
+    let Some(viewer) = viewers.iter().next() else { return };
+    for mut transform in &mut dome {
+        transform.set_if_neq(Transform::from_translation(viewer.translation));
+    }
+}

@@ -1,0 +1,42 @@
+use bevy::asset::io::Reader;
+use bevy::asset::{AssetLoader, LoadContext};
+use bevy::prelude::*;
+use veduta_city::{Tour, file};
+
+/// A tour, read from `*.tour.ron`.
+#[derive(Asset, TypePath, Debug, Clone)]
+pub struct TourAsset(
+    /// The tour.
+    pub Tour,
+);
+
+/// A tour that could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum TourLoadError {
+    /// The file could not be read.
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+    /// There is a mistake in it.
+    #[error("{0}")]
+    Syntax(#[from] file::SyntaxError),
+}
+
+/// Reads tours.
+#[derive(Default, TypePath)]
+pub(crate) struct TourLoader;
+
+impl AssetLoader for TourLoader {
+    type Asset = TourAsset;
+    type Settings = ();
+    type Error = TourLoadError;
+
+    async fn load(&self, reader: &mut dyn Reader, _: &(), context: &mut LoadContext<'_>) -> Result<TourAsset, TourLoadError> {
+        let mut bytes = Vec::new();
+        reader.read_to_end(&mut bytes).await?;
+        Ok(TourAsset(file::parse_bytes(&bytes, &context.path().to_string())?))
+    }
+
+    fn extensions(&self) -> &[&str] {
+        &["tour.ron"]
+    }
+}

@@ -1,0 +1,302 @@
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use veduta_city::Tour;
+use veduta_ecs::{City, CityClock, Eye, Steering, Viewer};
+use veduta_route::{CompiledTour, Gazetteer, Pose, ResumeLeg, StreetNet, compile, resume};
+
+use crate::TourAsset;
+
+/// What to do with the tour.
+#[derive(Message, Debug, Clone, PartialEq)]
+pub enum TourCommand {
+    /// Load a tour from the asset server (a path such as `royal_route.tour.ron`) and play it as soon as it can be.
+    Open(String),
+    /// Play a tour given as a value.
+    Give(Box<Tour>),
+    /// Play on; after wandering off, from where the visitor is now.
+    Play,
+    /// Stand still.
+    Pause,
+    /// Play or pause, whichever it is not.
+    Toggle,
+    /// Go to a second of the tour.
+    Seek(f64),
+    /// Play at a multiple of the written speed, 0.1 to 8.
+    Speed(f64),
+    /// End it.
+    Stop,
+}
+
+/// A tour has come to its end or was stopped.
+#[derive(Message, Debug, Clone, PartialEq, Eq)]
+pub struct TourEnded {
+    /// Its title.
+    pub title: String,
+    /// Whether its end was reached.
+    pub finished: bool,
+}
+
+/// How the tour stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TourState {
+    /// No tour.
+    #[default]
+    Idle,
+    /// The tour, or the streets it walks on, have not arrived.
+    Waiting,
+    /// On its way.
+    Playing,
+    /// On the way back to where it was left.
+    Returning,
+    /// Standing still.
+    Paused,
+    /// The visitor has taken the controls; [`TourCommand::Play`] resumes.
+    Wandering,
+}
+
+/// The tour player.
+#[derive(Resource, Default)]
+pub struct TourPlayer {
+    handle: Option<Handle<TourAsset>>,
+    source: Option<Tour>,
+    compiled: Option<CompiledTour>,
+    net: Option<StreetNet>,
+    state: TourState,
+    t_s: f64,
+    speed: Option<f64>,
+    leg: Option<(ResumeLeg, f64)>,
+    play_when_ready: bool,
+    last_error: Option<String>,
+}
+
+impl TourPlayer {
+    /// How it stands.
+    #[must_use]
+    pub fn state(&self) -> TourState {
+        self.state
+    }
+
+    /// Second of the tour that is shown.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.t_s
+    }
+
+    /// Multiple of the written speed.
+    #[must_use]
+    pub fn speed(&self) -> f64 {
+        self.speed.unwrap_or(1.0)
+    }
+
+    /// The tour, once it is ready.
+    #[must_use]
+    pub fn tour(&self) -> Option<&CompiledTour> {
+        self.compiled.as_ref()
+    }
+
+    /// Caption of this moment.
+    #[must_use]
+    pub fn caption(&self) -> Option<&str> {
+        let shown = matches!(self.state, TourState::Playing | TourState::Paused);
+        self.compiled.as_ref().filter(|_| shown)?.caption(self.t_s)
+    }
+
+    /// What is wrong with the tour, if anything is.
+    #[must_use]
+    pub fn error(&self) -> Option<&str> {
+        self.last_error.as_deref()
+    }
+
+    fn forget(&mut self) {
+        *self = Self { speed: self.speed, ..Self::default() };
+    }
+}
+
+/// Obeys commands.
+pub(crate) fn obey(
+    mut commands: MessageReader<TourCommand>,
+    assets: Res<AssetServer>,
+    mut player: ResMut<TourPlayer>,
+    mut steering: ResMut<Steering>,
+    viewers: Query<&Eye, With<Viewer>>,
+    clock: Res<CityClock>,
+    mut ended: MessageWriter<TourEnded>,
+) {
+    for command in commands.read() {
+        match command {
+            TourCommand::Open(path) => {
+                player.forget();
+                player.handle = Some(assets.load(path.clone()));
+                player.play_when_ready = true;
+                player.state = TourState::Waiting;
+            }
+            TourCommand::Give(tour) => {
+                player.forget();
+                player.source = Some((**tour).clone());
+                player.play_when_ready = true;
+                player.state = TourState::Waiting;
+            }
+            TourCommand::Play => play_on(&mut player, &mut steering, viewers.iter().next(), &clock),
+            TourCommand::Pause => pause(&mut player),
+            TourCommand::Toggle if player.state == TourState::Playing => pause(&mut player),
+            TourCommand::Toggle => play_on(&mut player, &mut steering, viewers.iter().next(), &clock),
+            TourCommand::Seek(t_s) => {
+                let end = player.compiled.as_ref().map_or(0.0, CompiledTour::duration_s);
+                player.t_s = if t_s.is_finite() { t_s.clamp(0.0, end) } else { player.t_s };
+            }
+            TourCommand::Speed(times) if times.is_finite() => player.speed = Some(times.clamp(0.1, 8.0)),
+            TourCommand::Speed(_) => {}
+            TourCommand::Stop => {
+                if let Some(tour) = &player.compiled {
+                    ended.write(TourEnded { title: tour.title().to_owned(), finished: false });
+                }
+                player.forget();
+                steering.set_if_neq(Steering::Visitor);
+            }
+        }
+    }
+}
+
+fn pause(player: &mut TourPlayer) {
+    if player.state == TourState::Playing {
+        player.state = TourState::Paused;
+    }
+}
+
+fn play_on(player: &mut TourPlayer, steering: &mut ResMut<Steering>, eye: Option<&Eye>, clock: &CityClock) {
+    match player.state {
+        TourState::Paused => player.state = TourState::Playing,
+        TourState::Wandering => {
+            let (Some(tour), Some(net), Some(eye)) = (&player.compiled, &player.net, eye) else { return };
+            player.leg = Some((resume(tour, net, pose_of(eye, clock.hour), player.t_s), 0.0));
+            player.state = TourState::Returning;
+        }
+        TourState::Idle | TourState::Waiting => player.play_when_ready = true,
+        TourState::Playing | TourState::Returning => {}
+    }
+    if matches!(player.state, TourState::Playing | TourState::Returning) {
+        steering.set_if_neq(Steering::Guided);
+    }
+}
+
+fn pose_of(eye: &Eye, hour: f64) -> Pose {
+    Pose {
+        plan_pos: [eye.plan_pos.x, eye.plan_pos.y].into(),
+        eye_m: eye.eye_m,
+        heading_deg: eye.heading_deg,
+        pitch_deg: eye.pitch_deg,
+        fov_deg: eye.fov_deg,
+        hour,
+        fade: eye.fade,
+    }
+}
+
+/// Compiles the tour once it and the city's streets are here, and anew when its file has changed.
+pub(crate) fn compile_tour(
+    mut events: MessageReader<AssetEvent<TourAsset>>,
+    assets: Res<Assets<TourAsset>>,
+    city: Option<Res<City>>,
+    mut player: ResMut<TourPlayer>,
+    mut steering: ResMut<Steering>,
+) {
+    let handle = player.handle.clone();
+    for event in events.read() {
+        let changed = |id: &AssetId<TourAsset>| handle.as_ref().is_some_and(|h| h.id() == *id);
+        if let AssetEvent::Added { id } | AssetEvent::Modified { id } = event
+            && changed(id)
+            && let Some(asset) = assets.get(*id)
+        {
+            player.source = Some(asset.0.clone());
+        }
+    }
+    if player.source.is_none() {
+        return;
+    }
+    let Some(city) = city else { return };
+    let Some(overview) = &city.overview else { return };
+    let Some(source) = player.source.take() else { return };
+    let net = StreetNet::new(&overview.streets);
+    match compile(&source, &net, &Gazetteer::new(&city.places)) {
+        Ok(tour) => {
+            info!("tour “{}”: {:.0} s", tour.title(), tour.duration_s());
+            player.t_s = player.t_s.min(tour.duration_s());
+            player.compiled = Some(tour);
+            player.net = Some(net);
+            player.last_error = None;
+            if player.play_when_ready {
+                player.play_when_ready = false;
+                player.state = TourState::Playing;
+                steering.set_if_neq(Steering::Guided);
+            }
+        }
+        Err(error) => {
+            // The last good version, if there is one, plays on.
+            let message = format!("tour “{}”: {error}", source.title);
+            error!("{message}");
+            player.last_error = Some(message);
+            if player.compiled.is_none() {
+                player.state = TourState::Idle;
+            }
+        }
+    }
+}
+
+/// Moves the eye along the tour.
+pub(crate) fn play(
+    time: Res<Time>,
+    mut player: ResMut<TourPlayer>,
+    mut steering: ResMut<Steering>,
+    mut clock: ResMut<CityClock>,
+    mut viewers: Query<&mut Eye, With<Viewer>>,
+    mut ended: MessageWriter<TourEnded>,
+) {
+    let guided = *steering == Steering::Guided;
+    if matches!(player.state, TourState::Playing | TourState::Returning | TourState::Paused) && !guided {
+        player.state = TourState::Wandering;
+        player.leg = None;
+        // A fade under way would leave the wanderer in the dark.
+        for mut eye in &mut viewers {
+            eye.fade = 0.0;
+        }
+    }
+    let dt = time.delta_secs_f64() * player.speed();
+    let pose = match player.state {
+        TourState::Playing => {
+            let Some((end, title)) = player.compiled.as_ref().map(|t| (t.duration_s(), t.title().to_owned())) else { return };
+            player.t_s = (player.t_s + dt).min(end);
+            if player.t_s >= end {
+                ended.write(TourEnded { title, finished: true });
+                player.state = TourState::Paused;
+            }
+            player.compiled.as_ref().map(|tour| tour.pose(player.t_s))
+        }
+        TourState::Paused => player.compiled.as_ref().map(|tour| tour.pose(player.t_s)),
+        TourState::Returning => {
+            let Some((leg, t)) = &mut player.leg else { return };
+            *t += dt;
+            let (pose, there) = (leg.pose(*t), *t >= leg.duration_s());
+            if there {
+                player.leg = None;
+                player.state = TourState::Playing;
+            }
+            Some(pose)
+        }
+        TourState::Idle | TourState::Waiting | TourState::Wandering => None,
+    };
+    let Some(pose) = pose else { return };
+    if clock.hour != pose.hour {
+        clock.hour = pose.hour;
+    }
+    for mut eye in &mut viewers {
+        let ground_m = 0.0;
+        eye.set_if_neq(Eye {
+            plan_pos: DVec2::new(pose.plan_pos.x, pose.plan_pos.y),
+            ground_m,
+            eye_m: pose.eye_m,
+            heading_deg: pose.heading_deg,
+            pitch_deg: pose.pitch_deg,
+            fov_deg: pose.fov_deg,
+            fade: pose.fade,
+        });
+    }
+}
