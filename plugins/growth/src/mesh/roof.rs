@@ -121,12 +121,12 @@ impl Roofer {
         triangulator.each(rings, |_, places| {
             for (i, plane) in planes.iter().enumerate() {
                 face.clear();
-                face.extend(places.map(|p| p.extend(plane.at(p).clamp(0.0, 1.0))));
+                face.extend(places.map(|p| p.extend(plane.at(p))));
                 for (_, other) in planes.iter().enumerate().filter(|&(j, _)| j != i) {
                     clip(face, cut, |p| plane.at(p.truncate()) - other.at(p.truncate()));
                     core::mem::swap(face, cut);
                 }
-                pieces.push(face.iter().copied());
+                pieces.push(face.iter().map(|p| p.truncate().extend(p.z.clamp(0.0, 1.0))));
             }
         });
     }

@@ -146,7 +146,8 @@ impl Sculptor<'_> {
             let uv = DVec2::new(place.x + 0.5 * place.z, place.y - 0.5 * place.z) / paint.size_m();
             self.mesh.vertex(place, normal.normalize_or(DVec3::Y).as_vec3().to_array(), uv, paint);
         }
-        self.mesh.indices.extend(ball.triangles.iter().flatten().map(|&i| base + i));
+        // The object's frame (right, up, front) is left-handed.
+        self.mesh.indices.extend(ball.triangles.iter().flat_map(|&[a, b, c]| [a, c, b]).map(|i| base + i));
     }
 }
 
