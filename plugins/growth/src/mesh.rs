@@ -1,1 +1,60 @@
-//! Meshes of a cell from its packets.
+//! Meshes of a cell, made from its packets on the walker's machine.
+//!
+//! ```text
+//!  CellShell ──► ground, roofs, level1, objects ─► MeshData     CellShell ──► collision
+//!  CellShell + FacadeSheet ──► level2 ───────────► MeshData
+//! ```
+//!
+//! Every function is pure and looks at one cell alone. Positions are metres in the engine's axes local to the cell: x east,
+//! y up, z south; in plan relative to [`CellShell::origin`](veduta_city::CellShell), in height to the city's zero.
+//!
+//! A roof is a parameter `t` over the footprint, 0 at the eaves and 1 at the ridge, bent by a profile (straight, broken,
+//! round): [`RoofForm`] decides it once a volume, and the roof's faces as well as the gables above the walls follow it, so
+//! that they meet. Hips come from the straight skeleton of the footprint (Aichholzer, Aurenhammer 1996), found by moving all
+//! edges inwards at once; where that fails, the hip is cut off flat below the first event.
+//!
+//! ```
+//! use veduta_city::{CellShell, GridPolygon, GridPos, GroundPatch, SurfaceKind};
+//! use veduta_growth::mesh;
+//! let square = vec![GridPos(0, 0), GridPos(4096, 0), GridPos(4096, 4096), GridPos(0, 4096)];
+//! let patch = GroundPatch { surface: SurfaceKind::Cobbles, outline: GridPolygon::simple(square), z: 0 };
+//! let shell = CellShell { ground: vec![patch], ..Default::default() };
+//! let ground = mesh::ground(&shell);
+//! assert_eq!(ground.triangle_count(), 2);
+//! ground.validate().unwrap();
+//! ```
+//!
+//! # Limits
+//! Storeys that do not add up to the wall's height are stretched to it. A gabled roof on a footprint with courtyards, or one
+//! that fills less than two thirds of its extent, is built hipped.
+//!
+//! # Rejected
+//! Distance fields for hips (parabolic creases at inner corners), and sharing vertices between faces (every face has its own
+//! normal, tile and façade anyway).
+
+mod collision;
+mod data;
+mod form;
+mod ground;
+mod hip;
+mod lathe;
+mod moulding;
+mod object;
+mod outline;
+mod roof;
+mod roof_detail;
+mod shape;
+mod skeleton;
+mod wall;
+
+#[cfg(test)]
+mod proof;
+
+pub use collision::{Collision, Pillar, Trimesh, collision};
+pub use data::{MeshData, MeshError};
+pub use form::RoofForm;
+pub use ground::ground;
+pub use moulding::mouldings;
+pub use object::{lantern, objects};
+pub use roof::{roof_coverings, roofs};
+pub use wall::{facades, level1, level2};

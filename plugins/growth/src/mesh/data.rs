@@ -1,0 +1,264 @@
+use glam::{DVec2, DVec3};
+use veduta_city::{Rgb, Tile};
+
+/// Plain vertex data of a triangle mesh. The vertex vectors have one length; triangles are counter-clockwise seen from
+/// outside. Every face has its own vertices.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MeshData {
+    /// Metres: x east, y up, z south; plan relative to the cell's origin, height to the city's zero.
+    pub positions: Vec<[f32; 3]>,
+    /// Unit normals.
+    pub normals: Vec<[f32; 3]>,
+    /// In repeats of the tile, v downwards. On façades one repeat is one bay of one storey: the whole part of (u, −v) counts
+    /// bays and storeys, so that a shader may tell windows apart.
+    pub uvs: Vec<[f32; 2]>,
+    /// Middle (x, z) of the façade or house that the vertex belongs to: exactly the same in every level's mesh of it.
+    pub centres: Vec<[f32; 2]>,
+    /// Linear red, green, blue that the tile is multiplied by, and the tile's layer ([`Tile::index`]).
+    pub colours: Vec<[f32; 4]>,
+    /// Three for each triangle.
+    pub indices: Vec<u32>,
+}
+
+/// Why a mesh could not be made, or is not one.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum MeshError {
+    /// A level-2 packet that does not belong to the level-1 packet.
+    #[error("the façade sheet tells {sheet} walls, but the shell lists {shell}: the two packets are not of one cell")]
+    SheetLength {
+        /// Walls of the shell.
+        shell: usize,
+        /// Walls of the sheet.
+        sheet: usize,
+    },
+    /// Vertex vectors of different lengths.
+    #[error("the mesh has {positions} positions but another number of {what}")]
+    Ragged {
+        /// Number of positions.
+        positions: usize,
+        /// The vector that differs.
+        what: &'static str,
+    },
+    /// A number that is not finite.
+    #[error("vertex {vertex} of the mesh has {what} that are not finite")]
+    NotFinite {
+        /// Which vertex.
+        vertex: usize,
+        /// Which vector.
+        what: &'static str,
+    },
+    /// A normal whose length is not 1.
+    #[error("vertex {0} of the mesh has a normal that is not of length 1")]
+    Normal(usize),
+    /// Indices that are not whole triangles of vertices.
+    #[error("index {at} of the mesh is {index}, beyond its {vertices} vertices or not part of a triangle")]
+    Index {
+        /// Place among the indices.
+        at: usize,
+        /// The index.
+        index: u32,
+        /// Number of vertices.
+        vertices: usize,
+    },
+}
+
+impl MeshData {
+    /// Whether there is nothing to draw.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.indices.is_empty()
+    }
+
+    /// Number of triangles.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        self.indices.len() / 3
+    }
+
+    /// Adds another mesh.
+    pub fn append(&mut self, other: &Self) {
+        let base = self.positions.len() as u32;
+        self.positions.extend_from_slice(&other.positions);
+        self.normals.extend_from_slice(&other.normals);
+        self.uvs.extend_from_slice(&other.uvs);
+        self.centres.extend_from_slice(&other.centres);
+        self.colours.extend_from_slice(&other.colours);
+        self.indices.extend(other.indices.iter().map(|i| i + base));
+    }
+
+    /// Checks that the vectors fit together, all numbers are finite, normals have unit length and indices exist.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn validate(&self) -> Result<(), MeshError> {
+        let positions = self.positions.len();
+        let lengths = [
+            ("normals", self.normals.len()),
+            ("uvs", self.uvs.len()),
+            ("centres", self.centres.len()),
+            ("colours", self.colours.len()),
+        ];
+        if let Some((what, _)) = lengths.into_iter().find(|&(_, n)| n != positions) {
+            return Err(MeshError::Ragged { positions, what });
+        }
+        all_finite("positions", &self.positions)?;
+        all_finite("normals", &self.normals)?;
+        all_finite("uvs", &self.uvs)?;
+        all_finite("centres", &self.centres)?;
+        all_finite("colours", &self.colours)?;
+        let unit = |n: &[f32; 3]| (n.iter().map(|c| c * c).sum::<f32>() - 1.0).abs() < 1e-3;
+        if let Some(vertex) = self.normals.iter().position(|n| !unit(n)) {
+            return Err(MeshError::Normal(vertex));
+        }
+        let whole = self.indices.len() / 3 * 3;
+        let bad = self.indices.iter().enumerate().find(|&(at, &i)| i as usize >= positions || at >= whole);
+        bad.map_or(Ok(()), |(at, &index)| Err(MeshError::Index { at, index, vertices: positions }))
+    }
+
+    /// Room for this many more quads.
+    pub(super) fn reserve_quads(&mut self, quads: usize) {
+        self.positions.reserve(quads * 4);
+        self.normals.reserve(quads * 4);
+        self.uvs.reserve(quads * 4);
+        self.centres.reserve(quads * 4);
+        self.colours.reserve(quads * 4);
+        self.indices.reserve(quads * 6);
+    }
+
+    /// Adds a vertex and tells its index.
+    pub(super) fn vertex(&mut self, position: DVec3, normal: [f32; 3], uv: DVec2, paint: Paint) -> u32 {
+        let index = self.positions.len() as u32;
+        self.positions.push(position.as_vec3().to_array());
+        self.normals.push(normal);
+        self.uvs.push(uv.as_vec2().to_array());
+        self.centres.push(paint.centre);
+        self.colours.push(paint.colour);
+        index
+    }
+
+    /// Adds a quad, corners counter-clockwise seen from outside.
+    pub(super) fn quad(&mut self, corners: [DVec3; 4], normal: [f32; 3], uvs: [DVec2; 4], paint: Paint) {
+        let base = self.positions.len() as u32;
+        for (corner, uv) in corners.into_iter().zip(uvs) {
+            self.vertex(corner, normal, uv, paint);
+        }
+        self.indices.extend([base, base + 1, base + 2, base, base + 2, base + 3]);
+    }
+
+    /// Adds a flat convex polygon, counter-clockwise seen from outside, with texture coordinates in metres over the tile's
+    /// size that run level and uphill. Nothing if it has no area.
+    pub(super) fn polygon(&mut self, corners: &[DVec3], paint: Paint) {
+        let Some(normal) = newell(corners) else { return };
+        let chart = Chart::new(normal, paint.tile);
+        let base = self.positions.len() as u32;
+        for &corner in corners {
+            self.vertex(corner, normal.as_vec3().to_array(), chart.uv(corner), paint);
+        }
+        for i in 1..corners.len() as u32 - 1 {
+            self.indices.extend([base, base + i, base + i + 1]);
+        }
+    }
+}
+
+fn all_finite<const N: usize>(what: &'static str, of: &[[f32; N]]) -> Result<(), MeshError> {
+    match of.iter().position(|v| !v.iter().all(|c| c.is_finite())) {
+        Some(vertex) => Err(MeshError::NotFinite { vertex, what }),
+        None => Ok(()),
+    }
+}
+
+/// Unit normal of a polygon by Newell's sum; `None` if it has (next to) no area.
+pub(super) fn newell(corners: &[DVec3]) -> Option<DVec3> {
+    let first = *corners.first()?;
+    let sum: DVec3 = corners.windows(2).map(|w| (w[0] - first).cross(w[1] - first)).sum();
+    (sum.length() > 1e-9).then(|| sum.normalize())
+}
+
+/// What a face is drawn with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Paint {
+    pub(super) centre: [f32; 2],
+    pub(super) colour: [f32; 4],
+    pub(super) tile: Tile,
+}
+
+impl Paint {
+    pub(super) fn new(centre: [f32; 2], colour: Rgb, tile: Tile) -> Self {
+        let [r, g, b] = colour.to_linear();
+        Self { centre, colour: [r, g, b, tile.index() as f32], tile }
+    }
+
+    /// The same place and colour with another tile.
+    pub(super) fn with_tile(self, tile: Tile) -> Self {
+        let [r, g, b, _] = self.colour;
+        Self { colour: [r, g, b, tile.index() as f32], tile, ..self }
+    }
+
+    /// Width and height of a repeat in metres.
+    pub(super) fn size_m(self) -> DVec2 {
+        let (width, height) = self.tile.size_m();
+        DVec2::new(f64::from(width), f64::from(height))
+    }
+}
+
+/// Texture axes of a plane: u level, v downhill.
+struct Chart {
+    u: DVec3,
+    v: DVec3,
+}
+
+impl Chart {
+    fn new(normal: DVec3, tile: Tile) -> Self {
+        let level = DVec3::Y.cross(normal);
+        let u = if level.length() > 1e-3 { level.normalize() } else { DVec3::X };
+        let (width, height) = tile.size_m();
+        Self { u: u / f64::from(width), v: u.cross(normal) / f64::from(height) }
+    }
+
+    fn uv(&self, p: DVec3) -> DVec2 {
+        DVec2::new(self.u.dot(p), self.v.dot(p))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangle() -> MeshData {
+        let mut mesh = MeshData::default();
+        let paint = Paint::new([0.0; 2], Rgb(255, 255, 255), Tile::Plaster);
+        mesh.polygon(&[DVec3::ZERO, DVec3::X, DVec3::Y], paint);
+        mesh
+    }
+
+    #[test]
+    fn a_polygon_faces_the_side_it_turns_left_on() {
+        let mesh = triangle();
+        assert_eq!(mesh.validate(), Ok(()));
+        assert_eq!(mesh.normals, [[0.0, 0.0, 1.0]; 3]);
+        assert!(mesh.uvs[2][1] < mesh.uvs[0][1], "v runs downwards");
+        assert!(mesh.uvs[1][0] > mesh.uvs[0][0], "u runs to the right");
+    }
+
+    #[test]
+    fn appended_indices_move_along() {
+        let mut mesh = triangle();
+        mesh.append(&triangle());
+        assert_eq!((mesh.triangle_count(), mesh.validate()), (2, Ok(())));
+        assert_eq!(mesh.indices, [0, 1, 2, 3, 4, 5]);
+    }
+
+    #[test]
+    fn validation_finds_each_fault() {
+        let fault = |spoil: fn(&mut MeshData)| {
+            let mut mesh = triangle();
+            spoil(&mut mesh);
+            mesh.validate().unwrap_err()
+        };
+        assert_eq!(fault(|m| m.uvs.truncate(1)), MeshError::Ragged { positions: 3, what: "uvs" });
+        assert_eq!(fault(|m| m.positions[1][0] = f32::NAN), MeshError::NotFinite { vertex: 1, what: "positions" });
+        assert_eq!(fault(|m| m.normals[2] = [0.5; 3]), MeshError::Normal(2));
+        assert_eq!(fault(|m| m.indices[0] = 3), MeshError::Index { at: 0, index: 3, vertices: 3 });
+        assert_eq!(fault(|m| m.indices.truncate(2)), MeshError::Index { at: 0, index: 0, vertices: 3 });
+    }
+}

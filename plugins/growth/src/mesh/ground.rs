@@ -1,0 +1,127 @@
+use glam::DVec2;
+use veduta_city::{CellShell, GRID_PER_METRE, GridPos, GroundPatch, Rgb, SurfaceKind, Tile, metres};
+
+use super::data::{MeshData, Paint};
+use super::outline::{Triangulator, centre_of, engine, middle, rings, wall_edge};
+
+/// Depth of a kerb's face below the top of its patch where nothing lower is known of, and the most a bank goes down; metres.
+const KERB_M: f64 = 0.15;
+const BANK_M: f64 = 6.0;
+
+/// A whole number of repeats of every ground tile: texture coordinates count from the last multiple of it, so that they fit
+/// between cells and stay small; grid steps.
+const REPEAT: i64 = 16 * GRID_PER_METRE as i64;
+
+/// The cell's ground, facing up, with upright faces at the kerbs and banks of patches that stand above others. Texture
+/// coordinates go on across cells.
+#[must_use]
+pub fn ground(shell: &CellShell) -> MeshData {
+    let mut mesh = MeshData::default();
+    let mut triangulator = Triangulator::default();
+    let lowest = shell.ground.iter().map(|patch| patch.z).min().unwrap_or(0);
+    let level = LevelEdges::new(&shell.ground);
+    let offset = DVec2::new(remainder(shell.origin.0), remainder(shell.origin.1));
+    for patch in &shell.ground {
+        let tile = Tile::Ground(patch.surface);
+        let paint = Paint::new(centre_of(middle(&patch.outline)), Rgb(255, 255, 255), tile);
+        let y = metres(patch.z);
+        triangulator.each(&rings(&patch.outline), |_, places| {
+            let base = mesh.positions.len() as u32;
+            for p in places {
+                let uv = DVec2::new(p.x + offset.x, -(p.y + offset.y)) / paint.size_m();
+                mesh.vertex(engine(p, y), [0.0, 1.0, 0.0], uv, paint);
+            }
+            mesh.indices.extend([base, base + 1, base + 2]);
+        });
+        if patch.surface != SurfaceKind::Water && (patch.z > 0 || patch.z > lowest) {
+            let below = metres(patch.z) - metres(lowest);
+            kerb(patch, &level, below.clamp(KERB_M, BANK_M), &mut mesh);
+        }
+    }
+    mesh
+}
+
+fn remainder(origin: i32) -> f64 {
+    metres(i64::from(origin).rem_euclid(REPEAT) as i32)
+}
+
+fn kerb(patch: &GroundPatch, level: &LevelEdges, depth: f64, mesh: &mut MeshData) {
+    let paint = Paint::new(centre_of(middle(&patch.outline)), Rgb(0xB9, 0xB4, 0xA8), Tile::Stone);
+    let top = metres(patch.z);
+    let mut first = 0;
+    for ring in patch.outline.rings() {
+        for i in 0..ring.len() {
+            let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
+            if level.has_neighbour(a, b, patch.z) {
+                continue;
+            }
+            let Some(edge) = wall_edge(&patch.outline, first + i) else { continue };
+            let low = top - depth;
+            mesh.polygon(&[engine(edge.a, low), engine(edge.b, low), engine(edge.b, top), engine(edge.a, top)], paint);
+        }
+        first += ring.len();
+    }
+}
+
+/// Edges of all patches, to find those that two patches share whole.
+pub(super) struct LevelEdges(Vec<(GridPos, GridPos, i32)>);
+
+impl LevelEdges {
+    pub(super) fn new<'a>(patches: impl IntoIterator<Item = &'a GroundPatch>) -> Self {
+        let mut edges = Vec::new();
+        for patch in patches {
+            for ring in patch.outline.rings() {
+                edges.extend((0..ring.len()).map(|i| (ring[i], ring[(i + 1) % ring.len()], patch.z)));
+            }
+        }
+        edges.sort_unstable();
+        Self(edges)
+    }
+
+    /// Whether a patch at least as high lies on the right of an edge.
+    pub(super) fn has_neighbour(&self, a: GridPos, b: GridPos, z: i32) -> bool {
+        let next = self.0.partition_point(|&edge| edge < (b, a, z));
+        self.0.get(next).is_some_and(|edge| (edge.0, edge.1) == (b, a))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use veduta_city::GridPolygon;
+
+    use super::*;
+
+    fn patch(x: i32, z: i32, surface: SurfaceKind) -> GroundPatch {
+        let corners = [(x, 0), (x + 4, 0), (x + 4, 4), (x, 4)];
+        let outline = GridPolygon::simple(corners.into_iter().map(|(x, y)| GridPos(x * 1024, y * 1024)).collect());
+        GroundPatch { surface, outline, z }
+    }
+
+    #[test]
+    fn only_the_higher_patch_has_a_kerb_and_not_where_another_joins_it() {
+        let (road, pavement) = (patch(0, 0, SurfaceKind::Cobbles), patch(4, 123, SurfaceKind::Mosaic));
+        let more = patch(8, 123, SurfaceKind::Flagstones);
+        let shell = CellShell { ground: vec![road, pavement, more], ..Default::default() };
+        let mesh = ground(&shell);
+        mesh.validate().unwrap();
+        assert_eq!(mesh.triangle_count(), 3 * 2 + 6 * 2, "three of the four sides of each raised patch");
+        let stone = Tile::Stone.index() as f32;
+        let low = mesh.positions.iter().zip(&mesh.colours).filter(|(_, c)| c[3] == stone).map(|(p, _)| p[1]).fold(9.0, f32::min);
+        assert!((low - (123.0 / 1024.0 - 0.15)).abs() < 1e-6, "{low}");
+    }
+
+    #[test]
+    fn texture_goes_on_across_cells() {
+        let surfaces = [SurfaceKind::Cobbles, SurfaceKind::Asphalt, SurfaceKind::Water];
+        for surface in surfaces {
+            let here = CellShell { ground: vec![patch(4, 0, surface)], ..Default::default() };
+            let origin = GridPos(4 * 1024 - 48 * 1024, 160 * 1024);
+            let there = CellShell { origin, ground: vec![patch(48, 0, surface)], ..Default::default() };
+            let (a, b) = (ground(&here), ground(&there));
+            for (p, q) in a.uvs.iter().zip(&b.uvs) {
+                let apart = (p[0] - q[0]).rem_euclid(1.0);
+                assert!(apart.min(1.0 - apart) < 1e-4, "{surface:?}: {p:?} {q:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,147 @@
+use glam::DVec2;
+use veduta_city::{CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, WallKind, metres};
+
+use super::data::{MeshData, MeshError, Paint};
+use super::outline::{Edge, GroundHeights, engine, neighbours, wall_edge};
+use super::roof_detail::{OVERHANG_DROP_M, mitre};
+use super::wall::{Front, check, runs};
+
+/// Section of a moulding from its lower edge on the wall to its upper one: metres out of the wall, metres up; convex.
+type Section = [(f64, f64)];
+
+/// Crown cornice below the eaves of a tall wall.
+const CROWN: &Section = &[(0.0, -0.44), (0.14, -0.34), (0.26, -0.19), (0.28, -OVERHANG_DROP_M), (0.0, -OVERHANG_DROP_M)];
+/// Crown cornice below the eaves of a low one.
+const LOW_CROWN: &Section = &[(0.0, -0.24), (0.13, -0.16), (0.15, -OVERHANG_DROP_M), (0.0, -OVERHANG_DROP_M)];
+const STRING: &Section = &[(0.0, -0.02), (0.1, 0.02), (0.1, 0.15), (0.0, 0.18)];
+const PLINTH: &Section = &[(0.03, 0.0), (0.03, 0.6), (0.0, 0.62)];
+
+/// Walls from here on are tall, and none lower than the second figure has a cornice; metres.
+const TALL_M: f64 = 7.0;
+const CORNICE_FROM_M: f64 = 3.0;
+
+/// Cornices, string courses and plinths of the street walls: part of level 2. Centres are those of the walls.
+///
+/// # Errors
+/// [`MeshError::SheetLength`] if the sheet is not of this shell.
+pub fn mouldings(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshError> {
+    check(shell, sheet)?;
+    let mut mesh = MeshData::default();
+    let ground = GroundHeights::new(shell);
+    let mut told = sheet.walls.as_slice();
+    for volume in shell.houses.iter().flat_map(|house| &house.volumes) {
+        let (plans, rest) = told.split_at(volume.walls.len().min(told.len()));
+        told = rest;
+        for (&wall, plan) in volume.walls.iter().zip(plans).filter(|(_, plan)| plan.kind == WallKind::Street) {
+            let Some(front) = Front::new(volume, wall) else { continue };
+            let ends = ends(volume, plans, wall, &front.edge);
+            dress(volume, &front, plan, ends, &ground, &mut mesh);
+        }
+    }
+    Ok(mesh)
+}
+
+/// How a moulding ends at a corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum End {
+    /// Cut square, with a face.
+    Square,
+    /// Drawn to where it meets the next wall's, per metre of reach.
+    Mitre(DVec2),
+}
+
+/// The moulding runs round a corner if the next wall is a street front, or is drawn by another cell and stands at a convex
+/// corner, where it will be one most likely.
+fn ends(volume: &VolumeShell, plans: &[Wall], wall: u16, edge: &Edge) -> [End; 2] {
+    let Some((before, after)) = neighbours(&volume.footprint, wall.into()) else { return [End::Square; 2] };
+    let end = |other: usize, is_before: bool| {
+        let Some(next) = wall_edge(&volume.footprint, other) else { return End::Square };
+        let (first, second) = if is_before { (&next, edge) } else { (edge, &next) };
+        let listed = volume.walls.iter().position(|&w| usize::from(w) == other).and_then(|i| plans.get(i));
+        let runs_on = match listed {
+            Some(plan) => plan.kind == WallKind::Street,
+            None => first.along.perp_dot(second.along) > 0.1,
+        };
+        if runs_on { mitre(first, second).map_or(End::Square, End::Mitre) } else { End::Square }
+    };
+    [end(before, true), end(after, false)]
+}
+
+fn dress(volume: &VolumeShell, front: &Front, plan: &Wall, ends: [End; 2], ground: &GroundHeights<'_>, mesh: &mut MeshData) {
+    let height = front.eaves - front.bottom;
+    let trim = Paint::new(front.plaster.centre, volume.trim, Tile::Stone);
+    if height >= CORNICE_FROM_M && front.edge.length > 1.0 {
+        sweep(&front.edge, ends, if height >= TALL_M { CROWN } else { LOW_CROWN }, front.eaves, trim, mesh);
+    }
+    if let [first, second, ..] = plan.storeys[..] {
+        let total: f64 = plan.storeys.iter().map(|s| f64::from(s.height.max(0))).sum();
+        if first.height > 0 && second.height > 0 && front.edge.length > 1.0 {
+            let floor = front.bottom + height * f64::from(first.height) / total;
+            sweep(&front.edge, ends, STRING, floor, trim, mesh);
+        }
+    }
+    let stands = ground.before(&front.edge).is_none_or(|g| metres(volume.bottom) < g + 1.0);
+    if stands && height > 1.5 {
+        plinth(volume, front, plan, ends, mesh);
+    }
+}
+
+/// The plinth, left out where something is open down to the ground.
+fn plinth(volume: &VolumeShell, front: &Front, plan: &Wall, ends: [End; 2], mesh: &mut MeshData) {
+    let paint = Paint::new(front.plaster.centre, volume.colour.scaled(0.75), Tile::Stone);
+    let bays = plan.bays.max(1);
+    let mut from = Some(0);
+    let mut stretch = |from: u8, to: u8| {
+        let share = |bay: u8| front.edge.at(f64::from(bay) / f64::from(bays));
+        let Some(edge) = Edge::new(share(from), share(to)) else { return };
+        let ends = [if from == 0 { ends[0] } else { End::Square }, if to == bays { ends[1] } else { End::Square }];
+        sweep(&edge, ends, PLINTH, front.bottom, paint, mesh);
+    };
+    for (start, end, opening) in runs(plan, 0) {
+        if is_open_to_ground(opening) {
+            if let Some(from) = from.filter(|&from| from < start) {
+                stretch(from, start);
+            }
+            from = (end < bays).then_some(end);
+        }
+    }
+    if let Some(from) = from {
+        stretch(from, bays);
+    }
+}
+
+const fn is_open_to_ground(opening: Opening) -> bool {
+    matches!(opening, Opening::Portal | Opening::Door | Opening::Shop | Opening::Arcade | Opening::Gate)
+}
+
+/// Draws a section along a wall.
+fn sweep(edge: &Edge, ends: [End; 2], section: &Section, height: f64, paint: Paint, mesh: &mut MeshData) {
+    let way = |end: End| match end {
+        End::Square => edge.out,
+        End::Mitre(way) => way,
+    };
+    let (start, end) = (way(ends[0]), way(ends[1]));
+    let reach = section.iter().map(|s| s.0).fold(0.0, f64::max);
+    if edge.length + (end - start).dot(edge.along) * reach <= 0.0 {
+        return;
+    }
+    let at = |corner: DVec2, way: DVec2, (out, up): (f64, f64)| engine(corner + way * out, height + up);
+    for pair in section.windows(2) {
+        let (low, high) = (pair[0], pair[1]);
+        mesh.polygon(&[at(edge.a, start, low), at(edge.b, end, low), at(edge.b, end, high), at(edge.a, start, high)], paint);
+    }
+    let cap = |corner: DVec2, way: DVec2| section.iter().map(move |&s| at(corner, way, s));
+    let mut outline = Vec::with_capacity(section.len() + 1);
+    // A section that begins out of the wall stands on the ground.
+    let foot = section.first().filter(|s| s.0 > 0.0).map(|s| (0.0, s.1));
+    if ends[0] == End::Square {
+        outline.extend(foot.map(|f| at(edge.a, start, f)).into_iter().chain(cap(edge.a, start)));
+        mesh.polygon(&outline, paint);
+    }
+    if ends[1] == End::Square {
+        outline.clear();
+        outline.extend(foot.map(|f| at(edge.b, end, f)).into_iter().chain(cap(edge.b, end)));
+        outline.reverse();
+        mesh.polygon(&outline, paint);
+    }
+}

@@ -1,0 +1,237 @@
+use earcut::Earcut;
+use glam::{DVec2, DVec3};
+use veduta_city::{GridPolygon, GridPos, metres};
+
+/// Plan position (x, y) at a height, in the engine's axes.
+pub(super) fn engine(plan: DVec2, y: f64) -> DVec3 {
+    DVec3::new(plan.x, y, -plan.y)
+}
+
+/// Plan position as a façade's or house's centre (x, z).
+pub(super) fn centre_of(plan: DVec2) -> [f32; 2] {
+    [plan.x as f32, -plan.y as f32]
+}
+
+/// Middle of a footprint's bounds as centre of its roof.
+pub(super) fn middle(polygon: &GridPolygon) -> DVec2 {
+    polygon.bounds().map_or(DVec2::ZERO, |(low, high)| (low.to_metres() + high.to_metres()) / 2.0)
+}
+
+/// An edge of a polygon with its neighbours, in metres.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edge {
+    pub(super) a: DVec2,
+    pub(super) b: DVec2,
+    pub(super) length: f64,
+    /// From a to b.
+    pub(super) along: DVec2,
+    /// Out of the polygon.
+    pub(super) out: DVec2,
+}
+
+impl Edge {
+    /// `None` if the two are one.
+    pub(super) fn new(a: DVec2, b: DVec2) -> Option<Self> {
+        let length = (b - a).length();
+        let along = (b - a) / length;
+        (length > 1e-6).then_some(Self { a, b, length, along, out: DVec2::new(along.y, -along.x) })
+    }
+
+    pub(super) fn at(&self, share: f64) -> DVec2 {
+        self.a.lerp(self.b, share)
+    }
+
+    pub(super) fn normal(&self) -> [f32; 3] {
+        engine(self.out, 0.0).as_vec3().to_array()
+    }
+}
+
+/// The edge of a wall by its index: outer ring in order, then each hole.
+pub(super) fn wall_edge(polygon: &GridPolygon, wall: usize) -> Option<Edge> {
+    let (ring, i) = locate(polygon, wall)?;
+    Edge::new(ring.get(i)?.to_metres(), ring.get((i + 1) % ring.len())?.to_metres())
+}
+
+/// Indices of the walls before and after a wall in its ring.
+pub(super) fn neighbours(polygon: &GridPolygon, wall: usize) -> Option<(usize, usize)> {
+    let (ring, i) = locate(polygon, wall)?;
+    let first = wall - i;
+    Some((first + (i + ring.len() - 1) % ring.len(), first + (i + 1) % ring.len()))
+}
+
+fn locate(polygon: &GridPolygon, wall: usize) -> Option<(&Vec<GridPos>, usize)> {
+    let mut i = wall;
+    for ring in polygon.rings() {
+        if i < ring.len() {
+            return Some((ring, i));
+        }
+        i -= ring.len();
+    }
+    None
+}
+
+/// Number of edges, which is the number of walls.
+pub(super) fn wall_count(polygon: &GridPolygon) -> usize {
+    polygon.rings().map(Vec::len).sum()
+}
+
+/// Rings in metres, the outer one first.
+pub(super) type Rings = Vec<Vec<DVec2>>;
+
+/// Rings without repeated vertices; empty if the outer ring has no area or turns the wrong way. Holes of fewer than three
+/// vertices are left out.
+pub(super) fn rings(polygon: &GridPolygon) -> Rings {
+    let mut rings: Rings = Vec::with_capacity(1 + polygon.holes.len());
+    for ring in polygon.rings() {
+        let mut points: Vec<DVec2> = ring.iter().map(|p| p.to_metres()).collect();
+        points.dedup();
+        while points.len() > 1 && points.first() == points.last() {
+            points.pop();
+        }
+        if points.len() >= 3 {
+            rings.push(points);
+        } else if rings.is_empty() {
+            return rings;
+        }
+    }
+    if rings.first().is_some_and(|outer| area(outer) <= 1e-6) {
+        rings.clear();
+    }
+    rings
+}
+
+/// Signed area of a ring, square metres.
+pub(super) fn area(ring: &[DVec2]) -> f64 {
+    let Some(&o) = ring.first() else { return 0.0 };
+    ring.windows(2).map(|w| (w[0] - o).perp_dot(w[1] - o)).sum::<f64>() / 2.0
+}
+
+/// Whether a counter-clockwise ring never turns right (by more than a grain).
+pub(super) fn is_convex(ring: &[DVec2]) -> bool {
+    let n = ring.len();
+    (0..n).all(|i| {
+        let (a, b, c) = (ring[i], ring[(i + 1) % n], ring[(i + 2) % n]);
+        (b - a).perp_dot(c - b) >= -1e-6 * (b - a).length() * (c - b).length()
+    })
+}
+
+/// Whether a position lies in the polygon of some rings, by the even–odd rule.
+pub(super) fn contains(rings: &[Vec<DVec2>], p: DVec2) -> bool {
+    rings.iter().filter(|ring| is_in_ring(ring.iter().copied(), p)).count() % 2 == 1
+}
+
+/// The same for a polygon on the grid, in metres.
+pub(super) fn grid_contains(polygon: &GridPolygon, p: DVec2) -> bool {
+    polygon.rings().filter(|ring| is_in_ring(ring.iter().map(|q| q.to_metres()), p)).count() % 2 == 1
+}
+
+fn is_in_ring(ring: impl Iterator<Item = DVec2> + Clone, p: DVec2) -> bool {
+    let next = ring.clone().cycle().skip(1);
+    let crossed = ring.zip(next).filter(|(a, b)| {
+        let rise = b.y - a.y;
+        (a.y > p.y) != (b.y > p.y) && (p.x - a.x) * rise.abs() < (b.x - a.x) * (p.y - a.y) * rise.signum()
+    });
+    crossed.count() % 2 == 1
+}
+
+/// Cuts polygons into triangles; keeps its memory between calls.
+#[derive(Default)]
+pub(super) struct Triangulator {
+    earcut: Earcut<f64>,
+    points: Vec<[f64; 2]>,
+    holes: Vec<u32>,
+    triangles: Vec<u32>,
+}
+
+impl Triangulator {
+    /// Calls `each` with every triangle of some rings, as indices into the rings' points laid end to end,
+    /// counter-clockwise.
+    pub(super) fn each(&mut self, rings: &[Vec<DVec2>], mut each: impl FnMut([usize; 3], [DVec2; 3])) {
+        self.points.clear();
+        self.holes.clear();
+        for ring in rings {
+            if !self.points.is_empty() {
+                self.holes.push(self.points.len() as u32);
+            }
+            self.points.extend(ring.iter().map(|p| p.to_array()));
+        }
+        self.earcut.earcut(self.points.iter().copied(), &self.holes, &mut self.triangles);
+        for t in self.triangles.chunks_exact(3) {
+            let corner = |i: u32| self.points.get(i as usize).map(|&p| DVec2::from_array(p));
+            let (Some(a), Some(b), Some(c)) = (corner(t[0]), corner(t[1]), corner(t[2])) else { continue };
+            let [i, j, k] = [t[0] as usize, t[1] as usize, t[2] as usize];
+            match (b - a).perp_dot(c - a) {
+                turn if turn > 0.0 => each([i, j, k], [a, b, c]),
+                turn if turn < 0.0 => each([i, k, j], [a, c, b]),
+                _ => {}
+            }
+        }
+    }
+}
+
+/// Height of the ground by place.
+pub(super) struct GroundHeights<'a> {
+    patches: Vec<(DVec2, DVec2, &'a GridPolygon, i32)>,
+    lowest: Option<i32>,
+}
+
+impl<'a> GroundHeights<'a> {
+    pub(super) fn new(shell: &'a veduta_city::CellShell) -> Self {
+        let bounded = shell.ground.iter().filter_map(|p| p.outline.bounds().map(|bounds| (bounds, p)));
+        let patches: Vec<_> =
+            bounded.map(|((low, high), p)| (low.to_metres(), high.to_metres(), &p.outline, p.z)).collect();
+        let lowest = patches.iter().map(|p| p.3).min();
+        Self { patches, lowest }
+    }
+
+    /// Lowest patch of the cell, grid steps.
+    pub(super) fn lowest(&self) -> Option<i32> {
+        self.lowest
+    }
+
+    /// Height in metres of the ground before a wall; the cell's lowest where no patch lies there; `None` without any.
+    pub(super) fn before(&self, edge: &Edge) -> Option<f64> {
+        let p = edge.at(0.5) + edge.out * 0.3;
+        let within = |low: DVec2, high: DVec2| low.cmple(p).all() && p.cmple(high).all();
+        let here = self.patches.iter().find(|(low, high, outline, _)| within(*low, *high) && grid_contains(outline, p));
+        here.map(|patch| patch.3).or(self.lowest).map(metres)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame() -> GridPolygon {
+        let square = |low: i32, high: i32| vec![GridPos(low, low), GridPos(high, low), GridPos(high, high), GridPos(low, high)];
+        let mut hole = square(1024, 2048);
+        hole.reverse();
+        GridPolygon { outer: square(0, 4096), holes: vec![hole] }
+    }
+
+    #[test]
+    fn walls_are_counted_over_outer_ring_and_holes() {
+        let frame = frame();
+        assert_eq!(wall_count(&frame), 8);
+        let south = wall_edge(&frame, 0).unwrap();
+        assert_eq!((south.out, south.length), (DVec2::NEG_Y, 4.0));
+        let court = wall_edge(&frame, 4).unwrap();
+        assert!(court.out.dot(DVec2::splat(1.5) - court.at(0.5)) > 0.0, "a courtyard's walls look into it");
+        assert!(wall_edge(&frame, 8).is_none());
+        assert_eq!(neighbours(&frame, 0), Some((3, 1)));
+        assert_eq!(neighbours(&frame, 7), Some((6, 4)));
+    }
+
+    #[test]
+    fn triangles_cover_a_frame_and_turn_left() {
+        let rings = rings(&frame());
+        let mut sum = 0.0;
+        Triangulator::default().each(&rings, |_, t| {
+            let turn = area(&t);
+            assert!(turn > 0.0);
+            sum += turn;
+        });
+        assert!((sum - 15.0).abs() < 1e-9, "{sum}");
+        assert!(contains(&rings, DVec2::splat(0.5)) && !contains(&rings, DVec2::splat(1.5)));
+    }
+}

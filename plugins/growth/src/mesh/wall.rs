@@ -1,0 +1,250 @@
+use glam::DVec2;
+use veduta_city::{CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, metres};
+
+use super::data::{MeshData, MeshError, Paint};
+use super::form::RoofForm;
+use super::moulding::mouldings;
+use super::outline::{Edge, centre_of, engine, wall_edge};
+
+/// The cell's walls as coloured outlines: one face from foot to eaves and the gable above it. Centres are the middles of the
+/// walls.
+#[must_use]
+pub fn level1(shell: &CellShell) -> MeshData {
+    let mut mesh = MeshData::default();
+    mesh.reserve_quads(wall_total(shell) * 2);
+    let mut along = Vec::new();
+    for volume in shell.houses.iter().flat_map(|house| &house.volumes) {
+        let form = RoofForm::new(volume);
+        for &wall in &volume.walls {
+            let Some(front) = Front::new(volume, wall) else { continue };
+            front.plain(&mut mesh);
+            front.gable(&form, wall, &mut along, &mut mesh);
+        }
+    }
+    mesh
+}
+
+/// The cell's walls with their openings and mouldings: [`facades`] and [`mouldings`].
+///
+/// # Errors
+/// [`MeshError::SheetLength`] if the sheet is not of this shell.
+pub fn level2(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshError> {
+    let mut mesh = facades(shell, sheet)?;
+    mesh.append(&mouldings(shell, sheet)?);
+    Ok(mesh)
+}
+
+/// The walls of [`level1`], cut into rectangles of equal openings: one repeat of the tile is one bay of one storey. A window
+/// shared by all bays and by storeys of one height is one rectangle.
+///
+/// # Errors
+/// [`MeshError::SheetLength`] if the sheet is not of this shell.
+pub fn facades(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshError> {
+    check(shell, sheet)?;
+    let mut mesh = MeshData::default();
+    mesh.reserve_quads(sheet.walls.len() * 5);
+    let mut along = Vec::new();
+    let mut told = sheet.walls.iter();
+    for volume in shell.houses.iter().flat_map(|house| &house.volumes) {
+        let form = RoofForm::new(volume);
+        for (&wall, plan) in volume.walls.iter().zip(&mut told) {
+            let Some(front) = Front::new(volume, wall) else { continue };
+            front.bays(plan, &mut mesh);
+            front.gable(&form, wall, &mut along, &mut mesh);
+        }
+    }
+    Ok(mesh)
+}
+
+/// Number of walls that a shell lists.
+pub(super) fn wall_total(shell: &CellShell) -> usize {
+    shell.houses.iter().flat_map(|house| &house.volumes).map(|volume| volume.walls.len()).sum()
+}
+
+/// Whether a sheet has as many walls as a shell.
+pub(super) fn check(shell: &CellShell, sheet: &FacadeSheet) -> Result<(), MeshError> {
+    let (shell, sheet) = (wall_total(shell), sheet.walls.len());
+    if shell == sheet { Ok(()) } else { Err(MeshError::SheetLength { shell, sheet }) }
+}
+
+/// A wall that stands.
+pub(super) struct Front {
+    pub(super) edge: Edge,
+    pub(super) bottom: f64,
+    pub(super) eaves: f64,
+    pub(super) plaster: Paint,
+}
+
+impl Front {
+    /// `None` for walls without length or height, and for indices beyond the footprint.
+    pub(super) fn new(volume: &VolumeShell, wall: u16) -> Option<Self> {
+        let edge = wall_edge(&volume.footprint, wall.into())?;
+        let plaster = Paint::new(centre_of((edge.a + edge.b) / 2.0), volume.colour, Tile::Plaster);
+        let (bottom, eaves) = (metres(volume.bottom), metres(volume.eaves));
+        (bottom < eaves).then_some(Self { edge, bottom, eaves, plaster })
+    }
+
+    fn plain(&self, mesh: &mut MeshData) {
+        self.plaster_rows(0.0, 1.0, self.bottom, self.eaves, mesh);
+    }
+
+    /// Bare wall between two shares of the length and two heights.
+    fn plaster_rows(&self, from: f64, to: f64, low: f64, high: f64, mesh: &mut MeshData) {
+        let uv = |share: f64, y: f64| DVec2::new(share * self.edge.length, self.eaves - y) / self.plaster.size_m();
+        self.rectangle([from, to], [low, high], [uv(from, low), uv(to, high)], self.plaster, mesh);
+    }
+
+    /// A rectangle of the wall; texture coordinates of its lower start and upper end.
+    fn rectangle(&self, shares: [f64; 2], heights: [f64; 2], uvs: [DVec2; 2], paint: Paint, mesh: &mut MeshData) {
+        let ([from, to], [low, high]) = (shares.map(|s| self.edge.at(s)), heights);
+        let corners = [engine(from, low), engine(to, low), engine(to, high), engine(from, high)];
+        let [start, end] = uvs;
+        mesh.quad(corners, self.edge.normal(), [start, DVec2::new(end.x, start.y), end, DVec2::new(start.x, end.y)], paint);
+    }
+
+    /// The wall storey by storey.
+    fn bays(&self, wall: &Wall, mesh: &mut MeshData) {
+        let total: i64 = wall.storeys.iter().map(|s| i64::from(s.height.max(0))).sum();
+        if wall.bays == 0 || total == 0 {
+            return self.plain(mesh);
+        }
+        let stretch = (self.eaves - self.bottom) / total as f64;
+        let level = |steps: i64| if steps == total { self.eaves } else { self.bottom + steps as f64 * stretch };
+        let (mut storey, mut risen) = (0, 0);
+        while let Some(first) = wall.storeys.get(storey) {
+            let low = level(risen);
+            let mut rows = 1;
+            // Above the ground floor all bays hold the same.
+            if storey > 0 {
+                rows = wall.storeys[storey..].iter().take_while(|s| *s == first).count();
+            }
+            risen += i64::from(first.height.max(0)) * rows as i64;
+            self.row(wall, storey, rows, [low, level(risen)], mesh);
+            storey += rows;
+        }
+    }
+
+    /// Equal storeys, run by run of equal openings.
+    fn row(&self, wall: &Wall, storey: usize, rows: usize, heights: [f64; 2], mesh: &mut MeshData) {
+        let [low, high] = heights;
+        if low >= high {
+            return;
+        }
+        let share = |bay: u8| f64::from(bay) / f64::from(wall.bays);
+        for (from, to, opening) in runs(wall, storey) {
+            if opening == Opening::Blank {
+                self.plaster_rows(share(from), share(to), low, high, mesh);
+                continue;
+            }
+            let start = DVec2::new(from.into(), 1.0 - storey as f64);
+            let end = DVec2::new(to.into(), 1.0 - (storey + rows) as f64);
+            let paint = self.plaster.with_tile(Tile::of_opening(opening));
+            self.rectangle([share(from), share(to)], heights, [start, end], paint, mesh);
+        }
+    }
+
+    /// The gable above the wall, up to the roof.
+    fn gable(&self, form: &RoofForm<'_>, wall: u16, along: &mut Vec<(f64, f64)>, mesh: &mut MeshData) {
+        form.along_wall(wall.into(), along);
+        for pair in along.windows(2) {
+            let [(from, low), (to, high)] = [pair[0], pair[1]];
+            if to - from < 1e-9 || low.max(high) < 1e-4 {
+                continue;
+            }
+            let outline = [(from, 0.0), (to, 0.0), (to, high), (from, low)];
+            let base = mesh.positions.len() as u32;
+            let mut count = 0;
+            for (share, h) in outline.into_iter().enumerate().filter(|(k, (_, h))| *k < 2 || *h >= 1e-4).map(|(_, p)| p) {
+                let uv = DVec2::new(share * self.edge.length, -h) / self.plaster.size_m();
+                mesh.vertex(engine(self.edge.at(share), self.eaves + h), self.edge.normal(), uv, self.plaster);
+                count += 1;
+            }
+            mesh.indices.extend([base, base + 1, base + 2]);
+            if count == 4 {
+                mesh.indices.extend([base, base + 2, base + 3]);
+            }
+        }
+    }
+}
+
+/// Runs of equal openings of a storey: from bay, to bay (not included), opening.
+pub(super) fn runs(wall: &Wall, storey: usize) -> impl Iterator<Item = (u8, u8, Opening)> + '_ {
+    let mut bay = 0;
+    core::iter::from_fn(move || {
+        let (from, opening) = (bay, wall.opening(storey, bay));
+        while bay < wall.bays && wall.opening(storey, bay) == opening {
+            bay += 1;
+        }
+        (from < bay).then_some((from, bay, opening))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use veduta_city::{GridPolygon, GridPos, GroundFloor, HouseShell, Id, PlanRoof, Rgb, RoofShape, Storey, WallKind};
+
+    use super::*;
+
+    fn shell(walls: Vec<u16>) -> CellShell {
+        let m = 1024;
+        let footprint = GridPolygon::simple(vec![GridPos(0, 0), GridPos(9 * m, 0), GridPos(9 * m, 12 * m), GridPos(0, 12 * m)]);
+        let roof = PlanRoof { shape: RoofShape::Gabled, height: 4 * m, direction: 90, colour: Rgb(0xA2, 0x4B, 0x33) };
+        let (colour, trim) = (Rgb(0xD9, 0xB3, 0x6C), Rgb(0xEF, 0xE3, 0xC8));
+        let volume = VolumeShell { footprint, bottom: 0, eaves: 13 * m, colour, trim, roof, has_roof: true, walls };
+        let house = HouseShell { id: Id(5), style: 0, volumes: vec![volume] };
+        CellShell { houses: vec![house], ..Default::default() }
+    }
+
+    fn front() -> Wall {
+        let storey = |metres: i32, opening| Storey { height: metres * 1024, opening };
+        Wall {
+            kind: WallKind::Street,
+            bays: 3,
+            storeys: vec![
+                storey(4, Opening::Window),
+                storey(3, Opening::PedimentWindow),
+                storey(3, Opening::FramedWindow),
+                storey(3, Opening::FramedWindow),
+            ],
+            ground_floor: GroundFloor { door_bay: Some(1), door: Opening::Portal, shops: 0b100 },
+        }
+    }
+
+    #[test]
+    fn a_front_is_one_rectangle_a_run() {
+        let mesh = facades(&shell(vec![0]), &FacadeSheet { walls: vec![front()] }).unwrap();
+        // Window, portal and shop below, pediments, and both upper storeys together.
+        assert_eq!(mesh.triangle_count(), 5 * 2);
+        let layer = |quad: usize| mesh.colours[quad * 4][3] as usize;
+        let layers = [Opening::Window, Opening::Portal, Opening::Shop, Opening::PedimentWindow, Opening::FramedWindow];
+        assert_eq!([0, 1, 2, 3, 4].map(layer), layers.map(|o| Tile::Bay(o).index()));
+        assert_eq!(mesh.uvs[4..8], [[1.0, 1.0], [2.0, 1.0], [2.0, 0.0], [1.0, 0.0]], "the portal's tile stands upright once");
+        assert_eq!(mesh.uvs[16..20], [[0.0, -1.0], [3.0, -1.0], [3.0, -3.0], [0.0, -3.0]], "three bays by two storeys");
+        assert_eq!(mesh.positions[4], [3.0, 0.0, 0.0]);
+        assert_eq!(mesh.positions[19], [0.0, 13.0, 0.0]);
+    }
+
+    #[test]
+    fn a_side_carries_the_gable_of_its_roof() {
+        let mesh = level1(&shell(vec![1]));
+        assert_eq!(mesh.triangle_count(), 4, "a rectangle and two halves of a gable");
+        let top = mesh.positions.iter().map(|p| p[1]).fold(0.0, f32::max);
+        assert_eq!(top, 17.0);
+        assert!(mesh.normals.iter().all(|n| *n == [1.0, 0.0, 0.0]), "the second wall looks east");
+    }
+
+    #[test]
+    fn a_sheet_of_another_cell_is_refused() {
+        let result = level2(&shell(vec![0, 1]), &FacadeSheet { walls: vec![front()] });
+        assert_eq!(result, Err(MeshError::SheetLength { shell: 2, sheet: 1 }));
+    }
+
+    #[test]
+    fn storeys_that_do_not_add_up_are_stretched() {
+        let mut wall = front();
+        wall.storeys.truncate(2);
+        let mesh = facades(&shell(vec![0]), &FacadeSheet { walls: vec![wall] }).unwrap();
+        let top = mesh.positions.iter().map(|p| p[1]).fold(0.0, f32::max);
+        assert_eq!(top, 13.0);
+    }
+}
