@@ -65,7 +65,7 @@ mod tests {
     use crate::plan::boolean;
 
     fn graph() -> CityGraph {
-        let text = "(anchor: (lat: 0, lon: 0), nodes: [(id: 1, pos: (0, 0)), (id: 2, pos: (100, 0)), (id: 3, pos: (100, 80))],
+        let text = "(name: \"T\", anchor: (lat: 0, lon: 0), nodes: [(id: 1, pos: (0, 0)), (id: 2, pos: (100, 0)), (id: 3, pos: (100, 80))],
             links: [(id: 1, from: 1, to: 2, kind: Street(Lane), width_m: 6), (id: 2, from: 2, to: 3, kind: Street(Main), width_m: 14)])";
         veduta_city::file::parse(text, "test").unwrap_or_else(|e| panic!("{e}"))
     }

@@ -262,7 +262,7 @@ mod tests {
     #[test]
     fn what_cannot_stand_is_dropped_with_a_reason() {
         let (drafts, findings) = grown(
-            "(anchor: (lat: 50, lon: 14), buildings: [
+            "(name: \"T\", anchor: (lat: 50, lon: 14), buildings: [
                 (id: 1, outline: [(0,0),(10,0),(10,10),(0,10)]),
                 (id: 2, outline: [(0,0),(10,0),(10,10),(0,10)]),
                 (id: 3, outline: [(20,0),(30,0),(25,0)]),
@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn a_body_under_a_tower_is_covered() {
         let (drafts, _) = grown(
-            "(anchor: (lat: 50, lon: 14), buildings: [(id: 1, outline: [(0,0),(10,0),(10,10),(0,10)], parts: [
+            "(name: \"T\", anchor: (lat: 50, lon: 14), buildings: [(id: 1, outline: [(0,0),(10,0),(10,10),(0,10)], parts: [
                 (outline: [(0,0),(10,0),(10,10),(0,10)], height_m: 20),
                 (outline: [(1,1),(9,1),(9,9),(1,9)], min_height_m: 20, height_m: 50)])])",
         );
@@ -288,7 +288,7 @@ mod tests {
     #[test]
     fn a_district_gives_its_style() {
         let (drafts, _) = grown(
-            "(anchor: (lat: 50, lon: 14), blocks: [(outline: [(-5,-5),(50,-5),(50,50),(-5,50)], district: \"tenement\")],
+            "(name: \"T\", anchor: (lat: 50, lon: 14), blocks: [(outline: [(-5,-5),(50,-5),(50,50),(-5,50)], district: \"tenement\")],
               buildings: [(id: 1, outline: [(0,0),(10,0),(10,10),(0,10)]), (id: 2, outline: [(60,0),(70,0),(70,10),(60,10)])])",
         );
         assert_eq!(drafts[0].style, stock_styles().find("tenement").expect("stock"));
