@@ -1,1 +1,143 @@
 //! The city plan from the city graph.
+//!
+//! ```text
+//!  CityGraph ─► extent ─► streets ─► ground partition ────────────────┐
+//!      │                    │            │                            │
+//!      ├─► houses (given) ──┼────────────┼──► facing ─► massing ─► variety ─► walls ─► CityPlan
+//!      └─► lots (grown) ────┘            └──────┘  (what each wall faces)              │
+//!                                                       objects, places, start ────────┘
+//! ```
+//!
+//! Every stage is a function of the graph, the styles and the seed; each draw is keyed by seed, id and question. Geometry
+//! that ends in the plan is computed on the grid of 1/1024 m, in integers.
+//!
+//! # Limits
+//! The ground is flat: elevations of nodes are not followed yet, bridges lie on the ground (over water or railways), and
+//! what lies below the ground is left out with a finding. Arcades are openings, not rooms.
+//!
+//! # Rejected
+//! One boolean operation over the whole city (patches of ten thousand vertices; tiles keep them small and run side by
+//! side) · floating-point overlays that are snapped afterwards (snapping makes rings cross) · subdividing blocks
+//! recursively into lots (good for suburbs; an old town's lots are a ring of burgages round a courtyard).
+
+mod band;
+mod boolean;
+mod extent;
+mod facing;
+mod ground;
+mod houses;
+mod lots;
+mod massing;
+mod objects;
+mod outline;
+mod perimeter;
+mod places;
+mod stock;
+mod streets;
+mod variety;
+mod walls;
+
+use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, GridPos, StyleError, Styles};
+
+pub use stock::stock_styles;
+
+/// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
+pub const GROWTH_VERSION: u32 = 1;
+
+/// A plan, and what had to be left out or mended on the way to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Growth {
+    /// The plan.
+    pub plan: CityPlan,
+    /// What was dropped or repaired, in order of stages.
+    pub findings: Vec<Finding>,
+}
+
+/// Why nothing was grown.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum GrowthError {
+    /// The graph is unsound.
+    #[error("the graph has {} mistakes; the first: {}", .0.len(), first(.0))]
+    Graph(Vec<GraphError>),
+    /// The styles are unsound.
+    #[error("the styles have {} mistakes; the first: {}", .0.len(), first(.0))]
+    Styles(Vec<StyleError>),
+    /// There is no style, or there are more than plans can number.
+    #[error("{0} styles: there need to be 1 to 65,535")]
+    StyleCount(usize),
+}
+
+fn first<E: core::fmt::Display>(errors: &[E]) -> String {
+    errors.first().map(ToString::to_string).unwrap_or_default()
+}
+
+/// A block's ground as valid polygons.
+struct Area<'a> {
+    block: &'a Block,
+    polygons: Vec<GridPolygon>,
+}
+
+impl Area<'_> {
+    fn holds(&self, pos: GridPos) -> bool {
+        self.polygons.iter().any(|p| p.contains(pos))
+    }
+}
+
+/// Grows a plan from a graph: street surfaces, houses from footprints and on the lots of empty blocks, walls, roofs, objects
+/// and places. Things without an id are given one first ([`CityGraph::fill_ids`]).
+///
+/// # Errors
+/// [`GrowthError`] if the graph or the styles do not pass their own validation.
+pub fn grow(graph: &CityGraph, styles: &Styles) -> Result<Growth, GrowthError> {
+    let mut graph = graph.clone();
+    graph.fill_ids();
+    let graph = &graph;
+    let mistakes = graph.validate();
+    if !mistakes.is_empty() {
+        return Err(GrowthError::Graph(mistakes));
+    }
+    let mistakes = styles.validate();
+    if !mistakes.is_empty() {
+        return Err(GrowthError::Styles(mistakes));
+    }
+    if styles.0.is_empty() || styles.0.len() > usize::from(u16::MAX) {
+        return Err(GrowthError::StyleCount(styles.0.len()));
+    }
+    let mut findings = Vec::new();
+    let extent = extent::extent(graph, &mut findings);
+    let areas = streets::areas(&graph.blocks, &mut findings);
+    let layers = streets::layers(graph, &areas, &mut findings);
+    let ground = ground::partition(&extent, &layers);
+    let on_ground = ground::index(&ground);
+
+    let book = houses::StyleBook::new(styles, &areas, &mut findings);
+    let mut drafts = houses::given(graph, &book, &extent, &mut findings);
+    drafts.extend(lots::grow_lots(graph, &areas, &layers, &extent, &drafts, &book, &mut findings));
+    let standing = facing::bodies(&drafts);
+    let facing = facing::facing(&drafts, &standing, &on_ground);
+    let masses = massing::masses(&drafts, &facing, &book, &mut findings);
+    let looks = variety::looks(&drafts, &facing, &book);
+    let houses = walls::houses(&drafts, &facing, &masses, &looks, &book);
+
+    let doors = walls::doorsteps(&houses).into_iter().map(|d| (GridPolygon::simple(vec![GridPos::from_metres(d)]), ()));
+    let doorsteps = ground::Index::new(doors.collect());
+    let site = objects::Site { ground: &on_ground, standing: &standing, doorsteps: &doorsteps };
+    let objects = objects::objects(graph, &areas, &site, &mut findings);
+    let start = places::start(graph, &extent, &site, &mut findings);
+    let plan = CityPlan {
+        name: graph.name.clone(),
+        anchor: graph.anchor,
+        attribution: graph.attribution.clone(),
+        seed: graph.seed,
+        growth_version: GROWTH_VERSION,
+        styles: styles.clone(),
+        start,
+        extent: extent.polygon(),
+        places: places::places(graph, &houses, styles),
+        ground,
+        houses,
+        objects,
+        streets: streets::centre_lines(graph),
+    };
+    Ok(Growth { plan, findings })
+}

@@ -1,0 +1,215 @@
+//! What every edge of every footprint faces: neighbours, streets, yards.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::DVec2;
+use rayon::prelude::*;
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+use veduta_city::{GridPos, SurfaceKind};
+
+use super::ground::{Ground, Index};
+use super::houses::Draft;
+use super::outline;
+
+/// Walls closer than this, side by side, are party walls; metres.
+const PARTY_M: f64 = 0.3;
+/// Houses closer than this are neighbours; metres.
+const NEAR_M: f64 = 3.0;
+/// How far before a wall a street is still faced; metres.
+const REACH_M: f64 = 15.0;
+/// Bodies that hang higher than this do not stand in the way of people; metres.
+pub(super) const HEADROOM_M: f64 = 2.5;
+
+/// A body: index of its house, index within the house.
+pub(super) type BodyRef = (usize, usize);
+
+/// One edge of a footprint and what it faces.
+#[derive(Debug, Clone)]
+pub(super) struct Edge {
+    pub a: DVec2,
+    pub b: DVec2,
+    /// Bodies along it and the share of its length that each covers, by body.
+    pub party: Vec<(BodyRef, f64)>,
+    /// Whether a street, square, park or water lies before it.
+    pub is_public: bool,
+}
+
+impl Edge {
+    /// Length, metres.
+    pub fn length_m(&self) -> f64 {
+        self.a.distance(self.b)
+    }
+
+    /// Unit vector out of the house.
+    pub fn outward(&self) -> DVec2 {
+        -(self.b - self.a).normalize_or_zero().perp()
+    }
+}
+
+/// What all the houses face.
+pub(super) struct Facing {
+    /// Edges by house, body, edge; edges in the order of the outer ring, then of the holes.
+    pub edges: Vec<Vec<Vec<Edge>>>,
+    /// Houses within 3 m of each house, ascending.
+    pub neighbours: Vec<Vec<usize>>,
+}
+
+type EdgeTree = RTree<GeomWithData<Rectangle<[f64; 2]>, (BodyRef, [f64; 4])>>;
+
+/// An index of the bodies that stand on the ground, for questions about places.
+pub(super) fn bodies(drafts: &[Draft]) -> Index<(BodyRef, f64)> {
+    let all = drafts.iter().enumerate().flat_map(|(h, d)| d.bodies.iter().enumerate().map(move |(b, body)| ((h, b), body)));
+    Index::new(all.map(|(at, body)| (body.footprint.clone(), (at, body.bottom_m))).collect())
+}
+
+/// Looks out of every wall.
+pub(super) fn facing(drafts: &[Draft], standing: &Index<(BodyRef, f64)>, ground: &Ground) -> Facing {
+    let tree = edge_tree(drafts);
+    let of_house = |(h, draft): (usize, &Draft)| {
+        let mut near = BTreeSet::new();
+        let of_body = |b: usize| -> Vec<Edge> {
+            let rings = draft.bodies[b].footprint.rings();
+            rings.flat_map(|r| outline::edges(r)).map(|(a, c)| edge((h, b), a, c, &tree, standing, ground, &mut near)).collect()
+        };
+        let edges: Vec<Vec<Edge>> = (0..draft.bodies.len()).map(of_body).collect();
+        (edges, near.into_iter().collect::<Vec<usize>>())
+    };
+    let (edges, neighbours) = drafts.par_iter().enumerate().map(of_house).unzip();
+    Facing { edges, neighbours }
+}
+
+fn edge_tree(drafts: &[Draft]) -> EdgeTree {
+    let mut boxes = Vec::new();
+    for (h, draft) in drafts.iter().enumerate() {
+        for (b, body) in draft.bodies.iter().enumerate() {
+            for (p, q) in body.footprint.rings().flat_map(|r| outline::edges(r)) {
+                let (p, q) = (p.to_metres(), q.to_metres());
+                boxes.push(GeomWithData::new(Rectangle::from_corners([p.x, p.y], [q.x, q.y]), ((h, b), [p.x, p.y, q.x, q.y])));
+            }
+        }
+    }
+    RTree::bulk_load(boxes)
+}
+
+fn edge(
+    me: BodyRef,
+    a: GridPos,
+    b: GridPos,
+    tree: &EdgeTree,
+    standing: &Index<(BodyRef, f64)>,
+    ground: &Ground,
+    near: &mut BTreeSet<usize>,
+) -> Edge {
+    let (a, b) = (a.to_metres(), b.to_metres());
+    let mut spans: BTreeMap<BodyRef, Vec<(f64, f64)>> = BTreeMap::new();
+    let (lo, hi) = (a.min(b) - NEAR_M, a.max(b) + NEAR_M);
+    for other in tree.locate_in_envelope_intersecting(&AABB::from_corners([lo.x, lo.y], [hi.x, hi.y])) {
+        let (body, [px, py, qx, qy]) = other.data;
+        if body == me {
+            continue;
+        }
+        let (p, q) = (DVec2::new(px, py), DVec2::new(qx, qy));
+        if body.0 != me.0 && gap_m(a, b, p, q) <= NEAR_M {
+            near.insert(body.0);
+        }
+        if let Some(span) = covered(a, b, p, q) {
+            spans.entry(body).or_default().push(span);
+        }
+    }
+    let mut party: BTreeMap<BodyRef, f64> = spans.into_iter().map(|(body, spans)| (body, share(spans))).collect();
+    let edge = Edge { a, b, party: Vec::new(), is_public: false };
+    let out = edge.outward();
+    for t in [0.17, 0.5, 0.83] {
+        let before = GridPos::from_metres(a.lerp(b, t) + out * 0.1);
+        for (body, _) in standing.at(before).into_iter().filter(|(body, _)| *body != me) {
+            let known = party.entry(*body).or_default();
+            *known = (*known).max(0.0) + if *known < 0.99 { 1.0 / 3.0 } else { 0.0 };
+        }
+    }
+    let party = party.into_iter().map(|(body, s)| (body, s.min(1.0))).filter(|&(_, s)| s > 0.05).collect();
+    Edge { is_public: is_public(&edge, standing, ground), party, ..edge }
+}
+
+/// Least distance between two edges that do not cross, metres.
+fn gap_m(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> f64 {
+    let d = outline::distance_to_edge;
+    d(a, p, q).min(d(b, p, q)).min(d(p, a, b)).min(d(q, a, b))
+}
+
+/// The part of a–b, as parameters 0 to 1, that p–q runs along; `None` if it does not.
+fn covered(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> Option<(f64, f64)> {
+    let length = a.distance(b);
+    let u = (b - a).try_normalize()?;
+    let v = (q - p).try_normalize()?;
+    // Side by side means opposite directions within about 10°.
+    if u.dot(v) > -0.985 {
+        return None;
+    }
+    let (dp, dq) = ((p - a).perp_dot(u), (q - a).perp_dot(u));
+    if dp.abs().min(dq.abs()) > PARTY_M || (dp + dq).abs() / 2.0 > 2.0 * PARTY_M {
+        return None;
+    }
+    let (s, t) = ((q - a).dot(u) / length, (p - a).dot(u) / length);
+    let (s, t) = (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0));
+    (t > s).then_some((s, t))
+}
+
+/// Length of the union of spans.
+fn share(mut spans: Vec<(f64, f64)>) -> f64 {
+    spans.sort_by(|x, y| x.0.total_cmp(&y.0));
+    let (mut sum, mut end) = (0.0, 0.0_f64);
+    for (s, t) in spans {
+        sum += (t - s.max(end)).max(0.0);
+        end = end.max(t);
+    }
+    sum
+}
+
+/// Whether most of an edge looks at public ground before it looks at a house.
+fn is_public(edge: &Edge, standing: &Index<(BodyRef, f64)>, ground: &Ground) -> bool {
+    let stands: &[f64] = if edge.length_m() < 6.0 { &[0.5] } else { &[0.2, 0.5, 0.8] };
+    let seen = stands.iter().filter(|&&t| sees_public(edge.a.lerp(edge.b, t), edge.outward(), standing, ground)).count();
+    2 * seen > stands.len()
+}
+
+fn sees_public(from: DVec2, out: DVec2, standing: &Index<(BodyRef, f64)>, ground: &Ground) -> bool {
+    let mut step = 0.3;
+    while step <= REACH_M {
+        let pos = GridPos::from_metres(from + out * step);
+        if standing.at(pos).iter().any(|(_, bottom)| *bottom < HEADROOM_M) {
+            return false;
+        }
+        if ground.at(pos).first().is_some_and(|(surface, _)| is_faced(*surface)) {
+            return true;
+        }
+        step += if step < 1.0 { 0.7 } else { 1.0 };
+    }
+    false
+}
+
+/// Whether a surface makes a façade of a wall that looks at it.
+const fn is_faced(surface: SurfaceKind) -> bool {
+    !matches!(surface, SurfaceKind::Yard | SurfaceKind::Ballast)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn walls_back_to_back_are_covered_and_others_are_not() {
+        let (a, b) = (DVec2::ZERO, DVec2::new(10.0, 0.0));
+        let run = |p: (f64, f64), q: (f64, f64)| covered(a, b, DVec2::new(p.0, p.1), DVec2::new(q.0, q.1));
+        assert_eq!(run((5.0, 0.0), (-3.0, 0.0)), Some((0.0, 0.5)));
+        assert_eq!(run((5.0, -0.2), (0.0, -0.2)), Some((0.0, 0.5)), "a gap of 20 cm");
+        assert_eq!(run((5.0, -2.0), (0.0, -2.0)), None, "an alley");
+        assert_eq!(run((0.0, 0.0), (5.0, 0.0)), None, "the same side");
+        assert_eq!(run((5.0, 0.0), (5.0, 5.0)), None, "across");
+    }
+
+    #[test]
+    fn overlapping_spans_count_once() {
+        assert!((share(vec![(0.5, 0.8), (0.0, 0.2), (0.1, 0.6)]) - 0.8).abs() < 1e-12);
+    }
+}

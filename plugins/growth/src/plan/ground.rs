@@ -1,0 +1,172 @@
+//! The ground partition: layers laid on one another, tile by tile, so that nothing overlaps and no gap is left.
+
+use rayon::prelude::*;
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+use veduta_city::{GridPolygon, GridPos, GroundPatch, SurfaceKind};
+
+use super::boolean;
+use super::extent::Extent;
+use super::streets::Layer;
+
+/// Side of a tile, grid steps (64 m). Patches are cut along tiles so that no patch has thousands of vertices.
+const TILE: i32 = 64 * 1024;
+/// Most tiles; in larger cities tiles grow.
+const MOST_TILES: i64 = 1 << 16;
+/// Pieces smaller than this are dust of the grid; square metres.
+const DUST_M2: f64 = 0.05;
+
+/// The partition of the extent by the layers; what no layer covers is yard. Patches come tile by tile, south to north and west
+/// to east, in order of priority.
+pub(super) fn partition(extent: &Extent, layers: &[Layer]) -> Vec<GroundPatch> {
+    let tiles = Tiles::new(extent);
+    let mut bins: Vec<Vec<(u32, u32)>> = vec![Vec::new(); tiles.count()];
+    for (l, layer) in layers.iter().enumerate() {
+        for (s, shape) in layer.shapes.iter().enumerate() {
+            tiles.touched(shape).for_each(|tile| bins[tile].push((l as u32, s as u32)));
+        }
+    }
+    let of_tile = |(tile, bin): (usize, &Vec<(u32, u32)>)| partition_tile(tiles.rectangle(tile), layers, bin);
+    let parts: Vec<Vec<GroundPatch>> = bins.par_iter().enumerate().map(of_tile).collect();
+    parts.into_iter().flatten().collect()
+}
+
+fn partition_tile(tile: GridPolygon, layers: &[Layer], bin: &[(u32, u32)]) -> Vec<GroundPatch> {
+    let mut patches = Vec::new();
+    let mut keep = |surface, z, found: Vec<GridPolygon>| {
+        let solid = found.into_iter().filter(|p| p.area_m2() >= DUST_M2);
+        patches.extend(solid.map(|outline| GroundPatch { surface, outline, z }));
+    };
+    let mut rest = vec![tile];
+    for here in bin.chunk_by(|a, b| a.0 == b.0) {
+        let Some(layer) = here.first().and_then(|&(l, _)| layers.get(l as usize)) else { continue };
+        let clip = boolean::rings(here.iter().filter_map(|&(_, s)| layer.shapes.get(s as usize)));
+        let (inside, outside) = boolean::split(&boolean::rings(&rest), &clip);
+        keep(layer.surface, layer.z(), inside);
+        rest = outside;
+        if rest.is_empty() {
+            break;
+        }
+    }
+    keep(SurfaceKind::Yard, 0, rest);
+    patches
+}
+
+/// The extent cut into tiles.
+struct Tiles {
+    extent: Extent,
+    side: i64,
+    columns: i64,
+    rows: i64,
+}
+
+impl Tiles {
+    fn new(extent: &Extent) -> Self {
+        let (w, h) = (i64::from(extent.hi.0) - i64::from(extent.lo.0), i64::from(extent.hi.1) - i64::from(extent.lo.1));
+        let mut side = i64::from(TILE);
+        let count = |extent: i64, side: i64| ((extent + side - 1) / side).max(1);
+        while count(w, side) * count(h, side) > MOST_TILES {
+            side *= 2;
+        }
+        Self { extent: *extent, side, columns: count(w, side), rows: count(h, side) }
+    }
+
+    fn count(&self) -> usize {
+        (self.columns * self.rows) as usize
+    }
+
+    fn rectangle(&self, tile: usize) -> GridPolygon {
+        let (column, row) = (tile as i64 % self.columns, tile as i64 / self.columns);
+        let at = |lo: i32, hi: i32, i: i64| (i64::from(lo) + i * self.side).min(i64::from(hi)) as i32;
+        let (lo, hi) = (self.extent.lo, self.extent.hi);
+        let corner = |c, r| GridPos(at(lo.0, hi.0, c), at(lo.1, hi.1, r));
+        Extent { lo: corner(column, row), hi: corner(column + 1, row + 1) }.polygon()
+    }
+
+    /// Tiles that the bounds of a shape touch.
+    fn touched(&self, shape: &GridPolygon) -> impl Iterator<Item = usize> + use<> {
+        let (lo, hi) = (self.extent.lo, self.extent.hi);
+        let range = |a: i32, b: i32, base: i32, end: i32, n: i64| {
+            if b < base || a > end {
+                return 0..0;
+            }
+            let cell = |v: i32| ((i64::from(v) - i64::from(base)) / self.side).clamp(0, n - 1);
+            cell(a)..cell(b) + 1
+        };
+        let (columns, rows) = shape.bounds().map_or((0..0, 0..0), |(a, b)| {
+            (range(a.0, b.0, lo.0, hi.0, self.columns), range(a.1, b.1, lo.1, hi.1, self.rows))
+        });
+        let width = self.columns;
+        rows.flat_map(move |row| columns.clone().map(move |column| (row * width + column) as usize))
+    }
+}
+
+/// Polygons that can be asked what lies at a position.
+pub(super) struct Index<T> {
+    tree: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>>,
+    things: Vec<(GridPolygon, T)>,
+}
+
+impl<T> Index<T> {
+    /// An index over polygons with something attached.
+    pub fn new(things: Vec<(GridPolygon, T)>) -> Self {
+        let boxed = |(i, (polygon, _)): (usize, &(GridPolygon, T))| {
+            let (lo, hi) = polygon.bounds()?;
+            let (lo, hi) = (lo.to_metres(), hi.to_metres());
+            Some(GeomWithData::new(Rectangle::from_corners([lo.x, lo.y], [hi.x, hi.y]), i))
+        };
+        Self { tree: RTree::bulk_load(things.iter().enumerate().filter_map(boxed).collect()), things }
+    }
+
+    /// All that contain a position, in order of insertion.
+    pub fn at(&self, pos: GridPos) -> Vec<&T> {
+        let p = pos.to_metres();
+        let mut found: Vec<usize> = self.tree.locate_all_at_point(&[p.x, p.y]).map(|g| g.data).collect();
+        found.sort_unstable();
+        found.into_iter().filter_map(|i| self.things.get(i)).filter(|(polygon, _)| polygon.contains(pos)).map(|(_, t)| t).collect()
+    }
+
+    /// All whose bounds come within a distance of those of a polygon, in order of insertion.
+    pub fn near(&self, polygon: &GridPolygon, reach_m: f64) -> Vec<(&GridPolygon, &T)> {
+        let Some((lo, hi)) = polygon.bounds() else { return Vec::new() };
+        let (lo, hi) = (lo.to_metres() - reach_m, hi.to_metres() + reach_m);
+        let envelope = AABB::from_corners([lo.x, lo.y], [hi.x, hi.y]);
+        let mut found: Vec<usize> = self.tree.locate_in_envelope_intersecting(&envelope).map(|g| g.data).collect();
+        found.sort_unstable();
+        found.into_iter().filter_map(|i| self.things.get(i)).map(|(p, t)| (p, t)).collect()
+    }
+}
+
+/// What lies where on the ground.
+pub(super) type Ground = Index<(SurfaceKind, i32)>;
+
+/// An index of the ground's patches.
+pub(super) fn index(patches: &[GroundPatch]) -> Ground {
+    Index::new(patches.iter().map(|p| (p.outline.clone(), (p.surface, p.z))).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::streets::Rank;
+
+    fn rectangle(x: i32, y: i32, w: i32, h: i32) -> GridPolygon {
+        Extent { lo: GridPos(x * 1024, y * 1024), hi: GridPos((x + w) * 1024, (y + h) * 1024) }.polygon()
+    }
+
+    #[test]
+    fn higher_layers_win_and_yards_fill_the_rest() {
+        let extent = Extent { lo: GridPos(0, 0), hi: GridPos(200 * 1024, 100 * 1024) };
+        let layers = [
+            Layer { rank: Rank::Pavement, surface: SurfaceKind::Mosaic, shapes: vec![rectangle(-10, 40, 400, 10)] },
+            Layer { rank: Rank::Park, surface: SurfaceKind::Grass, shapes: vec![rectangle(50, 0, 50, 100), rectangle(60, 0, 50, 100)] },
+        ];
+        let patches = partition(&extent, &layers);
+        let area = |surface| patches.iter().filter(|p| p.surface == surface).map(|p| p.outline.area_m2()).sum::<f64>();
+        assert_eq!(area(SurfaceKind::Mosaic), 2000.0);
+        assert_eq!(area(SurfaceKind::Grass), 60.0 * 90.0);
+        assert_eq!(area(SurfaceKind::Yard), 20_000.0 - 2000.0 - 5400.0);
+        let ground = index(&patches);
+        assert_eq!(ground.at(GridPos(70 * 1024, 45 * 1024)), [&(SurfaceKind::Mosaic, 123)]);
+    }
+}

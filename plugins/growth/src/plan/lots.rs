@@ -1,0 +1,221 @@
+//! Houses for built blocks that have none: where to build, and a ring of lots round each courtyard.
+
+use std::collections::HashMap;
+
+use glam::DVec2;
+use rayon::prelude::*;
+use veduta_city::draw::Draw;
+use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, Id, LinkKind, RoofTags, Severity, Style};
+
+use super::band::quad;
+use super::extent::Extent;
+use super::ground::Index;
+use super::houses::{Body, Draft, Grown, StyleBook};
+use super::perimeter::{self, Site};
+use super::streets::{self, Layer, Rank};
+use super::{Area, boolean, massing, outline};
+
+/// A built block is grown only where given buildings cover less than this share of it.
+const MOST_COVERED: f64 = 0.35;
+/// Pieces of blocks smaller than this stay empty; square metres.
+const LEAST_SITE_M2: f64 = 25.0;
+/// Lots smaller than this are not built on; square metres.
+const LEAST_LOT_M2: f64 = 12.0;
+/// Lots narrower than this are not built on; metres.
+const LEAST_WIDTH_M: f64 = 2.0;
+/// Larger gaps between streets are not built over, square metres: they are country.
+const LARGEST_FOUND_BLOCK_M2: f64 = 60_000.0;
+/// Share of a street's width that is cut out of a block drawn over it. Less than the whole, since blocks are drawn to their
+/// building line, and widths of streets are round numbers.
+const CORE: f64 = 0.7;
+/// Bodies may overlap by this much before one is cut; square metres.
+const TOLERATED_M2: f64 = 0.05;
+
+/// A block to build on.
+struct Plot {
+    id: Id,
+    district: String,
+    /// The building line.
+    outline: Vec<GridPolygon>,
+}
+
+/// Grows houses on the built blocks; where a graph has streets and neither blocks nor houses, on what streets enclose.
+pub(super) fn grow_lots(
+    graph: &CityGraph,
+    areas: &[Area<'_>],
+    layers: &[Layer],
+    extent: &Extent,
+    given: &[Draft],
+    book: &StyleBook<'_>,
+    findings: &mut Vec<Finding>,
+) -> Vec<Draft> {
+    let built: Vec<&Area<'_>> = areas.iter().filter(|a| a.block.kind == BlockKind::Built).collect();
+    let streets = graph.links.iter().filter(|l| matches!(l.kind, LinkKind::Street(_))).count();
+    let plots: Vec<Plot> = if built.is_empty() && given.len() * 2 < streets {
+        found_plots(layers, extent)
+    } else {
+        let plot = |a: &&Area<'_>| Plot { id: a.block.id, district: a.block.district.clone(), outline: a.polygons.clone() };
+        built.iter().map(plot).collect()
+    };
+    let obstacles = Obstacles::new(graph, layers, given);
+    let grow = |plot: &Plot| {
+        let mut findings = Vec::new();
+        let drafts = grow_plot(graph, plot, &obstacles, book, &mut findings);
+        (drafts, findings)
+    };
+    let parts: Vec<(Vec<Draft>, Vec<Finding>)> = plots.par_iter().map(grow).collect();
+    let mut drafts: Vec<Draft> = Vec::new();
+    for (part, told) in parts {
+        drafts.extend(part);
+        findings.extend(told);
+    }
+    // Blocks may overlap one another; of two houses on one spot the first stands.
+    part_ways(drafts, findings)
+}
+
+/// What streets enclose, where nobody drew blocks: the extent less everything laid, without what touches its edge.
+fn found_plots(layers: &[Layer], extent: &Extent) -> Vec<Plot> {
+    let whole = extent.polygon();
+    let taken = boolean::rings(layers.iter().flat_map(|l| &l.shapes));
+    let free = boolean::difference(&boolean::rings([&whole]), &taken);
+    let inner = |p: &GridPolygon| {
+        let on_edge = |v: &GridPos| v.0 == extent.lo.0 || v.0 == extent.hi.0 || v.1 == extent.lo.1 || v.1 == extent.hi.1;
+        p.area_m2() <= LARGEST_FOUND_BLOCK_M2 && !p.outer.iter().any(on_edge)
+    };
+    let plot = |p: GridPolygon| Plot { id: Id::from_place("block", p.centroid()), district: String::new(), outline: vec![p] };
+    free.into_iter().filter(inner).map(plot).collect()
+}
+
+/// What blocks are not built over.
+struct Obstacles {
+    /// Given houses.
+    houses: Index<()>,
+    /// Squares, water, parks, monuments, rails, and the cores of streets.
+    open: Index<()>,
+}
+
+impl Obstacles {
+    fn new(graph: &CityGraph, layers: &[Layer], given: &[Draft]) -> Self {
+        let footprints = given.iter().flat_map(|d| &d.bodies).map(|b| (b.footprint.clone(), ()));
+        let is_open = |l: &&Layer| matches!(l.rank, Rank::Square | Rank::Rails | Rank::Monument | Rank::Water | Rank::Park);
+        let mut open: Vec<(GridPolygon, ())> =
+            layers.iter().filter(is_open).flat_map(|l| &l.shapes).map(|s| (s.clone(), ())).collect();
+        let at: HashMap<Id, DVec2> = graph.node_positions();
+        for link in graph.links.iter().filter(|l| l.layer >= 0 && matches!(l.kind, LinkKind::Street(_))) {
+            let half = streets::width_m(link) / 2.0 * CORE;
+            let line = graph.polyline(link, &at).unwrap_or_default();
+            open.extend(line.windows(2).filter_map(|e| quad(e[0], e[1], half)).map(|q| (q, ())));
+        }
+        Self { houses: Index::new(footprints.collect()), open: Index::new(open) }
+    }
+}
+
+fn grow_plot(graph: &CityGraph, plot: &Plot, obstacles: &Obstacles, book: &StyleBook<'_>, findings: &mut Vec<Finding>) -> Vec<Draft> {
+    let mut out = Vec::new();
+    for outline in &plot.outline {
+        let houses: Vec<&GridPolygon> = obstacles.houses.near(outline, 0.0).into_iter().map(|(p, ())| p).collect();
+        let covered: f64 = houses.iter().map(|h| boolean::overlap_m2(outline, h)).sum();
+        if covered > outline.area_m2() * MOST_COVERED {
+            continue;
+        }
+        let open: Vec<&GridPolygon> = obstacles.open.near(outline, 0.0).into_iter().map(|(p, ())| p).collect();
+        let taken = boolean::rings(houses.iter().chain(&open).copied());
+        for site in boolean::difference(&boolean::rings([outline]), &taken) {
+            if site.area_m2() < LEAST_SITE_M2 {
+                continue;
+            }
+            let style = book.choose(&plot.district, plot.id, outline, &mut Vec::new());
+            let Some(look) = book.style(style) else { continue };
+            let draw = Draw::new(graph.seed, Id::from_place("site", site.centroid()), "lots");
+            out.extend(grow_site(&site, &houses, look, draw).into_iter().map(|lot| draft(graph, lot, style, look, draw)));
+        }
+    }
+    if out.is_empty() {
+        return out;
+    }
+    let before = out.len();
+    out.retain(|d| is_buildable(&d.bodies[0].footprint));
+    if out.len() < before {
+        let message = format!("block: {} of {before} lots are too small or thin to build on", before - out.len());
+        findings.push(Finding::new(Severity::Note, plot.id, plot.outline.first().map(GridPolygon::centroid), message));
+    }
+    out
+}
+
+/// Footprints on one site: disjoint, each within it.
+fn grow_site(site: &GridPolygon, houses: &[&GridPolygon], style: &Style, draw: Draw) -> Vec<GridPolygon> {
+    let lots = perimeter::lots(&Site { outline: site, houses }, style, draw);
+    let mut out: Vec<GridPolygon> = Vec::new();
+    for lot in lots {
+        out.extend(trimmed(lot, site, &out));
+    }
+    out
+}
+
+/// The largest piece of a lot that lies in its site and on no earlier lot.
+fn trimmed(lot: GridPolygon, site: &GridPolygon, earlier: &[GridPolygon]) -> Option<GridPolygon> {
+    let largest = |pieces: Vec<GridPolygon>| pieces.into_iter().max_by(|a, b| a.area_m2().total_cmp(&b.area_m2()));
+    let area = lot.area_m2();
+    let within = largest(boolean::intersection(&boolean::rings([&lot]), &boolean::rings([site])))?;
+    // Kept as it was drawn if it lies within its site, so that party walls share their vertices.
+    let mut lot = if within.area_m2() > area - TOLERATED_M2 && area > 0.0 { lot } else { within };
+    let meets = |a: &GridPolygon, b: &GridPolygon| match (a.bounds(), b.bounds()) {
+        (Some((alo, ahi)), Some((blo, bhi))) => alo.0 < bhi.0 && blo.0 < ahi.0 && alo.1 < bhi.1 && blo.1 < ahi.1,
+        _ => false,
+    };
+    for other in earlier {
+        if meets(&lot, other) && boolean::overlap_m2(&lot, other) > TOLERATED_M2 / 5.0 {
+            lot = largest(boolean::difference(&boolean::rings([&lot]), &boolean::rings([other])))?;
+        }
+    }
+    largest(outline::straightened(&lot))
+}
+
+fn is_buildable(footprint: &GridPolygon) -> bool {
+    let area = footprint.area_m2();
+    area >= LEAST_LOT_M2 && 2.0 * area / outline::perimeter_m(footprint).max(1.0) >= LEAST_WIDTH_M / 2.0
+}
+
+fn draft(graph: &CityGraph, footprint: GridPolygon, style_index: usize, style: &Style, row: Draw) -> Draft {
+    let id = Id::from_place("grown house", footprint.centroid());
+    let (ground, upper) = massing::storey_heights(style, row);
+    let (low, high) = (usize::from(style.storeys.0), usize::from(style.storeys.1));
+    let storeys = low + row.below("storeys", high.saturating_sub(low) + 1);
+    let eaves_m = ground + (storeys.max(1) - 1) as f64 * upper;
+    let body = Body {
+        footprint,
+        bottom_m: 0.0,
+        height_m: None,
+        levels: None,
+        roof: RoofTags::default(),
+        colour: None,
+        is_covered: false,
+    };
+    Draft {
+        id,
+        name: String::new(),
+        number: String::new(),
+        style: style_index,
+        draw: Draw::new(graph.seed, id, "house"),
+        grown: Some(Grown { eaves_m }),
+        bodies: vec![body],
+    }
+}
+
+/// Drops grown houses that stand on others of another block.
+fn part_ways(drafts: Vec<Draft>, findings: &mut Vec<Finding>) -> Vec<Draft> {
+    let index = Index::new(drafts.iter().enumerate().map(|(i, d)| (d.bodies[0].footprint.clone(), i)).collect());
+    let mut stands = vec![true; drafts.len()];
+    for (i, draft) in drafts.iter().enumerate() {
+        let footprint = &draft.bodies[0].footprint;
+        let blocked = index.near(footprint, 0.0).into_iter().any(|(other, &j)| {
+            j < i && stands[j] && boolean::overlap_m2(footprint, other) > TOLERATED_M2
+        });
+        if blocked {
+            stands[i] = false;
+            let message = "grown house: blocks overlap here, and another house stands on its lot";
+            findings.push(Finding::new(Severity::Dropped, draft.id, Some(footprint.centroid()), message));
+        }
+    }
+    drafts.into_iter().zip(stands).filter_map(|(d, stands)| stands.then_some(d)).collect()
+}

@@ -1,0 +1,171 @@
+//! Outlines as they come from people and maps, made into valid polygons on the grid.
+
+use glam::DVec2;
+use veduta_city::{GridPolygon, GridPos, Ring};
+
+use super::boolean;
+
+/// Vertices this close to the line between their neighbours are left out of walls; metres.
+const STRAIGHT_M: f64 = 0.02;
+
+/// A closed ring's edges, in order.
+pub(super) fn edges(ring: &[GridPos]) -> impl Iterator<Item = (GridPos, GridPos)> + '_ {
+    ring.iter().copied().zip(ring.iter().copied().cycle().skip(1)).take(ring.len())
+}
+
+/// Twice the signed area of a ring in grid steps squared.
+fn twice_area(ring: &[GridPos]) -> i64 {
+    ring.first().map_or(0, |&o| edges(ring).map(|(a, b)| o.cross(a, b)).sum())
+}
+
+/// The ring on the grid, counter-clockwise, without repeated vertices.
+fn snapped(ring: &[DVec2]) -> Vec<GridPos> {
+    let mut out: Vec<GridPos> = ring.iter().map(|&p| GridPos::from_metres(p)).collect();
+    out.dedup();
+    while out.len() > 1 && out.first() == out.last() {
+        out.pop();
+    }
+    if twice_area(&out) < 0 {
+        out.reverse();
+    }
+    out
+}
+
+/// The valid polygons that an outline with holes covers: on the grid, each simple, in a fixed order; none if it has no area.
+/// A ring that crosses itself falls into pieces, a hole that leaves its outline is cut.
+pub(super) fn polygons(outline: &[DVec2], holes: &[Ring]) -> Vec<GridPolygon> {
+    let outer = snapped(outline);
+    let holes: Vec<Vec<GridPos>> = holes.iter().map(|h| snapped(h)).filter(|h| h.len() >= 3).collect();
+    let clip: Vec<&[GridPos]> = holes.iter().map(Vec::as_slice).collect();
+    boolean::difference(&[&outer], &clip)
+}
+
+/// Leaves out vertices that bend a wall by less than 2 cm, so that every edge is one wall. Where nothing would be left the
+/// ring stays as it is.
+pub(super) fn straightened(polygon: &GridPolygon) -> Vec<GridPolygon> {
+    let outer = straight_ring(&polygon.outer);
+    let holes: Vec<Vec<GridPos>> = polygon.holes.iter().map(|h| straight_ring(h)).collect();
+    if outer.len() == polygon.outer.len() && holes.iter().map(Vec::len).eq(polygon.holes.iter().map(Vec::len)) {
+        return vec![polygon.clone()];
+    }
+    let subject: Vec<&[GridPos]> = core::iter::once(&outer).chain(&holes).map(Vec::as_slice).collect();
+    boolean::union(&subject)
+}
+
+fn straight_ring(ring: &[GridPos]) -> Vec<GridPos> {
+    let mut out = ring.to_vec();
+    let mut i = 0;
+    while out.len() > 3 && i < out.len() {
+        let (a, p, b) = (out[(i + out.len() - 1) % out.len()], out[i], out[(i + 1) % out.len()]);
+        if bend_m(a, p, b) < STRAIGHT_M {
+            out.remove(i);
+            i = i.saturating_sub(1);
+        } else {
+            i += 1;
+        }
+    }
+    out
+}
+
+/// Distance of `p` from the edge a–b, metres.
+fn bend_m(a: GridPos, p: GridPos, b: GridPos) -> f64 {
+    distance_to_edge((p - a).to_metres(), DVec2::ZERO, (b - a).to_metres())
+}
+
+/// Distance from a position to an edge, metres.
+pub(super) fn distance_to_edge(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let t = ((p - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
+    p.distance(a + (b - a) * t)
+}
+
+/// Length of all rings, metres.
+pub(super) fn perimeter_m(polygon: &GridPolygon) -> f64 {
+    polygon.rings().flat_map(|ring| edges(ring)).map(|(a, b)| (b - a).to_metres().length()).sum()
+}
+
+/// A rectangle about a footprint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Box2 {
+    /// Unit vector along the longer side.
+    pub along: DVec2,
+    /// Longer side, metres.
+    pub length_m: f64,
+    /// Shorter side, metres.
+    pub width_m: f64,
+}
+
+/// Extent of a ring across a direction (a unit vector) and along it, metres.
+pub(super) fn extent_along(ring: &[GridPos], along: DVec2) -> (f64, f64) {
+    let range = |axis: DVec2| {
+        let base = ring.first().map_or(DVec2::ZERO, |p| p.to_metres());
+        let dots = ring.iter().map(|p| (p.to_metres() - base).dot(axis));
+        let (lo, hi) = dots.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), d| (lo.min(d), hi.max(d)));
+        (hi - lo).max(0.0)
+    };
+    (range(along), range(along.perp()))
+}
+
+/// The smallest rectangle about a ring that has a side along one of its edges.
+pub(super) fn smallest_box(ring: &[GridPos]) -> Box2 {
+    let mut best = Box2 { along: DVec2::X, length_m: 0.0, width_m: f64::INFINITY };
+    let mut least = f64::INFINITY;
+    for (a, b) in edges(ring) {
+        let Some(u) = (b - a).to_metres().try_normalize() else { continue };
+        let (along, across) = extent_along(ring, u);
+        if along * across < least - 1e-6 {
+            least = along * across;
+            best = if along >= across {
+                Box2 { along: u, length_m: along, width_m: across }
+            } else {
+                Box2 { along: u.perp(), length_m: across, width_m: along }
+            };
+        }
+    }
+    if least.is_infinite() { Box2 { width_m: 0.0, ..best } } else { best }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(of: &[(f64, f64)]) -> Ring {
+        of.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
+    }
+
+    #[test]
+    fn a_bow_tie_falls_into_two_triangles() {
+        let pieces = polygons(&ring(&[(0.0, 0.0), (10.0, 10.0), (10.0, 0.0), (0.0, 10.0)]), &[]);
+        assert_eq!(pieces.len(), 2);
+        assert!(pieces.iter().all(|p| (p.area_m2() - 25.0).abs() < 0.01), "{pieces:?}");
+    }
+
+    #[test]
+    fn a_clockwise_ring_with_doubled_vertices_is_turned_and_cleaned() {
+        let pieces = polygons(&ring(&[(0.0, 0.0), (0.0, 5.0), (0.0, 5.0), (5.0, 5.0), (5.0, 0.0), (2.0, 0.0), (0.0, 0.0)]), &[]);
+        assert_eq!(pieces.len(), 1);
+        assert_eq!((pieces[0].outer.len(), pieces[0].area_m2()), (4, 25.0));
+    }
+
+    #[test]
+    fn a_ring_without_area_is_nothing() {
+        assert!(polygons(&ring(&[(0.0, 0.0), (5.0, 0.0), (9.0, 0.0)]), &[]).is_empty());
+        assert!(polygons(&[], &[]).is_empty());
+    }
+
+    #[test]
+    fn a_slight_bend_is_one_wall() {
+        let bent = polygons(&ring(&[(0.0, 0.0), (5.0, -0.01), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]), &[]);
+        assert_eq!(straightened(&bent[0])[0].outer.len(), 4);
+        let corner = polygons(&ring(&[(0.0, 0.0), (5.0, -0.5), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]), &[]);
+        assert_eq!(straightened(&corner[0])[0].outer.len(), 5);
+    }
+
+    #[test]
+    fn the_smallest_box_of_a_turned_rectangle_is_itself() {
+        let (u, v) = (DVec2::new(0.8, 0.6), DVec2::new(-0.6, 0.8));
+        let turned = [DVec2::ZERO, u * 20.0, u * 20.0 + v * 8.0, v * 8.0];
+        let b = smallest_box(&polygons(&turned, &[])[0].outer);
+        assert!((b.length_m - 20.0).abs() < 0.01 && (b.width_m - 8.0).abs() < 0.01, "{b:?}");
+        assert!(b.along.dot(u).abs() > 0.999);
+    }
+}

@@ -1,0 +1,264 @@
+//! What covers the ground, as layers of overlapping shapes in order of priority.
+
+use std::collections::{BTreeMap, HashMap};
+
+use glam::DVec2;
+use veduta_city::{
+    Block, BlockKind, CityGraph, Finding, GridPolygon, GridPos, Id, Link, LinkKind, PlanStreet, Severity, StreetClass, SurfaceKind,
+    Surfacing,
+};
+
+use super::band::{Ends, band};
+use super::{Area, outline};
+
+/// Kerb: how far pavements stand above the carriageway, metres.
+pub(super) const KERB_M: f64 = 0.12;
+/// Width of a watercourse or street that is wider than this is a mistake; metres.
+const WIDEST_M: f64 = 400.0;
+/// Streets narrower than this have no pavements; metres.
+const NARROWEST_WITH_PAVEMENTS_M: f64 = 6.0;
+
+/// Priority of what covers the ground, highest first: where two overlap the first lies on top.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Rank {
+    /// Between kerbs.
+    Carriageway,
+    /// Beside a carriageway.
+    Pavement,
+    /// A square.
+    Square,
+    /// A street of one surface.
+    Lane,
+    /// A footway.
+    Path,
+    /// Rails outside of streets.
+    Rails,
+    /// A monument's ground.
+    Monument,
+    /// Rivers and ponds.
+    Water,
+    /// Lawns.
+    Park,
+}
+
+/// Shapes of one surface and priority; they may overlap.
+#[derive(Debug)]
+pub(super) struct Layer {
+    /// Priority.
+    pub rank: Rank,
+    /// What covers them.
+    pub surface: SurfaceKind,
+    /// Where.
+    pub shapes: Vec<GridPolygon>,
+}
+
+impl Layer {
+    /// Height of its top, grid steps.
+    pub fn z(&self) -> i32 {
+        if self.rank == Rank::Pavement { GridPos::steps(KERB_M) } else { 0 }
+    }
+}
+
+/// Width of the pavement on each side of a street with a carriageway; 0 if there is none. Metres.
+pub(super) fn pavement_m(class: StreetClass, width_m: f64) -> f64 {
+    match class {
+        StreetClass::Main | StreetClass::Street if width_m >= NARROWEST_WITH_PAVEMENTS_M => (width_m * 0.2).clamp(1.5, 3.0),
+        _ => 0.0,
+    }
+}
+
+/// A link's width in metres: its own or its class's, at most 400.
+pub(super) fn width_m(link: &Link) -> f64 {
+    link.width().clamp(0.5, WIDEST_M)
+}
+
+const fn surface(surfacing: Surfacing) -> SurfaceKind {
+    match surfacing {
+        Surfacing::Asphalt => SurfaceKind::Asphalt,
+        Surfacing::Cobbles => SurfaceKind::Cobbles,
+        Surfacing::Mosaic => SurfaceKind::Mosaic,
+        Surfacing::Flagstones => SurfaceKind::Flagstones,
+        Surfacing::Gravel => SurfaceKind::Gravel,
+        Surfacing::Grass => SurfaceKind::Grass,
+    }
+}
+
+/// Everything that covers ground, in order of priority.
+pub(super) fn layers(graph: &CityGraph, areas: &[Area<'_>], findings: &mut Vec<Finding>) -> Vec<Layer> {
+    let mut shapes: BTreeMap<(Rank, SurfaceKind), Vec<GridPolygon>> = BTreeMap::new();
+    link_shapes(graph, areas, &mut shapes, findings);
+    for square in &graph.squares {
+        let found = outline::polygons(&square.outline, &square.holes);
+        if found.is_empty() {
+            let message = "square: its outline has no area";
+            findings.push(Finding::new(Severity::Dropped, square.id, square.outline.first().copied(), message));
+        }
+        shapes.entry((Rank::Square, surface(square.surfacing))).or_default().extend(found);
+    }
+    for area in areas {
+        let key = match area.block.kind {
+            BlockKind::Built => continue,
+            BlockKind::Park => (Rank::Park, SurfaceKind::Grass),
+            BlockKind::Monument => (Rank::Monument, SurfaceKind::Flagstones),
+            BlockKind::Water => (Rank::Water, SurfaceKind::Water),
+        };
+        shapes.entry(key).or_default().extend(area.polygons.iter().cloned());
+    }
+    shapes.into_iter().map(|((rank, surface), shapes)| Layer { rank, surface, shapes }).collect()
+}
+
+/// One band to lay: the link, its half-width, priority and surface.
+struct Strip<'a> {
+    link: &'a Link,
+    half_m: f64,
+    rank: Rank,
+    surface: SurfaceKind,
+}
+
+fn link_shapes(
+    graph: &CityGraph,
+    areas: &[Area<'_>],
+    shapes: &mut BTreeMap<(Rank, SurfaceKind), Vec<GridPolygon>>,
+    findings: &mut Vec<Finding>,
+) {
+    let at = graph.node_positions();
+    let mut strips = Vec::new();
+    for link in &graph.links {
+        if link.layer < 0 {
+            let what = match link.kind {
+                LinkKind::Street(_) => "tunnel",
+                LinkKind::Railway { .. } => "railway tunnel",
+                LinkKind::Watercourse => "covered watercourse",
+            };
+            let place = at.get(&link.from).copied();
+            findings.push(Finding::new(Severity::Dropped, link.id, place, format!("{what}: not laid, for it lies below the ground")));
+            continue;
+        }
+        strips.extend(strips_of(graph, &at, link, areas));
+    }
+    let mut ends: BTreeMap<Rank, Ends> = BTreeMap::new();
+    for strip in &strips {
+        ends.entry(strip.rank).or_default().add(strip.link, strip.half_m);
+    }
+    for strip in &strips {
+        if let Some(ends) = ends.get(&strip.rank) {
+            let parts = band(graph, &at, strip.link, strip.half_m, ends);
+            shapes.entry((strip.rank, strip.surface)).or_default().extend(parts);
+        }
+    }
+}
+
+fn strips_of<'a>(graph: &CityGraph, at: &HashMap<Id, DVec2>, link: &'a Link, areas: &[Area<'_>]) -> Vec<Strip<'a>> {
+    let (width, given) = (width_m(link), link.surfacing.map(surface));
+    let strip = |half_m, rank, surface| Strip { link, half_m, rank, surface };
+    let half = width / 2.0;
+    match link.kind {
+        LinkKind::Watercourse => vec![strip(half, Rank::Water, SurfaceKind::Water)],
+        LinkKind::Railway { tram: true } => Vec::new(),
+        LinkKind::Railway { tram: false } => vec![strip(half, Rank::Rails, SurfaceKind::Ballast)],
+        LinkKind::Street(class) if class.has_carriageway() => {
+            let pavement = pavement_m(class, width);
+            let mut strips = vec![strip(half - pavement, Rank::Carriageway, given.unwrap_or(SurfaceKind::Asphalt))];
+            if pavement > 0.0 {
+                strips.push(strip(half, Rank::Pavement, SurfaceKind::Mosaic));
+            }
+            strips
+        }
+        LinkKind::Street(StreetClass::Lane) => vec![strip(half, Rank::Lane, given.unwrap_or(SurfaceKind::Cobbles))],
+        LinkKind::Street(StreetClass::Service) => vec![strip(half, Rank::Lane, given.unwrap_or(SurfaceKind::Asphalt))],
+        LinkKind::Street(_) => {
+            let own = || if in_park(graph, at, link, areas) { SurfaceKind::Gravel } else { SurfaceKind::Flagstones };
+            vec![strip(half, Rank::Path, given.unwrap_or_else(own))]
+        }
+    }
+}
+
+fn in_park(graph: &CityGraph, at: &HashMap<Id, DVec2>, link: &Link, areas: &[Area<'_>]) -> bool {
+    let line = graph.polyline(link, at).unwrap_or_default();
+    let Some((middle, _)) = middle_of(&line) else { return false };
+    let pos = GridPos::from_metres(middle);
+    areas.iter().filter(|a| a.block.kind == BlockKind::Park).any(|a: &Area<'_>| a.holds(pos))
+}
+
+/// The point half-way along a polyline and the direction there; `None` if it has no length.
+pub(super) fn middle_of(line: &[DVec2]) -> Option<(DVec2, DVec2)> {
+    let length = length_m(line);
+    along(line, length / 2.0)
+}
+
+/// Length of a polyline, metres.
+pub(super) fn length_m(line: &[DVec2]) -> f64 {
+    line.windows(2).map(|e| e[0].distance(e[1])).sum()
+}
+
+/// The point at an arc length along a polyline and the direction there; `None` beyond its ends.
+pub(super) fn along(line: &[DVec2], s_m: f64) -> Option<(DVec2, DVec2)> {
+    let mut left = s_m;
+    for e in line.windows(2) {
+        let piece = e[0].distance(e[1]);
+        if piece > 0.0 && left <= piece {
+            let dir = (e[1] - e[0]) / piece;
+            return Some((e[0] + dir * left.max(0.0), dir));
+        }
+        left -= piece;
+    }
+    None
+}
+
+/// Centre lines for maps, routes and labels.
+pub(super) fn centre_lines(graph: &CityGraph) -> Vec<PlanStreet> {
+    let at = graph.node_positions();
+    let street = |link: &Link| {
+        let LinkKind::Street(_) = link.kind else { return None };
+        let mut line: Vec<GridPos> = graph.polyline(link, &at)?.into_iter().map(GridPos::from_metres).collect();
+        line.dedup();
+        (line.len() > 1).then(|| PlanStreet {
+            id: link.id,
+            name: link.name.clone(),
+            line,
+            width: GridPos::steps(width_m(link)),
+            walkable: link.layer >= 0,
+            layer: link.layer,
+        })
+    };
+    graph.links.iter().filter_map(street).collect()
+}
+
+/// The areas of a graph's blocks as valid polygons; blocks without area are reported.
+pub(super) fn areas<'a>(blocks: &'a [Block], findings: &mut Vec<Finding>) -> Vec<Area<'a>> {
+    let mut out = Vec::new();
+    for block in blocks {
+        let polygons = outline::polygons(&block.outline, &block.holes);
+        if polygons.is_empty() {
+            let message = "block: its outline has no area";
+            findings.push(Finding::new(Severity::Dropped, block.id, block.outline.first().copied(), message));
+        } else {
+            out.push(Area { block, polygons });
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pavements_leave_a_carriageway() {
+        for class in [StreetClass::Motorway, StreetClass::Main, StreetClass::Street, StreetClass::Lane] {
+            for width in [0.5, 3.0, 6.0, 9.0, 14.0, 40.0] {
+                let pavement = pavement_m(class, width);
+                assert!(pavement == 0.0 || (1.5..=3.0).contains(&pavement));
+                assert!(width - 2.0 * pavement > 0.4, "{class:?} of {width} m");
+            }
+        }
+    }
+
+    #[test]
+    fn the_middle_of_a_bent_line_is_half_way_along_it() {
+        let line = [DVec2::ZERO, DVec2::new(10.0, 0.0), DVec2::new(10.0, 30.0)];
+        let (p, dir) = middle_of(&line).expect("it has length");
+        assert_eq!((p, dir), (DVec2::new(10.0, 10.0), DVec2::Y));
+        assert_eq!(middle_of(&[DVec2::ONE, DVec2::ONE]), None);
+    }
+}

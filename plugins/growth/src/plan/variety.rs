@@ -1,0 +1,155 @@
+//! Looks of houses, drawn one by one and then set apart: no two neighbours alike.
+
+use veduta_city::{Opening, Rgb, Style};
+
+use super::facing::{Edge, Facing};
+use super::houses::{Draft, StyleBook};
+
+/// Colours closer than this in every channel look alike.
+const ALIKE: u8 = 14;
+/// Share by which houses of one colour differ.
+const TINT: f64 = 0.06;
+/// Least distance between window axes: a window of 1.1 m and 0.8 m of wall; metres.
+const LEAST_BAY_M: f64 = 1.9;
+/// Walls shorter than this stay blind; metres.
+const LEAST_WINDOW_WALL_M: f64 = 1.6;
+/// Most bays of a wall.
+const MOST_BAYS: f64 = 200.0;
+
+/// What a house looks like, apart from its heights.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Look {
+    /// Colour of the walls, before the tint.
+    pub wall: Rgb,
+    /// Whether a person or a map gave the colour.
+    pub is_given: bool,
+    /// Factor on drawn colours, about 1.
+    pub tint: f64,
+    /// Colour of the roof.
+    pub roof: Rgb,
+    /// Windows of the first floor.
+    pub main: Opening,
+    /// Windows above.
+    pub upper: Opening,
+    /// Windows of the ground floor.
+    pub ground: Opening,
+    /// The door.
+    pub door: Opening,
+    /// Distance between window axes, metres.
+    pub bay_m: f64,
+}
+
+impl Look {
+    fn draw(draft: &Draft, style: &Style) -> Self {
+        let d = draft.draw;
+        let opening = |question, of: &[Opening]| d.pick(question, of).copied().unwrap_or_default();
+        let given = draft.bodies.iter().find_map(|b| b.colour);
+        Self {
+            wall: given.or_else(|| d.pick("wall", &style.walls).copied()).unwrap_or_default(),
+            is_given: given.is_some(),
+            tint: d.between("tint", 1.0 - TINT, 1.0 + TINT),
+            roof: d.pick("roof colour", &style.roof_colours).copied().unwrap_or_default(),
+            main: opening("main windows", &style.main_windows),
+            upper: opening("windows", &style.windows),
+            ground: opening("ground windows", &style.ground_windows),
+            door: opening("door", &style.doors),
+            bay_m: d.between("bay", style.bay_m.0, style.bay_m.1),
+        }
+    }
+
+    /// Colour of the walls as they will be painted.
+    pub fn painted(&self) -> Rgb {
+        if self.is_given { bounded(self.wall) } else { bounded(self.wall.scaled(self.tint)) }
+    }
+}
+
+/// Never pure black, never pure white.
+pub(super) fn bounded(colour: Rgb) -> Rgb {
+    let c = |v: u8| v.clamp(0x1A, 0xF4);
+    Rgb(c(colour.0), c(colour.1), c(colour.2))
+}
+
+/// Window axes of a wall: as near to the wished distance as leaves 0.8 m of wall between windows; none on walls under 1.6 m.
+pub(super) fn bays(length_m: f64, bay_m: f64) -> u8 {
+    if length_m < LEAST_WINDOW_WALL_M {
+        return 0;
+    }
+    let most = libm::floor(length_m / LEAST_BAY_M).clamp(1.0, MOST_BAYS);
+    libm::round(length_m / bay_m.max(LEAST_BAY_M)).clamp(1.0, most) as u8
+}
+
+/// The wall that a house is known by: its longest that faces a street, else its longest.
+pub(super) fn main_edge(edges: &[Vec<Edge>]) -> Option<&Edge> {
+    edges.iter().flatten().max_by(|a, b| (a.is_public, a.length_m()).partial_cmp(&(b.is_public, b.length_m())).unwrap_or(core::cmp::Ordering::Equal))
+}
+
+/// Whether two colours can hardly be told apart.
+pub(super) fn alike(a: Rgb, b: Rgb) -> bool {
+    a.0.abs_diff(b.0) < ALIKE && a.1.abs_diff(b.1) < ALIKE && a.2.abs_diff(b.2) < ALIKE
+}
+
+/// Looks of all houses. Those with given colours come first, then the others by id; each takes the first colour of its palette,
+/// from the one drawn onwards, that no settled neighbour wears; where the palette is spent, it differs in its windows.
+pub(super) fn looks(drafts: &[Draft], facing: &Facing, book: &StyleBook<'_>) -> Vec<Option<Look>> {
+    let drawn: Vec<Option<Look>> = drafts.iter().map(|d| book.style(d.style).map(|s| Look::draw(d, s))).collect();
+    let mut order: Vec<usize> = (0..drafts.len()).collect();
+    order.sort_by_key(|&h| (drawn[h].as_ref().is_some_and(|l| !l.is_given), drafts[h].id, h));
+    let mut settled: Vec<Option<Look>> = vec![None; drafts.len()];
+    for h in order {
+        let (Some(look), Some(style)) = (&drawn[h], book.style(drafts[h].style)) else { continue };
+        let width = |i: usize| facing.edges.get(i).and_then(|e| main_edge(e)).map_or(0.0, Edge::length_m);
+        let near: Vec<(&Look, f64)> = facing.neighbours[h].iter().filter_map(|&n| Some((settled[n].as_ref()?, width(n)))).collect();
+        settled[h] = Some(set_apart(look.clone(), width(h), &near, &drafts[h], style));
+    }
+    settled
+}
+
+fn set_apart(mut look: Look, width: f64, near: &[(&Look, f64)], draft: &Draft, style: &Style) -> Look {
+    if !look.is_given {
+        let n = style.walls.len();
+        let first = draft.draw.below("wall", n);
+        let palette = (0..n).filter_map(|k| style.walls.get((first + k) % n)).map(|&wall| Look { wall, ..look.clone() });
+        let mut fresh = palette.filter(|l| near.iter().all(|(other, _)| !alike(l.painted(), other.painted())));
+        if let Some(fresh) = fresh.next() {
+            return fresh;
+        }
+    }
+    // The colours are spent or given: change what else tells houses apart, one thing at a time.
+    let is_twin = |l: &Look| near.iter().any(|(other, w)| are_twins(l, width, other, *w));
+    let mut variants = style.main_windows.iter().flat_map(|&main| {
+        let with_main = Look { main, ..look.clone() };
+        let grounds = style.ground_windows.iter().map(move |&ground| Look { ground, ..with_main.clone() });
+        grounds.flat_map(|l| [l.bay_m, style.bay_m.0, style.bay_m.1].map(|bay_m| Look { bay_m, ..l.clone() }))
+    });
+    if is_twin(&look)
+        && let Some(other) = variants.find(|l| !is_twin(l))
+    {
+        look = other;
+    }
+    look
+}
+
+/// Whether two houses are alike in colour, number of axes, main windows and ground floor together.
+fn are_twins(a: &Look, a_width: f64, b: &Look, b_width: f64) -> bool {
+    alike(a.painted(), b.painted())
+        && bays(a_width, a.bay_m) == bays(b_width, b.bay_m)
+        && a.main == b.main
+        && a.ground == b.ground
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bays_leave_solid_wall_between_windows() {
+        for tenths in 0..400 {
+            let length = f64::from(tenths) / 10.0;
+            let n = bays(length, 2.4);
+            assert_eq!(n == 0, length < 1.6, "{length} m");
+            assert!(n <= 1 || length / f64::from(n) >= 1.9, "{n} bays on {length} m");
+        }
+        assert_eq!(bays(9.0, 3.0), 3);
+        assert_eq!(bays(1e9, 3.0), 200);
+    }
+}

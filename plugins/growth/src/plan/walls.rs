@@ -1,0 +1,227 @@
+//! Walls: what each faces, its axes, storeys and openings.
+
+use veduta_city::{GroundFloor, House, Opening, PlanRoof, Storey, Style, Volume, Wall, WallKind, metres};
+
+use super::facing::{Edge, Facing};
+use super::houses::{Body, Draft, StyleBook};
+use super::massing::{self, Mass};
+use super::variety::{Look, bays, bounded};
+
+/// A neighbour that covers more than this share of a wall's length and height makes it a party wall.
+const PARTY_SHARE: f64 = 0.5;
+/// Storeys lower than this have attic windows; metres.
+const ATTIC_M: f64 = 2.6;
+/// Least height of a storey; metres.
+const LEAST_STOREY_M: f64 = 2.0;
+/// Bodies whose foot is higher than this have no doors; grid steps.
+const DOORSTEP: i32 = 512;
+/// Ground floors lower than this have no shops; metres.
+const LEAST_SHOP_M: f64 = 2.6;
+
+/// All houses, with walls. Houses come in the order of the drafts.
+pub(super) fn houses(
+    drafts: &[Draft],
+    facing: &Facing,
+    masses: &[Vec<Mass>],
+    looks: &[Option<Look>],
+    book: &StyleBook<'_>,
+) -> Vec<House> {
+    let mut out = Vec::with_capacity(drafts.len());
+    for (h, draft) in drafts.iter().enumerate() {
+        let (Some(look), Some(style)) = (&looks[h], book.style(draft.style)) else { continue };
+        let mut volumes: Vec<Volume> = Vec::with_capacity(draft.bodies.len());
+        for (b, body) in draft.bodies.iter().enumerate() {
+            volumes.push(volume(draft, body, b, &facing.edges[h][b], masses, masses[h][b], look, style));
+        }
+        add_ground_floor(&mut volumes, &facing.edges[h], draft, look, style);
+        out.push(House { id: draft.id, name: draft.name.clone(), number: draft.number.clone(), style: draft.style as u16, volumes });
+    }
+    out
+}
+
+fn volume(
+    draft: &Draft,
+    body: &Body,
+    index: usize,
+    edges: &[Edge],
+    masses: &[Vec<Mass>],
+    mass: Mass,
+    look: &Look,
+    style: &Style,
+) -> Volume {
+    let heights = storey_heights(body, &mass, style, draft, index);
+    let wall = |edge: &Edge| {
+        let kind = kind(edge, &mass, masses);
+        if kind == WallKind::Party {
+            return Wall { kind, ..Wall::default() };
+        }
+        let storeys = storeys(&heights, kind, &mass, body, look);
+        let is_blind = storeys.iter().all(|s| s.opening == Opening::Blank) && look.door == Opening::Blank;
+        let wish = if kind == WallKind::Yard { look.bay_m * 1.25 } else { look.bay_m };
+        let bays = if is_blind { 0 } else { bays(edge.length_m(), wish) };
+        Wall { kind, bays, storeys, ground_floor: GroundFloor::default() }
+    };
+    let colour = body.colour.map_or_else(|| look.painted(), bounded);
+    let roof = body.roof.colour.map_or_else(|| bounded(look.roof.scaled(look.tint)), bounded);
+    Volume {
+        footprint: body.footprint.clone(),
+        bottom: mass.bottom,
+        eaves: mass.eaves,
+        colour,
+        trim: bounded(colour.scaled(style.trim)),
+        roof: PlanRoof { colour: roof, ..mass.roof },
+        walls: edges.iter().map(wall).collect(),
+    }
+}
+
+/// What a wall faces: a neighbour if others cover most of it, in length and in height.
+fn kind(edge: &Edge, mine: &Mass, masses: &[Vec<Mass>]) -> WallKind {
+    let height = massing::wall_m(mine).max(0.1);
+    let covered: f64 = edge
+        .party
+        .iter()
+        .filter_map(|&((h, b), share)| {
+            let other = masses.get(h)?.get(b)?;
+            let common = metres(mine.eaves.min(other.eaves) - mine.bottom.max(other.bottom)).max(0.0);
+            Some(share * (common / height).min(1.0))
+        })
+        .sum();
+    match (covered > PARTY_SHARE, edge.is_public) {
+        (true, _) => WallKind::Party,
+        (false, true) => WallKind::Street,
+        (false, false) => WallKind::Yard,
+    }
+}
+
+/// Heights of a body's storeys from its foot, grid steps: they fill the wall exactly.
+fn storey_heights(body: &Body, mass: &Mass, style: &Style, draft: &Draft, index: usize) -> Vec<i32> {
+    let draw = draft.draw.part(index as u64);
+    let (ground, upper) = massing::storey_heights(style, draw);
+    let whole = massing::wall_m(mass);
+    let ground = if mass.bottom > DOORSTEP { upper } else { ground };
+    let fitting = if whole < ground + 0.5 * upper { 1.0 } else { 1.0 + libm::round((whole - ground) / upper) };
+    let told = body.levels.filter(|_| mass.bottom <= DOORSTEP).map(libm::round);
+    let n = told.unwrap_or(fitting).clamp(1.0, libm::floor(whole / LEAST_STOREY_M).clamp(1.0, 250.0)) as usize;
+    let mut weights = vec![upper; n];
+    weights[0] = ground;
+    // Now and then the top storey is a low one under the eaves.
+    if n >= 3 && upper < 5.0 && draw.chance("low top storey", 0.35) {
+        weights[n - 1] = upper * 0.68;
+    }
+    fill(mass.eaves - mass.bottom, &weights)
+}
+
+/// Cuts a length into parts by weight; their sum is exact.
+fn fill(length: i32, weights: &[f64]) -> Vec<i32> {
+    let sum: f64 = weights.iter().sum();
+    let (mut at, mut done) = (0.0, 0);
+    let part = |w: &f64| {
+        at += w;
+        let to = libm::round(f64::from(length) * at / sum) as i32;
+        let part = to - done;
+        done = to;
+        part
+    };
+    weights.iter().map(part).collect()
+}
+
+fn storeys(heights: &[i32], kind: WallKind, mass: &Mass, body: &Body, look: &Look) -> Vec<Storey> {
+    let last = heights.len() - 1;
+    let hangs = mass.bottom > DOORSTEP;
+    let opening = |i: usize, height: i32| {
+        let is_tower = look.upper == Opening::Slit;
+        if is_tower && i == last && last >= 2 && !body.is_covered {
+            return Opening::Belfry;
+        }
+        let drawn = match i {
+            0 if !hangs => look.ground,
+            1 if kind == WallKind::Street && !hangs => look.main,
+            _ => look.upper,
+        };
+        let is_low = i == last && last > 0 && metres(height) < ATTIC_M;
+        match drawn {
+            Opening::Blank | Opening::Slit | Opening::Clock | Opening::LancetWindow => drawn,
+            _ if is_low => Opening::AtticWindow,
+            Opening::WideWindow | Opening::ArchedWindow => drawn,
+            _ if kind == WallKind::Yard => Opening::Window,
+            _ => drawn,
+        }
+    };
+    heights.iter().enumerate().map(|(i, &height)| Storey { height, opening: opening(i, height) }).collect()
+}
+
+/// One door a house, on its longest street wall, else on its longest wall to a yard; shops on street walls.
+fn add_ground_floor(volumes: &mut [Volume], edges: &[Vec<Edge>], draft: &Draft, look: &Look, style: &Style) {
+    let shopkeeper = style.shops > 0.0 && draft.draw.chance("shops", (style.shops * 1.6).min(1.0));
+    let mut best: Option<(WallKind, f64, usize, usize)> = None;
+    for (v, volume) in volumes.iter_mut().enumerate().filter(|(_, volume)| volume.bottom <= DOORSTEP) {
+        for (w, wall) in volume.walls.iter_mut().enumerate().filter(|(_, wall)| wall.bays > 0) {
+            let length = edges[v][w].length_m();
+            // Street before yard, then the longer; of equals the first.
+            let rank = (wall.kind == WallKind::Street, length);
+            if best.is_none_or(|(kind, longest, ..)| rank > (kind == WallKind::Street, longest)) {
+                best = Some((wall.kind, length, v, w));
+            }
+            let is_high = wall.storeys.first().is_some_and(|s| metres(s.height) >= LEAST_SHOP_M);
+            if shopkeeper && wall.kind == WallKind::Street && is_high {
+                let draw = draft.draw.part(v as u64).part(w as u64);
+                let is_shop = |bay: &u8| draw.part(u64::from(*bay)).chance("shop", 0.65);
+                wall.ground_floor.shops = (0..wall.bays.min(32)).filter(is_shop).fold(0, |bits, bay| bits | 1 << bay);
+            }
+        }
+    }
+    if let Some((kind, length, v, w)) = best
+        && let Some(wall) = volumes.get_mut(v).and_then(|volume| volume.walls.get_mut(w))
+    {
+        put_door(wall, kind, length, draft, look);
+    }
+}
+
+fn put_door(wall: &mut Wall, kind: WallKind, length_m: f64, draft: &Draft, look: &Look) {
+    let bay_m = length_m / f64::from(wall.bays.max(1));
+    let door = match look.door {
+        Opening::Blank => return,
+        _ if kind == WallKind::Yard || bay_m < 2.0 => Opening::Door,
+        Opening::Gate if bay_m < 2.8 => Opening::Portal,
+        other => other,
+    };
+    let (last, middle) = (wall.bays - 1, wall.bays / 2);
+    let bay = match draft.draw.below("door bay", 4) {
+        0 => 0,
+        1 => last,
+        _ => middle,
+    };
+    wall.ground_floor.door_bay = Some(bay);
+    wall.ground_floor.door = door;
+    if bay < 32 {
+        wall.ground_floor.shops &= !(1 << bay);
+    }
+}
+
+/// Middles of all doors' thresholds, plan metres.
+pub(super) fn doorsteps(houses: &[House]) -> Vec<glam::DVec2> {
+    let mut out = Vec::new();
+    for volume in houses.iter().flat_map(|h| &h.volumes) {
+        let edges = volume.footprint.rings().flat_map(|r| super::outline::edges(r));
+        for (wall, (a, b)) in volume.walls.iter().zip(edges) {
+            if let Some(bay) = wall.ground_floor.door_bay {
+                let t = (f64::from(bay) + 0.5) / f64::from(wall.bays.max(1));
+                out.push(a.to_metres().lerp(b.to_metres(), t));
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_fill_a_length_exactly() {
+        let parts = fill(14_337, &[4.2, 3.3, 3.3, 2.2]);
+        assert_eq!(parts.iter().sum::<i32>(), 14_337);
+        assert!(parts[0] > parts[1] && parts[1] > parts[3]);
+        assert!((parts[1] - parts[2]).abs() <= 1);
+    }
+}
