@@ -11,9 +11,6 @@ use crate::patches::Patches;
 const FARTHEST: i32 = 1 << 30;
 /// Longest side of the extent's bounds, grid steps: products of two such lengths fit 64 bits with room to spare.
 const WIDEST: i32 = 1 << 28;
-/// Length at which edges of the extent are cut, so that no triangle spans half the city; metres.
-const EXTENT_STEP_M: f64 = 40.0;
-
 /// The connected pieces of free space that hold public ground. Falls back to the largest piece where none does.
 pub(crate) fn reachable(
     plan: &CityPlan,
@@ -77,7 +74,7 @@ pub(crate) fn free_space(
             }
         }
     }
-    combine(OverlayRule::Difference, turned_rings(&plan.extent).map(|ring| cut_long_edges(&ring)), obstacles, true)
+    combine(OverlayRule::Difference, turned_rings(&plan.extent), obstacles, true)
 }
 
 /// [`free_space`] for what has been partitioned before: nothing if the extent is unusable.
@@ -121,20 +118,6 @@ pub(crate) fn beside(a: GridPos, b: GridPos, share: f64, distance_m: f64) -> Gri
     let length = libm::sqrt(along.length_squared());
     let outward = if length > 0.0 { DVec2::new(along.y, -along.x) / length } else { DVec2::ZERO };
     GridPos::from_metres(from + along * share + outward * distance_m)
-}
-
-fn cut_long_edges(ring: &GridRing) -> GridRing {
-    let mut cut = Vec::new();
-    for (a, b) in edges(ring) {
-        let length_m = libm::sqrt((b.to_metres() - a.to_metres()).length_squared());
-        let pieces = (libm::ceil(length_m / EXTENT_STEP_M) as i64).clamp(1, 1 << 16);
-        let at = |from: i32, to: i32, i: i64| {
-            let span = i64::from(to) - i64::from(from);
-            (i64::from(from) + (span * i + span.signum() * pieces / 2) / pieces) as i32
-        };
-        cut.extend((0..pieces).map(|i| GridPos(at(a.0, b.0, i), at(a.1, b.1, i))));
-    }
-    cut
 }
 
 /// Square metres of public ground in a shape; may stop counting beyond `enough`.

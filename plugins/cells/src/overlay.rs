@@ -12,7 +12,7 @@ pub(crate) type Bounds = (GridPos, GridPos);
 /// Twice the signed area of a ring in grid steps squared: positive if it runs counter-clockwise.
 pub(crate) fn ring_area_2(ring: &[GridPos]) -> i64 {
     let Some(&origin) = ring.first() else { return 0 };
-    edges(ring).map(|(a, b)| origin.cross(a, b)).sum()
+    edges(ring).fold(0, |sum, (a, b)| sum.saturating_add(origin.cross(a, b)))
 }
 
 /// The edges of a closed ring, in order.

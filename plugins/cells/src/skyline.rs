@@ -22,8 +22,8 @@ fn top(volume: &Volume) -> i32 {
 pub(crate) fn skyline(plan: &CityPlan, cells: &Cells) -> Vec<u32> {
     let mut tops: Vec<i32> = plan.houses.iter().filter_map(|house| house.volumes.iter().map(top).max()).collect();
     tops.sort_unstable();
-    let (Some(&median), Some(&nine_tenths)) = (tops.get(tops.len() / 2), tops.get(tops.len() * 9 / 10)) else { return Vec::new() };
-    let threshold = nine_tenths.max(median.saturating_add(GridPos::steps(ABOVE_MEDIAN_M)));
+    let Some(&median) = tops.get(tops.len() / 2) else { return Vec::new() };
+    let threshold = median.saturating_add(GridPos::steps(ABOVE_MEDIAN_M));
     // Tallest first.
     let mut tall: Vec<(core::cmp::Reverse<i32>, u32, u16)> = Vec::new();
     for (h, house) in (0..).zip(&plan.houses) {

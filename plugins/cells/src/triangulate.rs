@@ -37,32 +37,59 @@ fn point(p: GridPos) -> Point2<f64> {
 
 /// Triangles of all shapes.
 pub(crate) fn triangulate(shapes: &[GridPolygon], settings: &PartitionSettings, findings: &mut Vec<Finding>) -> Vec<Triangle> {
-    let mut positions: Vec<GridPos> = shapes.iter().flat_map(GridPolygon::rings).flatten().copied().collect();
+    let mut borders: Vec<Vec<GridPos>> = shapes
+        .iter()
+        .flat_map(GridPolygon::rings)
+        .flat_map(|ring| edges(ring))
+        .filter(|(a, b)| a != b)
+        .map(|(a, b)| cut_up(a, b, settings.max_diameter_m))
+        .collect();
+    // Those that stay straight first: a cut one that would cross them stays straight as well.
+    borders.sort_by_key(Vec::len);
+    let mut positions: Vec<GridPos> = borders.iter().flatten().copied().collect();
     positions.sort_unstable();
     positions.dedup();
     let Ok(mut cdt) = Cdt::bulk_load(positions.into_iter().map(point).collect()) else { return Vec::new() };
-    let borders = add_borders(&mut cdt, shapes, findings);
+    let borders = add_borders(&mut cdt, &borders, findings);
     add_lattice(&mut cdt, shapes, &borders, settings);
     triangles(&cdt, &inside_faces(&cdt, &borders))
 }
 
-/// Adds the rings' edges as constraints; returns their pieces, free space on the left.
-fn add_borders(cdt: &mut Cdt, shapes: &[GridPolygon], findings: &mut Vec<Finding>) -> Vec<FixedDirectedEdgeHandle> {
+/// An edge, cut where it is longer than most cells may be, so that no triangle is as long as a long wall. Cuts lie on the grid,
+/// less than a step off the line and on its right, the solid side: ground reaches under the wall rather than stopping short.
+fn cut_up(a: GridPos, b: GridPos, max_diameter_m: f64) -> Vec<GridPos> {
+    let length_m = libm::sqrt((b.to_metres() - a.to_metres()).length_squared());
+    let step_m = (max_diameter_m / 2.0).max(1.0);
+    let pieces = if length_m > 1.5 * step_m { libm::ceil(length_m / step_m).min(10_000.0) as i64 } else { 1 };
+    let cut = |i: i64| {
+        let floor = |from: i32, to: i32| from + ((i64::from(to) - i64::from(from)) * i).div_euclid(pieces) as i32;
+        let (x, y) = (floor(a.0, b.0), floor(a.1, b.1));
+        let around = [GridPos(x, y), GridPos(x + 1, y), GridPos(x, y + 1), GridPos(x + 1, y + 1)];
+        around.into_iter().filter(|&p| a.cross(b, p) <= 0).max_by_key(|&p| (a.cross(b, p), p)).unwrap_or(a)
+    };
+    core::iter::once(a).chain((1..pieces).map(cut)).chain([b]).collect()
+}
+
+/// Adds borders as constraints; returns their pieces, free space on the left.
+fn add_borders(cdt: &mut Cdt, borders: &[Vec<GridPos>], findings: &mut Vec<Finding>) -> Vec<FixedDirectedEdgeHandle> {
     let handle: HashMap<GridPos, FixedVertexHandle> = cdt.vertices().map(|v| (grid(v.position()), v.fix())).collect();
-    let mut borders = Vec::new();
-    for (a, b) in shapes.iter().flat_map(GridPolygon::rings).flat_map(|ring| edges(ring)) {
-        let (Some(&from), Some(&to)) = (handle.get(&a), handle.get(&b)) else { continue };
-        if from == to {
-            continue;
+    let mut added = Vec::new();
+    for border in borders {
+        let ends: Vec<FixedVertexHandle> = border.iter().filter_map(|p| handle.get(p).copied()).collect();
+        let (Some(&first), Some(&last)) = (ends.first(), ends.last()) else { continue };
+        let can_be_cut = ends.windows(2).all(|pair| pair[0] != pair[1] && cdt.can_add_constraint(pair[0], pair[1]));
+        let straight = [first, last];
+        let ends = if can_be_cut { ends.as_slice() } else { &straight };
+        for pair in ends.windows(2) {
+            let pieces = cdt.try_add_constraint(pair[0], pair[1]);
+            if pieces.is_empty() {
+                let message = "two borders of free space cross; one was left out of the cut";
+                findings.push(Finding::new(Severity::Repaired, Id::NONE, border.first().map(|p| p.to_metres()), message));
+            }
+            added.extend(pieces);
         }
-        let pieces = cdt.try_add_constraint(from, to);
-        if pieces.is_empty() {
-            let message = "two borders of free space cross; one was left out of the cut";
-            findings.push(Finding::new(Severity::Repaired, Id::NONE, Some(a.to_metres()), message));
-        }
-        borders.extend(pieces);
     }
-    borders
+    added
 }
 
 fn grid(p: Point2<f64>) -> GridPos {

@@ -4,8 +4,8 @@
 use glam::DVec2;
 use veduta_city::draw::Draw;
 use veduta_city::{
-    CityPlan, GridPolygon, GridPos, GridRing, GroundPatch, House, Id, PlanRoof, PlanStreet, Rgb, RoofShape, SurfaceKind, Volume, Wall,
-    WallKind,
+    CityPlan, GridPolygon, GridPos, GridRing, GroundPatch, House, Id, PlanRoof, PlanStreet, Rgb, RoofShape, SurfaceKind, Volume,
+    Wall, WallKind,
 };
 
 /// Grid position of metres.
@@ -67,7 +67,8 @@ pub fn town(side: usize) -> CityPlan {
     let tilt = 0.12;
     let (sin, cos) = (libm::sin(tilt), libm::cos(tilt));
     let turn = |x: f64, y: f64| at(x * cos - y * sin, x * sin + y * cos);
-    let quad = |x0: f64, y0: f64, x1: f64, y1: f64| GridPolygon::simple(vec![turn(x0, y0), turn(x1, y0), turn(x1, y1), turn(x0, y1)]);
+    let quad =
+        |x0: f64, y0: f64, x1: f64, y1: f64| GridPolygon::simple(vec![turn(x0, y0), turn(x1, y0), turn(x1, y1), turn(x0, y1)]);
     let mut footprints = Vec::new();
     let mut yards = Vec::new();
     let pitch = block + 11.0;
