@@ -1,1 +1,80 @@
-//! Partition of free space into cells and portals, and visible sets.
+//! Partition of a city's free space into cells and portals, what belongs to each cell, and what can be seen from it.
+//!
+//! ```text
+//!  CityPlan ─ free space ─► shapes ─ triangulate ─► triangles ─ merge ─► cells, portals ─┬─ assign ─► walls, roofs, objects
+//!             extent less           constrained                 cut at                   └─ visible sets, skyline
+//!             houses                Delaunay                    narrow places
+//!
+//!  CityPlan + Cells ─► cell_shells (level-1 packets) · facade_sheets (level-2 packets) · check (invariants)
+//! ```
+//!
+//! # Use
+//! ```
+//! use veduta_cells::{PartitionSettings, cell_shells, check, facade_sheets, partition};
+//! use veduta_city::{CityPlan, GridPolygon, GridPos, GroundPatch, SurfaceKind};
+//!
+//! // A bare square of 100 m × 100 m.
+//! let side = GridPos::steps(100.0);
+//! let square = GridPolygon::simple(vec![GridPos(0, 0), GridPos(side, 0), GridPos(side, side), GridPos(0, side)]);
+//! let plan = CityPlan {
+//!     extent: square.clone(),
+//!     ground: vec![GroundPatch { surface: SurfaceKind::Cobbles, outline: square, z: 0 }],
+//!     ..CityPlan::default()
+//! };
+//!
+//! let partition = partition(&plan, &PartitionSettings::default());
+//! assert!(partition.findings.is_empty() && check(&plan, &partition.cells).is_empty());
+//! let area: f64 = partition.cells.cells.iter().map(|cell| cell.outline.area_m2()).sum();
+//! assert!((area - 10_000.0).abs() < 1e-6);
+//! // Nothing hides anything on a bare square.
+//! assert!(partition.cells.visible.iter().all(|seen| seen.len() == partition.cells.cells.len()));
+//! assert_eq!(cell_shells(&plan, &partition.cells).len(), facade_sheets(&plan, &partition.cells).len());
+//! ```
+//!
+//! # Method
+//! * Free space is the extent less the footprints of all volumes that stand on the ground, on the integer grid. Pieces without
+//!   public ground (enclosed courtyards) are left out of the cells; their ground goes to the nearest cell's packet.
+//! * It is triangulated (constrained Delaunay; a sparse lattice of points keeps triangles in the open small) and the triangles
+//!   are joined across their longest edges first while the union stays small and nearly convex, so that the short edges, the
+//!   narrow places, are left as portals.
+//! * Visible sets follow Teller and Séquin, *Visibility preprocessing for interactive walkthroughs* (1991), in plan: a cell is
+//!   visible if some straight line stabs a sequence of portals that leads to it. The set of stabbing lines is kept as a convex
+//!   polygon in the dual plane, where each portal's end is one half-plane; see [`PartitionSettings::line_sets`].
+//!
+//! # Limits
+//! * One floor: passages under hanging volumes are free space, bridges above streets are not cells of their own.
+//! * Visibility is in plan: what rises above the roofs is told by [`veduta_city::Cells::skyline`], everything lower is taken to be
+//!   hidden by any house. Walls inside one cell hide nothing. Both only matter to what is loaded, never to what is drawn.
+//! * Water is free space (one looks across it); its ground patches tell the walker where it is.
+//! * The extent may span 260 km and lie within 1,000 km of the anchor.
+//!
+//! # Rejected
+//! * *Straight skeletons or a grid of tiles* for the cut: the first is fragile on real footprints, the second cuts streets at
+//!   random and makes portals that hide nothing.
+//! * *Rays from sample points* for visible sets: fast, but they miss cells seen through a slit, and a missed cell is a hole.
+//! * *Enumerating portal sequences*: exact, but exponential on open ground; sets of lines are merged instead, which may add a
+//!   cell that cannot quite be seen and never loses one.
+//! * *Boolean operations on floats* (geo's front of the same engine): rounding back to the grid would open cracks.
+
+mod assign;
+mod check;
+mod free;
+mod hull;
+mod lines;
+mod locate;
+mod merge;
+mod name;
+mod outline;
+mod overlay;
+mod partition;
+mod patches;
+mod sheet;
+mod shell;
+mod skyline;
+mod triangulate;
+mod visible;
+
+pub use check::{CellsError, check};
+pub use partition::{Partition, PartitionSettings, partition};
+pub use sheet::facade_sheets;
+pub use shell::cell_shells;

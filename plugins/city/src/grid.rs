@@ -40,12 +40,13 @@ impl GridPos {
         DVec2::new(metres(self.0), metres(self.1))
     }
 
-    /// Twice the signed area of the triangle (self, b, c) in grid steps squared: positive if it turns left.
+    /// Twice the signed area of the triangle (self, b, c) in grid steps squared: positive if it turns left. Exact where no two of
+    /// the three are farther apart than half the grid; saturates beyond.
     #[must_use]
     pub fn cross(self, b: Self, c: Self) -> i64 {
         let (ux, uy) = (i64::from(b.0) - i64::from(self.0), i64::from(b.1) - i64::from(self.1));
         let (vx, vy) = (i64::from(c.0) - i64::from(self.0), i64::from(c.1) - i64::from(self.1));
-        ux * vy - uy * vx
+        ux.saturating_mul(vy).saturating_sub(uy.saturating_mul(vx))
     }
 }
 
@@ -138,7 +139,7 @@ pub(crate) fn edges(ring: &[GridPos]) -> impl Iterator<Item = (GridPos, GridPos)
 
 fn ring_area_2(ring: &[GridPos]) -> i64 {
     let Some(&origin) = ring.first() else { return 0 };
-    edges(ring).map(|(a, b)| origin.cross(a, b)).sum()
+    edges(ring).fold(0, |sum, (a, b)| sum.saturating_add(origin.cross(a, b)))
 }
 
 fn ring_contains(ring: &[GridPos], p: GridPos) -> bool {

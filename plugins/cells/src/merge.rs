@@ -1,0 +1,161 @@
+//! Triangles joined to cells: wide openings first, so that the narrow places stay as borders.
+
+use std::collections::BTreeMap;
+
+use veduta_city::{GRID_PER_METRE, GridPos};
+
+use crate::hull::{Hull, distance_2};
+use crate::partition::PartitionSettings;
+use crate::triangulate::Triangle;
+
+/// Cell of each triangle, numbered densely from 0.
+pub(crate) fn merge(triangles: &[Triangle], settings: &PartitionSettings) -> Vec<u32> {
+    let mut groups = Groups::new(triangles);
+    let mut doors = doors(triangles);
+    doors.sort_unstable();
+    for door in doors {
+        groups.try_join(door.left, door.right, &Limits::of(settings, 1.0));
+    }
+    for _ in 0..8 {
+        if !join_rests(triangles, &mut groups, settings) {
+            break;
+        }
+    }
+    numbered(triangles, &mut groups)
+}
+
+/// Numbers the groups by their least corner, so that neighbours in the list are near each other.
+fn numbered(triangles: &[Triangle], groups: &mut Groups) -> Vec<u32> {
+    let mut least: BTreeMap<u32, GridPos> = BTreeMap::new();
+    for (t, triangle) in (0..).zip(triangles) {
+        let corner = triangle.corners.iter().copied().fold(triangle.corners[0], GridPos::min);
+        let least = least.entry(groups.root(t)).or_insert(corner);
+        *least = corner.min(*least);
+    }
+    let mut order: Vec<(GridPos, u32)> = least.into_iter().map(|(root, corner)| (corner, root)).collect();
+    order.sort_unstable();
+    let number: BTreeMap<u32, u32> = (0..).zip(order).map(|(n, (_, root))| (root, n)).collect();
+    (0..triangles.len() as u32).map(|t| number[&groups.root(t)]).collect()
+}
+
+/// An edge between two triangles; sorts widest first, then by place.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct Door {
+    /// Length squared, negative so that the widest comes first.
+    width_2: core::cmp::Reverse<i64>,
+    ends: (GridPos, GridPos),
+    left: u32,
+    right: u32,
+}
+
+fn doors(triangles: &[Triangle]) -> Vec<Door> {
+    let mut doors = Vec::new();
+    for (left, triangle) in (0..).zip(triangles) {
+        for (i, right) in triangle.beyond.iter().enumerate() {
+            if let Some(right) = *right
+                && left < right
+            {
+                let (a, b) = triangle.edge(i);
+                doors.push(Door { width_2: core::cmp::Reverse(distance_2(a, b)), ends: (a.min(b), a.max(b)), left, right });
+            }
+        }
+    }
+    doors
+}
+
+/// What a union must stay within, grid steps.
+struct Limits {
+    area_2: i64,
+    diameter_2: i64,
+    convexity: f64,
+}
+
+impl Limits {
+    fn of(settings: &PartitionSettings, slack: f64) -> Self {
+        let step = f64::from(GRID_PER_METRE);
+        let diameter = settings.max_diameter_m * slack * step;
+        Self {
+            area_2: (settings.max_area_m2 * slack * 2.0 * step * step) as i64,
+            diameter_2: (diameter * diameter) as i64,
+            convexity: settings.min_convexity / slack,
+        }
+    }
+}
+
+/// Union–find over triangles; roots carry hull and area.
+struct Groups {
+    parent: Vec<u32>,
+    area_2: Vec<i64>,
+    hull: Vec<Hull>,
+}
+
+impl Groups {
+    fn new(triangles: &[Triangle]) -> Self {
+        Self {
+            parent: (0..triangles.len() as u32).collect(),
+            area_2: triangles.iter().map(Triangle::area_2).collect(),
+            hull: triangles.iter().map(|t| Hull::of(t.corners.to_vec())).collect(),
+        }
+    }
+
+    fn root(&mut self, mut t: u32) -> u32 {
+        while self.parent[t as usize] != t {
+            let grand = self.parent[self.parent[t as usize] as usize];
+            self.parent[t as usize] = grand;
+            t = grand;
+        }
+        t
+    }
+
+    /// Joins the groups of two triangles if the union stays within the limits. A group that is longer than the limit already (one
+    /// wall may be) still takes in what makes it no longer.
+    fn try_join(&mut self, a: u32, b: u32, limits: &Limits) -> bool {
+        let (a, b) = (self.root(a), self.root(b));
+        let (low, high) = (a.min(b) as usize, a.max(b) as usize);
+        let area_2 = self.area_2[low] + self.area_2[high];
+        let longest_2 = self.hull[low].diameter_2.max(self.hull[high].diameter_2);
+        if a == b || area_2 > limits.area_2 {
+            return false;
+        }
+        let hull = self.hull[low].with(&self.hull[high]);
+        if hull.diameter_2 > limits.diameter_2.max(longest_2 + longest_2 / 16)
+            || (area_2 as f64) < limits.convexity * hull.area_2 as f64
+        {
+            return false;
+        }
+        self.parent[high] = low as u32;
+        self.area_2[low] = area_2;
+        self.hull[low] = hull;
+        self.hull[high] = Hull::default();
+        true
+    }
+}
+
+/// Lets each small group join the neighbour with which it shares the longest border; whether any did.
+fn join_rests(triangles: &[Triangle], groups: &mut Groups, settings: &PartitionSettings) -> bool {
+    let step = f64::from(GRID_PER_METRE);
+    let small_2 = (settings.min_area_m2 * 2.0 * step * step) as i64;
+    let mut borders: BTreeMap<(u32, u32), f64> = BTreeMap::new();
+    for door in doors(triangles) {
+        let (a, b) = (groups.root(door.left), groups.root(door.right));
+        if a != b && (groups.area_2[a as usize] < small_2 || groups.area_2[b as usize] < small_2) {
+            *borders.entry((a.min(b), a.max(b))).or_default() += libm::sqrt(door.width_2.0 as f64);
+        }
+    }
+    let mut wishes: Vec<(i64, u32, f64, u32)> = borders
+        .iter()
+        .flat_map(|(&(a, b), &width)| [(a, b, width), (b, a, width)])
+        .map(|(from, to, width)| (groups.area_2[from as usize], from, -width, to))
+        .filter(|&(area_2, ..)| area_2 < small_2)
+        .collect();
+    wishes.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)).then(a.3.cmp(&b.3)));
+    let limits = Limits::of(settings, 1.5);
+    let mut has_joined = false;
+    for (_, from, _, to) in wishes {
+        let root = groups.root(from);
+        if groups.area_2[root as usize] < small_2 {
+            has_joined |= groups.try_join(from, to, &limits);
+        }
+    }
+    has_joined
+}

@@ -1,0 +1,172 @@
+//! Boolean operations on the integer grid, and the cheap cuts that keep their inputs small.
+
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
+pub(crate) use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::i_float::int::point::IntPoint;
+use veduta_city::{GridPolygon, GridPos, GridRing};
+
+/// Least and greatest corner.
+pub(crate) type Bounds = (GridPos, GridPos);
+
+/// Twice the signed area of a ring in grid steps squared: positive if it runs counter-clockwise.
+pub(crate) fn ring_area_2(ring: &[GridPos]) -> i64 {
+    let Some(&origin) = ring.first() else { return 0 };
+    edges(ring).fold(0, |sum, (a, b)| sum.saturating_add(origin.cross(a, b)))
+}
+
+/// The edges of a closed ring, in order.
+pub(crate) fn edges(ring: &[GridPos]) -> impl Iterator<Item = (GridPos, GridPos)> + '_ {
+    ring.iter().copied().zip(ring.iter().copied().cycle().skip(1)).take(ring.len())
+}
+
+/// Square metres of several polygons.
+pub(crate) fn total_m2(shapes: &[GridPolygon]) -> f64 {
+    shapes.iter().map(GridPolygon::area_m2).sum()
+}
+
+/// The rings of a polygon turned as they should be: outer counter-clockwise, holes clockwise; those without area left out.
+pub(crate) fn turned_rings(polygon: &GridPolygon) -> impl Iterator<Item = GridRing> + '_ {
+    polygon.rings().enumerate().filter_map(|(i, ring)| {
+        let area = ring_area_2(ring);
+        if area == 0 {
+            return None;
+        }
+        let mut ring = ring.clone();
+        if (area > 0) != (i == 0) {
+            ring.reverse();
+        }
+        Some(ring)
+    })
+}
+
+/// Whether two boxes have a point in common.
+pub(crate) fn touch(a: Bounds, b: Bounds) -> bool {
+    a.0.0 <= b.1.0 && b.0.0 <= a.1.0 && a.0.1 <= b.1.1 && b.0.1 <= a.1.1
+}
+
+/// Combines two sets of rings, each filled where it winds around. Results are valid polygons: outer rings counter-clockwise, holes
+/// clockwise, interiors connected. `keep_collinear` keeps vertices in the middle of straight lines.
+pub(crate) fn combine(
+    rule: OverlayRule,
+    subject: impl IntoIterator<Item = GridRing>,
+    clip: impl IntoIterator<Item = GridRing>,
+    keep_collinear: bool,
+) -> Vec<GridPolygon> {
+    let options = if keep_collinear { IntOverlayOptions::keep_all_points() } else { IntOverlayOptions::default() };
+    let mut overlay = Overlay::new_custom(64, IntOverlayOptions { ogc: true, ..options }, Default::default());
+    for ring in subject {
+        overlay.add_path_iter(ring.into_iter().map(to_int), ShapeType::Subject);
+    }
+    for ring in clip {
+        overlay.add_path_iter(ring.into_iter().map(to_int), ShapeType::Clip);
+    }
+    let shapes = overlay.overlay(rule, FillRule::NonZero);
+    shapes
+        .into_iter()
+        .filter_map(|shape| {
+            let mut rings = shape.into_iter().map(|ring| ring.into_iter().map(|p| GridPos(p.x, p.y)).collect::<GridRing>());
+            let outer = rings.next().filter(|ring| ring.len() > 2)?;
+            Some(GridPolygon { outer, holes: rings.filter(|ring| ring.len() > 2).collect() })
+        })
+        .collect()
+}
+
+fn to_int(p: GridPos) -> IntPoint {
+    IntPoint::new(p.0, p.1)
+}
+
+/// The part of `patch` within `window`, whose bounds are given. Exact up to the snapping of crossings to the grid, and cheap
+/// where a huge patch meets a small window.
+pub(crate) fn clip_patch(patch: &GridPolygon, window: &GridPolygon, bounds: Bounds) -> Vec<GridPolygon> {
+    let mut rings: Vec<GridRing> = turned_rings(patch).map(|ring| pull_in(&ring, bounds)).collect();
+    rings.retain(|ring| ring.len() > 2 && ring_area_2(ring) != 0);
+    match rings.as_slice() {
+        [] => return Vec::new(),
+        [ring] if ring_area_2(ring) > 0 && is_box(ring, bounds) => return vec![window.clone()],
+        _ => {}
+    }
+    combine(OverlayRule::Intersect, rings, turned_rings(window), false)
+}
+
+/// A ring with the parts outside a box pulled onto its sides: inside the box nothing changes, not even by rounding, and how
+/// often the ring winds around any point inside stays the same. (Each vertex moves straight to the nearest point of the box,
+/// and only if both its edges stay beyond one side of the box all the way.)
+pub(crate) fn pull_in(ring: &[GridPos], (lo, hi): Bounds) -> GridRing {
+    let beyond =
+        |p: GridPos| u8::from(p.0 <= lo.0) | u8::from(p.0 >= hi.0) << 1 | u8::from(p.1 <= lo.1) << 2 | u8::from(p.1 >= hi.1) << 3;
+    let n = ring.len();
+    let mut pulled: GridRing = Vec::new();
+    for (i, &p) in ring.iter().enumerate() {
+        let (before, after) = (ring[(i + n - 1) % n], ring[(i + 1) % n]);
+        let is_clear = beyond(p) & beyond(before) != 0 && beyond(p) & beyond(after) != 0;
+        let p = if is_clear { GridPos(p.0.clamp(lo.0, hi.0), p.1.clamp(lo.1, hi.1)) } else { p };
+        push_straight(&mut pulled, p);
+    }
+    // The seam between last and first.
+    while pulled.len() > 2 {
+        let (first, second, last) = (pulled[0], pulled[1], pulled[pulled.len() - 1]);
+        if is_straight(pulled[pulled.len() - 2], last, first) {
+            pulled.pop();
+        } else if is_straight(last, first, second) {
+            pulled.remove(0);
+        } else {
+            break;
+        }
+    }
+    pulled
+}
+
+fn push_straight(ring: &mut GridRing, p: GridPos) {
+    while let [.., a, b] = ring.as_slice()
+        && is_straight(*a, *b, p)
+    {
+        ring.pop();
+    }
+    if ring.last() != Some(&p) {
+        ring.push(p);
+    }
+}
+
+/// Whether three vertices lie on a line along an axis, so that the middle one can go.
+fn is_straight(a: GridPos, b: GridPos, c: GridPos) -> bool {
+    (a.0 == b.0 && b.0 == c.0) || (a.1 == b.1 && b.1 == c.1)
+}
+
+fn is_box(ring: &[GridPos], (lo, hi): Bounds) -> bool {
+    ring.len() == 4 && ring.iter().all(|p| (p.0 == lo.0 || p.0 == hi.0) && (p.1 == lo.1 || p.1 == hi.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn rect(x: i32, y: i32, w: i32, h: i32) -> GridPolygon {
+        GridPolygon::simple(vec![GridPos(x, y), GridPos(x + w, y), GridPos(x + w, y + h), GridPos(x, y + h)])
+    }
+
+    #[test]
+    fn a_window_inside_a_patch_is_the_whole_window() {
+        let window = GridPolygon::simple(vec![GridPos(10, 10), GridPos(30, 12), GridPos(20, 40)]);
+        let bounds = window.bounds().unwrap();
+        assert_eq!(clip_patch(&rect(0, 0, 100, 100), &window, bounds), [window.clone()]);
+        assert!(clip_patch(&rect(200, 0, 100, 100), &window, bounds).is_empty());
+    }
+
+    proptest! {
+        #[test]
+        fn pulling_in_changes_nothing_inside(
+            ring in proptest::collection::vec((0..200_i32, 0..200_i32).prop_map(|(x, y)| GridPos(x, y)), 3..12),
+            p in (81..119_i32, 71..129_i32).prop_map(|(x, y)| GridPos(x, y)),
+        ) {
+            let bounds = (GridPos(80, 70), GridPos(120, 130));
+            // Positions exactly on an edge may count either way.
+            prop_assume!(edges(&ring).all(|(a, b)| a.cross(b, p) != 0));
+            let pulled = pull_in(&ring, bounds);
+            let inside = |ring: &GridRing| GridPolygon::simple(ring.clone()).contains(p);
+            prop_assert_eq!(inside(&ring), inside(&pulled), "{:?}", pulled);
+        }
+    }
+}

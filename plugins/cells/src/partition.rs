@@ -1,0 +1,93 @@
+use veduta_city::{Cell, Cells, CityPlan, Finding, Id, Severity};
+
+use crate::{assign, free, merge, name, outline, patches::Patches, skyline, triangulate, visible};
+
+/// How free space is cut.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PartitionSettings {
+    /// Greatest area of a cell, square metres; half as much again where a small rest has to go somewhere.
+    pub max_area_m2: f64,
+    /// Greatest distance between two points of a cell, metres; half as much again for small rests, and beyond where a single wall
+    /// is longer.
+    pub max_diameter_m: f64,
+    /// Cells smaller than this join a neighbour, square metres.
+    pub min_area_m2: f64,
+    /// Least share of a cell in its convex hull, 0 to 1.
+    pub min_convexity: f64,
+    /// Least public ground of a piece of free space that is kept, square metres: enclosed courtyards have none.
+    pub min_public_m2: f64,
+    /// Clear height above the ground under which a volume is an obstacle; above it hangs over a passage. Metres.
+    pub clearance_m: f64,
+    /// How many sets of lines are told apart at one portal from one other. More: tighter visible sets, more work.
+    pub line_sets: usize,
+}
+
+impl Default for PartitionSettings {
+    fn default() -> Self {
+        Self {
+            max_area_m2: 2_500.0,
+            max_diameter_m: 70.0,
+            min_area_m2: 80.0,
+            min_convexity: 0.6,
+            min_public_m2: 200.0,
+            clearance_m: 2.2,
+            line_sets: 6,
+        }
+    }
+}
+
+/// What [`partition`] makes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Partition {
+    /// The cells, with visible sets and skyline.
+    pub cells: Cells,
+    /// What was repaired or left out, and why.
+    pub findings: Vec<Finding>,
+}
+
+/// Cuts a plan's free space into cells and says what belongs to each and what is seen from it. The same plan and settings give the
+/// same cells for any number of threads. Bad input leaves findings; if no free space is left there are no cells.
+#[must_use]
+pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
+    let mut findings = Vec::new();
+    let patches = Patches::new(&plan.ground);
+    let shapes = free::reachable(plan, &patches, settings, &mut findings);
+    let mesh = triangulate::triangulate(&shapes, settings, &mut findings);
+    let label = merge::merge(&mesh, settings);
+    let (outlines, portals) = outline::outlines(&mesh, &label, &plan.extent);
+    let mut cells = Cells { portals, ..Cells::default() };
+    cells.cells = outlines.into_iter().map(|outline| Cell { outline, ..Cell::default() }).collect();
+    if cells.cells.is_empty() {
+        findings.push(Finding::new(Severity::Dropped, Id::NONE, None, "no free space is left to walk in: the city has no cells"));
+        return Partition { cells, findings };
+    }
+    link_portals(&mut cells);
+    give_ids(&mut cells);
+    name::name_cells(plan, &mut cells);
+    assign::assign(plan, &mut cells, &mut findings);
+    assign::floors(&patches, &mut cells);
+    cells.visible = visible::visible_sets(&cells, settings);
+    cells.skyline = skyline::skyline(plan, &cells);
+    Partition { cells, findings }
+}
+
+fn link_portals(cells: &mut Cells) {
+    for (i, portal) in (0..).zip(&cells.portals) {
+        let sides = [Some(portal.cell), portal.other(portal.cell)];
+        for cell in sides.into_iter().flatten() {
+            cells.cells[cell as usize].portals.push(i);
+        }
+    }
+}
+
+/// Ids from the places of the cells' centroids, moving on where two share one.
+fn give_ids(cells: &mut Cells) {
+    let mut taken = std::collections::HashSet::new();
+    for cell in &mut cells.cells {
+        let mut id = Id::from_place("cell", cell.outline.centroid());
+        while !taken.insert(id) {
+            id.0 = id.0.wrapping_add(1) | 1 << 63;
+        }
+        cell.id = id;
+    }
+}

@@ -1,0 +1,114 @@
+use rayon::prelude::*;
+use veduta_city::{
+    Cell, CellShell, Cells, CityPlan, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, HouseShell, PlanObject, Portal,
+    VolumeShell,
+};
+
+use crate::free::free_space_again;
+use crate::locate::Locator;
+use crate::overlay::{OverlayRule, combine, turned_rings};
+use crate::patches::Patches;
+
+/// Pieces of free space smaller than this are leavings of the grid, square metres.
+const LEAVINGS_M2: f64 = 0.01;
+
+/// Content of every cell's level-1 packet: ground, houses, objects and blind portals, relative to the packet's origin. Free space that is in no
+/// cell (enclosed courtyards) comes with the nearest one, so that nothing is missing from above; ground under houses is left out.
+#[must_use]
+pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
+    let patches = Patches::new(&plan.ground);
+    let yards = yards(plan, cells, &patches);
+    let shell = |(cell, yards): (&Cell, &Vec<GridPolygon>)| {
+        let origin = origin(cell);
+        let windows = core::iter::once(&cell.outline).chain(yards);
+        let ground = windows.flat_map(|window| patches.clipped(window)).map(|(patch, piece)| GroundPatch {
+            surface: patch.surface,
+            outline: moved(&piece, origin),
+            z: patch.z,
+        });
+        CellShell {
+            origin,
+            outline: moved(&cell.outline, origin),
+            ground: ground.collect(),
+            houses: houses(plan, cell, origin),
+            objects: objects(plan, cell, origin),
+            blind: blind(cells, cell, origin),
+        }
+    };
+    cells.cells.par_iter().zip(&yards).map(shell).collect()
+}
+
+/// The middle of a cell's bounds, to whole metres.
+fn origin(cell: &Cell) -> GridPos {
+    let (lo, hi) = cell.outline.bounds().unwrap_or_default();
+    let middle = |lo: i32, hi: i32| {
+        let middle = (i64::from(lo) + i64::from(hi)).div_euclid(2);
+        let step = i64::from(GRID_PER_METRE);
+        ((middle + step / 2).div_euclid(step) * step).clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
+    };
+    GridPos(middle(lo.0, hi.0), middle(lo.1, hi.1))
+}
+
+/// Relative to an origin; wraps at the grid's end instead of failing there.
+fn local(p: GridPos, origin: GridPos) -> GridPos {
+    GridPos(p.0.wrapping_sub(origin.0), p.1.wrapping_sub(origin.1))
+}
+
+fn moved(polygon: &GridPolygon, origin: GridPos) -> GridPolygon {
+    let ring = |ring: &GridRing| ring.iter().map(|&p| local(p, origin)).collect();
+    GridPolygon { outer: ring(&polygon.outer), holes: polygon.holes.iter().map(ring).collect() }
+}
+
+/// Free space outside of all cells, by the cell nearest to it.
+fn yards(plan: &CityPlan, cells: &Cells, patches: &Patches<'_>) -> Vec<Vec<GridPolygon>> {
+    let free = free_space_again(plan, patches);
+    let inside = cells.cells.iter().flat_map(|cell| turned_rings(&cell.outline));
+    let outside = combine(OverlayRule::Difference, free.iter().flat_map(turned_rings), inside, false);
+    let locator = Locator::new(&cells.cells);
+    let mut yards = vec![Vec::new(); cells.cells.len()];
+    for yard in outside.into_iter().filter(|yard| yard.area_m2() > LEAVINGS_M2) {
+        let nearest = yard.outer.iter().filter_map(|&p| locator.nearest(p));
+        if let Some((cell, _)) = nearest.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))) {
+            yards[cell as usize].push(yard);
+        }
+    }
+    yards
+}
+
+/// Houses with a wall or the roof here, ascending, each with its volumes that have something here.
+fn houses(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<HouseShell> {
+    let mut here: Vec<u32> = cell.walls.iter().map(|w| w.0).chain(cell.houses.iter().copied()).collect();
+    here.sort_unstable();
+    here.dedup();
+    let shell = |h: u32| {
+        let house = plan.houses.get(h as usize)?;
+        let has_roof = cell.houses.binary_search(&h).is_ok();
+        let first = cell.walls.partition_point(|w| w.0 < h);
+        let walls = &cell.walls[first..cell.walls.partition_point(|w| w.0 <= h)];
+        let volumes = (0..=u16::MAX).zip(&house.volumes).filter_map(|(v, volume)| {
+            let walls: Vec<u16> = walls.iter().filter(|w| w.1 == v).map(|w| w.2).collect();
+            (has_roof || !walls.is_empty()).then(|| VolumeShell {
+                footprint: moved(&volume.footprint, origin),
+                bottom: volume.bottom,
+                eaves: volume.eaves,
+                colour: volume.colour,
+                trim: volume.trim,
+                roof: volume.roof,
+                has_roof,
+                walls,
+            })
+        });
+        Some(HouseShell { id: house.id, style: house.style, volumes: volumes.collect() })
+    };
+    here.into_iter().filter_map(shell).collect()
+}
+
+fn objects(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<PlanObject> {
+    let objects = cell.objects.iter().filter_map(|&o| plan.objects.get(o as usize));
+    objects.map(|object| PlanObject { pos: local(object.pos, origin), ..object.clone() }).collect()
+}
+
+fn blind(cells: &Cells, cell: &Cell, origin: GridPos) -> Vec<Portal> {
+    let portals = cell.portals.iter().filter_map(|&p| cells.portals.get(p as usize)).filter(|portal| portal.is_blind());
+    portals.map(|portal| Portal { ends: (local(portal.ends.0, origin), local(portal.ends.1, origin)), ..*portal }).collect()
+}

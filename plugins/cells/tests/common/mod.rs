@@ -1,0 +1,116 @@
+//! Plans made by hand for tests and timings.
+#![allow(dead_code)] // Each test uses some of it.
+
+use glam::DVec2;
+use veduta_city::draw::Draw;
+use veduta_city::{
+    CityPlan, GridPolygon, GridPos, GridRing, GroundPatch, House, Id, PlanRoof, PlanStreet, Rgb, RoofShape, SurfaceKind, Volume,
+    Wall, WallKind,
+};
+
+/// Grid position of metres.
+pub fn at(x: f64, y: f64) -> GridPos {
+    GridPos::from_metres(DVec2::new(x, y))
+}
+
+/// A rectangle in metres, counter-clockwise.
+pub fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> GridPolygon {
+    GridPolygon::simple(vec![at(x0, y0), at(x1, y0), at(x1, y1), at(x0, y1)])
+}
+
+/// A rectangle turned about its centre, metres and radians.
+pub fn turned(centre: DVec2, size: DVec2, angle: f64) -> GridPolygon {
+    let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+    let corner = |x: f64, y: f64| {
+        let p = DVec2::new(size.x * x, size.y * y);
+        GridPos::from_metres(centre + DVec2::new(p.x * cos - p.y * sin, p.x * sin + p.y * cos))
+    };
+    GridPolygon::simple(vec![corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)])
+}
+
+/// A polygon with a hole, both given as plain polygons.
+pub fn with_hole(outer: GridPolygon, hole: &GridPolygon) -> GridPolygon {
+    let mut hole: GridRing = hole.outer.clone();
+    hole.reverse();
+    GridPolygon { outer: outer.outer, holes: vec![hole] }
+}
+
+pub fn volume(footprint: GridPolygon, bottom_m: f64, eaves_m: f64) -> Volume {
+    let n = footprint.rings().map(Vec::len).sum();
+    let grey = Rgb(180, 180, 180);
+    let wall = Wall { kind: WallKind::Street, bays: 2, ..Wall::default() };
+    let roof = PlanRoof { shape: RoofShape::Flat, height: 0, direction: 0, colour: grey };
+    let (bottom, eaves) = (GridPos::steps(bottom_m), GridPos::steps(eaves_m));
+    Volume { footprint, bottom, eaves, colour: grey, trim: grey, roof, walls: vec![wall; n] }
+}
+
+pub fn house(id: u64, footprint: GridPolygon) -> House {
+    let volumes = vec![volume(footprint, 0.0, 12.0)];
+    House { id: Id(id), name: String::new(), number: String::new(), style: 0, volumes }
+}
+
+pub fn patch(surface: SurfaceKind, outline: GridPolygon) -> GroundPatch {
+    GroundPatch { surface, outline, z: 0 }
+}
+
+/// A plan with one public patch all over it.
+pub fn plan(extent: GridPolygon, footprints: impl IntoIterator<Item = GridPolygon>) -> CityPlan {
+    let ground = vec![patch(SurfaceKind::Cobbles, extent.clone())];
+    let houses = (1..).zip(footprints).map(|(id, footprint)| house(id, footprint)).collect();
+    CityPlan { name: "Test".into(), extent, ground, houses, ..CityPlan::default() }
+}
+
+/// A town of perimeter blocks: `side` × `side` blocks of 12 houses around a yard, streets 8 to 14 m wide, all slightly turned, with
+/// squares here and there. The ground is one public patch with a hole for each yard.
+pub fn town(side: usize) -> CityPlan {
+    let (block, lot, depth) = (64.0, 16.0, 13.0);
+    let tilt = 0.12;
+    let (sin, cos) = (libm::sin(tilt), libm::cos(tilt));
+    let turn = |x: f64, y: f64| at(x * cos - y * sin, x * sin + y * cos);
+    let quad =
+        |x0: f64, y0: f64, x1: f64, y1: f64| GridPolygon::simple(vec![turn(x0, y0), turn(x1, y0), turn(x1, y1), turn(x0, y1)]);
+    let mut footprints = Vec::new();
+    let mut yards = Vec::new();
+    let pitch = block + 11.0;
+    for row in 0..side {
+        for column in 0..side {
+            let draw = Draw::new(5, Id((row * side + column) as u64 + 1), "block");
+            if draw.chance("square", 0.06) {
+                continue;
+            }
+            let x = column as f64 * pitch + draw.between("x", -1.5, 1.5);
+            let y = row as f64 * pitch + draw.between("y", -1.5, 1.5);
+            for i in 0..4 {
+                // Fronts jut out by a few centimetres, as real ones do.
+                let jut = draw.part(i).between("jut", 0.0, 0.4);
+                let k = i as f64 * lot;
+                footprints.push(quad(x + k, y - jut, x + k + lot, y + depth));
+                footprints.push(quad(x + k, y + block - depth, x + k + lot, y + block + jut));
+            }
+            let middle = block - 2.0 * depth;
+            for i in 0..2 {
+                let k = y + depth + i as f64 * middle / 2.0;
+                footprints.push(quad(x, k, x + depth, k + middle / 2.0));
+                footprints.push(quad(x + block - depth, k, x + block, k + middle / 2.0));
+            }
+            yards.push(quad(x + depth, y + depth, x + block - depth, y + block - depth));
+        }
+    }
+    let end = side as f64 * pitch;
+    let extent = quad(-30.0, -30.0, end + 20.0, end + 20.0);
+    let mut plan = plan(extent.clone(), footprints);
+    let mut streets = extent;
+    streets.holes = yards.iter().map(|yard| yard.outer.iter().rev().copied().collect()).collect();
+    plan.ground = vec![patch(SurfaceKind::Cobbles, streets)];
+    plan.ground.extend(yards.into_iter().map(|yard| patch(SurfaceKind::Yard, yard)));
+    for i in 0..side {
+        let y = i as f64 * pitch + block + 5.5;
+        let street = |name: String, line: Vec<GridPos>| {
+            let width = GridPos::steps(11.0);
+            PlanStreet { id: Id(i as u64 + 1), name, line, width, walkable: true, layer: 0 }
+        };
+        plan.streets.push(street(format!("Row {i}"), vec![turn(-30.0, y), turn(end, y)]));
+        plan.streets.push(street(format!("Column {i}"), vec![turn(y, -30.0), turn(y, end)]));
+    }
+    plan
+}

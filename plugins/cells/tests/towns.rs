@@ -1,0 +1,183 @@
+//! Laws that hold for any plan: houses thrown at random.
+
+mod common;
+
+use common::{at, plan, rect, turned};
+use glam::{DVec2, IVec2};
+use proptest::prelude::*;
+use veduta_cells::{PartitionSettings, cell_shells, check, partition};
+use veduta_city::{Cells, CityPlan, GridPolygon, GridPos, GridRing};
+
+/// Side of the random plans, metres.
+const SIDE: i32 = 120;
+
+fn small_cells() -> PartitionSettings {
+    PartitionSettings { max_area_m2: 600.0, max_diameter_m: 40.0, min_area_m2: 30.0, ..PartitionSettings::default() }
+}
+
+/// Houses on whole metres: least corner and size.
+fn upright() -> impl Strategy<Value = Vec<(IVec2, IVec2)>> {
+    let house = (0..SIDE, 0..SIDE, 3..40_i32, 3..40_i32).prop_map(|(x, y, w, h)| (IVec2::new(x, y), IVec2::new(w, h)));
+    proptest::collection::vec(house, 1..25)
+}
+
+fn upright_plan(houses: &[(IVec2, IVec2)]) -> CityPlan {
+    let footprints = houses.iter().map(|(p, s)| rect(p.x.into(), p.y.into(), (p.x + s.x).into(), (p.y + s.y).into()));
+    plan(rect(0.0, 0.0, SIDE.into(), SIDE.into()), footprints)
+}
+
+/// Houses of any direction: centre, size, angle.
+fn slanted() -> impl Strategy<Value = Vec<GridPolygon>> {
+    let house = (0.0..f64::from(SIDE), 0.0..f64::from(SIDE), 3.0..30.0_f64, 3.0..30.0_f64, 0.0..1.6_f64)
+        .prop_map(|(x, y, w, h, angle)| turned(DVec2::new(x, y), DVec2::new(w, h), angle));
+    proptest::collection::vec(house, 1..20)
+}
+
+/// Pieces of at least 200 squares of a metre that hang together, by flooding a raster: area, and a square of each.
+fn flooded(houses: &[(IVec2, IVec2)]) -> Vec<(usize, IVec2)> {
+    let n = SIDE as usize;
+    let mut is_free = vec![true; n * n];
+    for (p, s) in houses {
+        for y in p.y..(p.y + s.y).min(SIDE) {
+            for x in p.x..(p.x + s.x).min(SIDE) {
+                is_free[y as usize * n + x as usize] = false;
+            }
+        }
+    }
+    let mut pieces = Vec::new();
+    for start in 0..n * n {
+        let mut stack = vec![start];
+        let mut area = 0;
+        while let Some(i) = stack.pop() {
+            if !core::mem::replace(&mut is_free[i], false) {
+                continue;
+            }
+            area += 1;
+            let (x, y) = (i % n, i / n);
+            let near = [(x > 0, i.wrapping_sub(1)), (x + 1 < n, i + 1), (y > 0, i.wrapping_sub(n)), (y + 1 < n, i + n)];
+            stack.extend(near.into_iter().filter(|n| n.0).map(|n| n.1));
+        }
+        if area >= 200 {
+            pieces.push((area, IVec2::new((start % n) as i32, (start / n) as i32)));
+        }
+    }
+    pieces
+}
+
+/// Whether a segment passes through the inside of a convex footprint (Cyrus and Beck), by more than a hair.
+fn is_blocked(p: DVec2, q: DVec2, footprint: &GridRing) -> bool {
+    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+    let way = q - p;
+    for i in 0..footprint.len() {
+        let (a, b) = (footprint[i].to_metres(), footprint[(i + 1) % footprint.len()].to_metres());
+        let inward = (b - a).perp().normalize();
+        let (from, speed) = ((p - a).dot(inward), way.dot(inward));
+        if speed.abs() < 1e-12 {
+            if from <= 0.0 {
+                return false;
+            }
+        } else if speed > 0.0 {
+            enter = enter.max(-from / speed);
+        } else {
+            leave = leave.min(-from / speed);
+        }
+    }
+    (leave - enter) * way.length() > 1e-3
+}
+
+/// Casts rays through free space and asserts that all cells along each see the first. Returns how many pairs were tried.
+fn cast_rays(plan: &CityPlan, cells: &Cells, starts: &[(f64, f64, f64)]) -> Result<usize, TestCaseError> {
+    let mut pairs = 0;
+    for &(x, y, angle) in starts {
+        let p = DVec2::new(x, y);
+        let Some(first) = cells.locate(GridPos::from_metres(p)) else { continue };
+        let way = DVec2::new(libm::cos(angle), libm::sin(angle));
+        for i in 1..80 {
+            let q = p + way * f64::from(i) * 2.0;
+            if plan.houses.iter().any(|house| is_blocked(p, q, &house.volumes[0].footprint.outer)) {
+                break;
+            }
+            if let Some(reached) = cells.locate(GridPos::from_metres(q)) {
+                pairs += 1;
+                let sees = cells.visible[first as usize].contains(&reached);
+                prop_assert!(sees, "{p} in cell {first} sees {q} in cell {reached}, but the visible set lacks it");
+                prop_assert!(cells.visible[reached as usize].contains(&first), "seeing is mutual");
+            }
+        }
+    }
+    Ok(pairs)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(120))]
+
+    #[test]
+    fn cells_tile_the_reachable_free_space(houses in upright()) {
+        let plan = upright_plan(&houses);
+        let made = partition(&plan, &small_cells());
+        prop_assert_eq!(check(&plan, &made.cells), []);
+        let pieces = flooded(&houses);
+        // Without any piece that is large enough, the largest is kept.
+        prop_assume!(!pieces.is_empty());
+        let truth: usize = pieces.iter().map(|p| p.0).sum();
+        let area: f64 = made.cells.cells.iter().map(|cell| cell.outline.area_m2()).sum();
+        prop_assert!((area - truth as f64).abs() <= 1e-6 * truth as f64, "{} of {}", area, truth);
+        for (_, square) in pieces {
+            prop_assert!(made.cells.locate(at(f64::from(square.x) + 0.5, f64::from(square.y) + 0.5)).is_some());
+        }
+    }
+
+    #[test]
+    fn what_a_ray_reaches_is_visible(
+        houses in slanted(),
+        starts in proptest::collection::vec((1.0..119.0_f64, 1.0..119.0_f64, 0.0..6.28_f64), 150),
+    ) {
+        let plan = plan(rect(0.0, 0.0, SIDE.into(), SIDE.into()), houses);
+        let made = partition(&plan, &small_cells());
+        prop_assert_eq!(check(&plan, &made.cells), []);
+        cast_rays(&plan, &made.cells, &starts)?;
+        // Few sets of lines to tell apart: merging must lose nothing.
+        let merged = partition(&plan, &PartitionSettings { line_sets: 1, ..small_cells() });
+        cast_rays(&plan, &merged.cells, &starts)?;
+    }
+
+    #[test]
+    fn ground_is_told_once_wherever_no_house_stands(houses in upright()) {
+        let plan = upright_plan(&houses);
+        let made = partition(&plan, &small_cells());
+        prop_assume!(!made.cells.cells.is_empty());
+        let told: f64 = cell_shells(&plan, &made.cells).iter().flat_map(|s| &s.ground).map(|g| g.outline.area_m2()).sum();
+        let is_built = |x: i32, y: i32| houses.iter().any(|(p, s)| p.x <= x && x < p.x + s.x && p.y <= y && y < p.y + s.y);
+        let bare = (0..SIDE * SIDE).filter(|i| !is_built(i % SIDE, i / SIDE)).count() as f64;
+        prop_assert!((told - bare).abs() < 1e-6 * bare, "{} of {}", told, bare);
+    }
+}
+
+#[test]
+fn rays_through_a_town_find_only_visible_cells() {
+    let plan = common::town(4);
+    let made = partition(&plan, &PartitionSettings::default());
+    let starts: Vec<_> = (0..4000)
+        .map(|i| {
+            let draw = veduta_city::draw::Draw::new(3, veduta_city::Id(i), "ray");
+            (draw.between("x", -30.0, 320.0), draw.between("y", -30.0, 350.0), draw.between("angle", 0.0, 6.3))
+        })
+        .collect();
+    let pairs = cast_rays(&plan, &made.cells, &starts).unwrap();
+    assert!(pairs > 10_000, "only {pairs} pairs tried");
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let plan = common::town(5);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let made = partition(&plan, &PartitionSettings::default());
+            let shells = cell_shells(&plan, &made.cells);
+            (made, shells)
+        })
+    };
+    let one = on(1);
+    assert!(one == on(2) && one == on(7));
+}
