@@ -10,10 +10,10 @@ use crate::{CityStats, INDEX_NAME, StoreError};
 
 /// Writes a city into a directory: whole or not at all.
 ///
-/// A new or empty directory is built beside its place and moved there in one step. A directory that holds a city already is
-/// brought up to date: missing blobs first, then the index in one step, then blobs that nothing names any more are removed;
-/// whoever reads it meanwhile sees the old city or the new one. `shells` and `sheets` are by cell. The same arguments give
-/// the same bytes.
+/// A directory that does not exist is built beside its place and moved there in one step. One that holds a city already, or
+/// nothing, is brought up to date: missing blobs first, then the index in one step, then blobs that nothing names any more
+/// are removed; whoever reads it meanwhile sees the old city or the new one, and what an interrupted run leaves is taken up
+/// by the next. `shells` and `sheets` are by cell. The same arguments give the same bytes.
 ///
 /// # Errors
 /// [`StoreError::Invalid`] if the arguments contradict each other, before anything is touched; [`StoreError::Occupied`] if
@@ -27,20 +27,24 @@ pub fn write_city(
 ) -> Result<CityStats, StoreError> {
     let composed = compose(plan, cells, shells, sheets)?;
     let mut stats = composed.stats;
-    let is_new = match fs::read_dir(dir) {
-        Ok(mut entries) => entries.next().is_none(),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => true,
-        Err(_) => return Err(StoreError::Occupied(dir.to_owned())),
-    };
-    if is_new {
+    if !dir.exists() {
         create(dir, &composed)?;
         stats.blobs_written = stats.blobs;
-    } else if dir.join(INDEX_NAME).is_file() {
+    } else if is_ours(dir)? {
         (stats.blobs_written, stats.blobs_removed) = replace(dir, &composed)?;
     } else {
         return Err(StoreError::Occupied(dir.to_owned()));
     }
     Ok(stats)
+}
+
+/// Whether a directory holds a city, nothing, or no more than an interrupted run leaves.
+fn is_ours(dir: &Path) -> Result<bool, StoreError> {
+    if !dir.is_dir() {
+        return Ok(false);
+    }
+    let is_left = |path: &PathBuf| path.file_name().is_some_and(|name| name == "blobs" || name == "city.part");
+    Ok(dir.join(INDEX_NAME).is_file() || entries(dir)?.iter().all(is_left))
 }
 
 /// Turns an error of the system into ours.
@@ -51,16 +55,11 @@ fn failed(doing: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> St
 
 /// Builds a city beside its place and moves it there.
 fn create(dir: &Path, composed: &Composed) -> Result<(), StoreError> {
-    fs::create_dir_all(dir).map_err(failed("create", dir))?;
-    let dir = dir.canonicalize().map_err(failed("find", dir))?;
-    let (Some(parent), Some(name)) = (dir.parent(), dir.file_name()) else { return Err(StoreError::Occupied(dir)) };
-    let part = parent.join(format!(".{}.part", name.to_string_lossy()));
+    let Some(name) = dir.file_name() else { return Err(StoreError::Occupied(dir.to_owned())) };
+    let part = dir.with_file_name(format!(".{}.part", name.to_string_lossy()));
     // What an interrupted run left behind.
     remove_all(&part)?;
-    let built = fill(&part, composed).and_then(|()| {
-        fs::remove_dir(&dir).map_err(failed("replace", &dir))?;
-        fs::rename(&part, &dir).map_err(failed("move into place", &dir))
-    });
+    let built = fill(&part, composed).and_then(|()| fs::rename(&part, dir).map_err(failed("move into place", dir)));
     if built.is_err() {
         // The first error is the one to tell.
         let _ = remove_all(&part);
@@ -92,7 +91,11 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
     let write = || {
         let mut file = fs::File::create(&part)?;
         file.write_all(bytes)?;
-        file.sync_data()?;
+        // A blob that a power cut swallows is found by its checksum and written again; the index must be sound.
+        if path.ends_with(INDEX_NAME) {
+            file.sync_all()?;
+        }
+        drop(file);
         fs::rename(&part, path)
     };
     write().map_err(failed("write", path))
@@ -122,7 +125,7 @@ fn sweep(dir: &Path, named: &BTreeMap<String, Vec<u8>>) -> Result<u64, StoreErro
         }
         for file in entries(&folder)? {
             let relative = file.strip_prefix(dir).unwrap_or(&file).iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>();
-            if is_ours(&file) && !file.is_dir() && !named.contains_key(&relative.join("/")) {
+            if is_blob(&file) && !file.is_dir() && !named.contains_key(&relative.join("/")) {
                 fs::remove_file(&file).map_err(failed("remove", &file))?;
                 removed += 1;
             }
@@ -135,7 +138,7 @@ fn sweep(dir: &Path, named: &BTreeMap<String, Vec<u8>>) -> Result<u64, StoreErro
 }
 
 /// Whether a file is named as a blob, or a part of one, is.
-fn is_ours(file: &Path) -> bool {
+fn is_blob(file: &Path) -> bool {
     let stem = file.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();
     let is_hash = stem.len() == 64 && stem.bytes().all(|b| b.is_ascii_hexdigit());
     is_hash && file.extension().is_some_and(|extension| extension == "bin" || extension == "part")

@@ -147,10 +147,6 @@ impl PullIds {
         Ok(Id(u64::from_le_bytes(bytes).rotate_right(KIND_BITS)))
     }
 
-    pub(crate) fn left(&self) -> usize {
-        self.lengths.left()
-    }
-
     pub(crate) fn finish(&self) -> Result<(), Malformed> {
         self.lengths.finish()?;
         self.bytes.finish()
