@@ -93,3 +93,148 @@ pub fn decode_styles(stored: &[u8], blob: &BlobRef) -> Result<Styles, StoreError
         Some(error) => Err(StoreError::Invalid { what, reason: error.to_string() }),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::collection::vec;
+    use proptest::prelude::*;
+    use veduta_city::{
+        GridPolygon, GridPos, GroundFloor, GroundPatch, HouseShell, Id, ObjectKind, Opening, PlanObject, PlanRoof, Portal,
+        PortalSide, Rgb, RoofShape, Storey, SurfaceKind, VolumeShell, Wall, WallKind,
+    };
+
+    use super::*;
+
+    const NEAR: i32 = 1 << 27;
+
+    fn any_pos() -> impl Strategy<Value = GridPos> {
+        let near = (-9..9_i32, -9..9_i32);
+        prop_oneof![near, (-NEAR..=NEAR, -NEAR..=NEAR)].prop_map(|(x, y)| GridPos(x, y))
+    }
+
+    fn any_polygon() -> impl Strategy<Value = GridPolygon> {
+        (vec(any_pos(), 3..7), vec(vec(any_pos(), 3..5), 0..2)).prop_map(|(outer, holes)| GridPolygon { outer, holes })
+    }
+
+    fn any_colour() -> impl Strategy<Value = Rgb> {
+        (0..3_u8, any::<u8>(), 0..2_u8).prop_map(|(r, g, b)| Rgb(r, g, b))
+    }
+
+    fn any_volume() -> impl Strategy<Value = VolumeShell> {
+        let roof = (prop::sample::select(&[RoofShape::Flat, RoofShape::SawTooth][..]), 0..NEAR, 0..360_u16, any_colour());
+        let roof = roof.prop_map(|(shape, height, direction, colour)| PlanRoof { shape, height, direction, colour });
+        let walls = prop::sample::subsequence(vec![0_u16, 1, 2], 0..=3);
+        (any_polygon(), -NEAR..NEAR, -NEAR..NEAR, any_colour(), any_colour(), roof, any::<bool>(), walls).prop_map(
+            |(footprint, bottom, eaves, colour, trim, roof, has_roof, walls)| VolumeShell {
+                footprint,
+                bottom,
+                eaves,
+                colour,
+                trim,
+                roof,
+                has_roof,
+                walls,
+            },
+        )
+    }
+
+    fn any_shell() -> impl Strategy<Value = CellShell> {
+        let surface = prop::sample::select(&[SurfaceKind::Asphalt, SurfaceKind::Ballast][..]);
+        let patch = (surface, any_polygon(), -NEAR..NEAR).prop_map(|(surface, outline, z)| GroundPatch { surface, outline, z });
+        let house = (any::<u64>(), any::<u16>(), vec(any_volume(), 0..3));
+        let house = house.prop_map(|(id, style, volumes)| HouseShell { id: Id(id), style, volumes });
+        let object = (any::<u64>(), any_pos(), -NEAR..NEAR, any::<u16>(), 1..NEAR);
+        let object = object.prop_map(|(id, pos, z, heading, height)| PlanObject {
+            id: Id(id),
+            kind: ObjectKind::Bin,
+            pos,
+            z,
+            heading,
+            height,
+        });
+        let beyond = prop_oneof![Just(PortalSide::Edge), any::<u32>().prop_map(PortalSide::Cell)];
+        let blind = (any_pos(), any_pos(), any::<u32>(), beyond);
+        let blind = blind.prop_map(|(a, b, cell, beyond)| Portal { ends: (a, b), cell, beyond });
+        (any_pos(), any_polygon(), vec(patch, 0..3), vec(house, 0..4), vec(object, 0..3), vec(blind, 0..3)).prop_map(
+            |(origin, outline, ground, houses, objects, blind)| CellShell { origin, outline, ground, houses, objects, blind },
+        )
+    }
+
+    fn any_wall() -> impl Strategy<Value = Wall> {
+        let storey = (any::<i32>(), prop::sample::select(&[Opening::Blank, Opening::Window, Opening::Belfry][..]));
+        let storeys = vec(storey.prop_map(|(height, opening)| Storey { height, opening }), 0..3);
+        let kind = prop::sample::select(&[WallKind::Street, WallKind::Party][..]);
+        let ground_floor = (any::<Option<u8>>(), any::<u32>());
+        (kind, 0..3_u8, storeys, ground_floor).prop_map(|(kind, bays, storeys, (door_bay, shops))| Wall {
+            kind,
+            bays,
+            storeys,
+            ground_floor: GroundFloor { door_bay, door: Opening::Gate, shops },
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn shells_survive(shell in any_shell()) {
+            let packet = Packet::Shell(shell);
+            let stored = encode_packet(&packet);
+            prop_assert_eq!(decode_packet(&stored, &BlobRef::of(&stored), Level::One), Ok(packet));
+        }
+
+        #[test]
+        fn sheets_survive(different in vec(any_wall(), 0..5), uses in vec(any::<prop::sample::Index>(), 0..20)) {
+            let walls = uses.iter().filter(|_| !different.is_empty()).map(|n| n.get(&different).clone()).collect();
+            let packet = Packet::Facades(FacadeSheet { walls });
+            let stored = encode_packet(&packet);
+            prop_assert_eq!(decode_packet(&stored, &BlobRef::of(&stored), Level::Two), Ok(packet));
+        }
+
+        /// Someone who can compute checksums makes packets that no encoder would.
+        #[test]
+        fn forged_packets_do_no_harm(
+            shell in any_shell(),
+            walls in vec(any_wall(), 0..4),
+            edits in vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+            cut in any::<prop::sample::Index>(),
+        ) {
+            let forge = |mut content: Vec<u8>, kind| {
+                for (at, byte) in &edits {
+                    let at = at.index(content.len());
+                    content[at] = *byte;
+                }
+                let keep = if cut.index(3) == 0 { cut.index(content.len()) } else { content.len() };
+                content.truncate(keep);
+                pack(kind, &content)
+            };
+            let stored = forge(to_bytes(&WireShell::from(&shell)), BlobKind::Shell);
+            if let Ok(Packet::Shell(shell)) = decode_packet(&stored, &BlobRef::of(&stored), Level::One) {
+                prop_assert_eq!(valid::check_shell(&shell), Ok(()));
+                // Decoded positions may be added without overflow.
+                let _sum = shell.outline.outer.iter().map(|&p| p + shell.origin).max();
+            }
+            let stored = forge(to_bytes(&WireSheet::from(&FacadeSheet { walls })), BlobKind::Facades);
+            let _either = decode_packet(&stored, &BlobRef::of(&stored), Level::Two);
+        }
+    }
+
+    #[test]
+    fn equal_walls_cost_a_byte_each_before_deflate() {
+        let storeys = vec![Storey { height: 3000, opening: Opening::Window }; 5];
+        let wall = Wall { kind: WallKind::Street, bays: 6, storeys, ground_floor: GroundFloor::default() };
+        let size = |n| to_bytes(&WireSheet::from(&FacadeSheet { walls: vec![wall.clone(); n] })).len();
+        assert_eq!(size(101) - size(100), 1);
+    }
+
+    #[test]
+    fn a_table_cannot_claim_the_memory() {
+        // One tall wall named a million times: some hundred kilobytes that would become gigabytes.
+        let tall = Wall { storeys: vec![Storey { height: 1, opening: Opening::Window }; 5_000], ..Wall::default() };
+        let mut wire = to_bytes(&WireSheet::from(&FacadeSheet { walls: vec![tall.clone(); 100] }));
+        assert_eq!(&wire[..3], [100, 0, 0], "count of walls, then which each is");
+        wire.splice(..1, [0xC0, 0x84, 0x3D]);
+        wire.splice(3..3, vec![0; 1_000_000 - 100]);
+        let stored = pack(BlobKind::Facades, &wire);
+        let error = decode_packet(&stored, &BlobRef::of(&stored), Level::Two).expect_err("too much");
+        assert!(error.to_string().contains("too many storeys"), "{error}");
+    }
+}
