@@ -127,9 +127,9 @@ fn entry(
         let (has, sheet) = (cell.walls.len(), sheet.walls.len());
         return Err(invalid(format!("it has {has} walls, its shell {walls}, its sheet {sheet}")));
     }
-    let is_known = |house: &veduta_city::HouseShell| usize::from(house.style) < plan.styles.0.len().max(1);
-    if let Some(house) = shell.houses.iter().find(|house| !plan.styles.0.is_empty() && !is_known(house)) {
-        return Err(invalid(format!("its house {} has style {} of {}", house.id, house.style, plan.styles.0.len())));
+    let styles = plan.styles.0.len();
+    if let Some(house) = shell.houses.iter().find(|house| styles > 0 && usize::from(house.style) >= styles) {
+        return Err(invalid(format!("its house {} has style {} of {styles}", house.id, house.style)));
     }
     let mut packets = [None; 4];
     let stored = encode_shell(shell);
