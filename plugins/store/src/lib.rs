@@ -1,1 +1,105 @@
 //! A city on disk or behind HTTP: index, packets and checksums.
+//!
+//! ```text
+//!  CityPlan, Cells ─┐                                   ┌─ DirReader ──┐   bytes
+//!  CellShell   ×n   ├─ write_city ──► DIR/city.veduta ──┤              ├──────────► Request::decode (any thread)
+//!  FacadeSheet ×n  ─┘                     blobs/ab/….bin └─ HttpReader ─┘                  │ Payload or StoreError
+//!                                                              ▲                          ▼
+//!               streaming ── want(cell, level)… ──► Client ── Request            Client::deliver ──► ClientEvent
+//! ```
+//!
+//! Only three things here do I/O: [`write_city`] and the two [`Reader`]s. The [`Client`] is a state machine: it says what to
+//! read next and takes what was read, so that threads, a browser's fetch or a test may do the reading. It reads no clock.
+//!
+//! # Use
+//! Write a city, open the place where it lies, and feed the client:
+//! ```
+//! use veduta_city::{Cell, CellShell, Cells, CityPlan, FacadeSheet, GridPolygon, GridPos, Level};
+//! use veduta_store::{Client, ClientEvent, ClientSettings, open_reader, write_city};
+//!
+//! let outline = GridPolygon::simple(vec![GridPos(0, 0), GridPos(9000, 0), GridPos(0, 9000)]);
+//! let cell = Cell { outline: outline.clone(), ..Cell::default() };
+//! let cells = Cells { cells: vec![cell], visible: vec![vec![0]], ..Cells::default() };
+//! let shell = CellShell { outline, ..CellShell::default() };
+//! let dir = std::env::temp_dir().join(format!("veduta-doc-{}.city", std::process::id()));
+//! let stats = write_city(&dir, &CityPlan::default(), &cells, &[shell], &[FacadeSheet::default()])?;
+//! assert_eq!(stats.cells, 1);
+//!
+//! let reader = open_reader(&dir.to_string_lossy())?; // or "https://example.org/prague.city"
+//! let mut client = Client::new(ClientSettings::default());
+//! client.want([(0, Level::One), (0, Level::Two)]);
+//! let mut arrived = Vec::new();
+//! while let Some(request) = client.next_request(0.0) {
+//!     let answer = request.fetch(reader.as_ref()); // on a thread that may wait
+//!     for event in client.deliver(request.id, answer, 0.0) {
+//!         if let ClientEvent::Arrived { cell, level, .. } = event {
+//!             arrived.push((cell, level));
+//!         }
+//!     }
+//! }
+//! assert_eq!(arrived, [(0, Level::One)], "a cell without walls has no level 2");
+//! # std::fs::remove_dir_all(&dir)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Format 1
+//!
+//! | file | bytes |
+//! |---|---|
+//! | `city.veduta` | `VEDUTA`, 0; kind 1; version, u32; blake3 of all that follows, 32 bytes; inflated size, u32; raw deflate of the index |
+//! | `blobs/ab/abcdef….bin` | kind: 1 level 1, 2 level 2, 16 overview, 17 styles; inflated size, varint; raw deflate of the content |
+//!
+//! Numbers are little-endian. A blob is named by the blake3 hash of its bytes, so a copy that answers to its name is whole.
+//! Contents are columns of numbers in postcard: differences, ids without zeros, each vertex and colour and wall told once.
+//!
+//! # Failures
+//! What is damaged or missing is asked for again, after 0.5 s at first, then twice as long each time, 8 s at most; the others
+//! keep coming. What cannot get better (a newer format, a damaged index, sound bytes that make no sense) is told once. Bytes
+//! from anywhere are safe to decode: they are bounded in memory before they are believed, and every index in what comes out
+//! points at something.
+//!
+//! # Limits
+//! The index and the overview are read whole: some 110 and 28 bytes a cell and a house. Walks that outlive the city they began (baked
+//! again meanwhile) see their packets missing until they are opened anew. A power cut right after writing may lose blobs;
+//! writing again mends them. Two programs must not write to one directory at a time. Deflate's bytes depend on the version
+//! of its crate, so a new one changes names of blobs, not what they say.
+//!
+//! # Rejected
+//! The model's own serde form in postcard (it leaves out empty fields, which formats without names do not survive); zstd (a
+//! C library, or slow in a browser, for a few per cent of such small packets); one archive with byte ranges (plain servers
+//! differ in them, and nothing unchanged could stay when baking again); retries inside readers (nobody could count them).
+
+mod blob;
+mod client;
+mod compose;
+mod error;
+#[cfg(not(target_arch = "wasm32"))]
+mod http;
+mod index;
+mod overview;
+mod packet;
+mod reader;
+mod request;
+mod stats;
+mod valid;
+mod wire;
+mod write;
+
+pub use blob::BlobRef;
+pub use client::{Client, ClientEvent, ClientSettings, ClientStats};
+pub use error::{ReadError, StoreError};
+#[cfg(not(target_arch = "wasm32"))]
+pub use http::{HttpReader, HttpSettings};
+pub use index::{CellEntry, CityIndex, decode_index, encode_index};
+pub use overview::{HouseName, Overview};
+pub use packet::{Packet, decode_packet, decode_styles, encode_packet, sheet_fits, wall_count};
+pub use reader::{DirReader, Reader, open_reader};
+pub use request::{Payload, Request, RequestId, What};
+pub use stats::CityStats;
+pub use write::write_city;
+
+/// Version of the format that this program writes and reads.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// Name of the index's file in a city's directory.
+pub const INDEX_NAME: &str = "city.veduta";

@@ -1,0 +1,180 @@
+use std::collections::BTreeMap;
+
+use veduta_city::{Cell, CellShell, Cells, CityPlan, FacadeSheet, GridPos, Level};
+
+use crate::index::encode_index;
+use crate::overview::top_of;
+use crate::packet::{encode_sheet, encode_shell, encode_styles};
+use crate::{
+    BlobRef, CellEntry, CityIndex, CityStats, FORMAT_VERSION, Overview, Packet, StoreError, decode_index, decode_packet,
+    decode_styles, sheet_fits, wall_count,
+};
+
+/// All files of a city.
+pub(crate) struct Composed {
+    /// Blobs by path.
+    pub(crate) blobs: BTreeMap<String, Vec<u8>>,
+    /// The index's file.
+    pub(crate) index: Vec<u8>,
+    /// Figures.
+    pub(crate) stats: CityStats,
+}
+
+const WHAT: &str = "the city to be written";
+
+fn invalid(reason: String) -> StoreError {
+    StoreError::Invalid { what: WHAT, reason }
+}
+
+/// Makes all files of a city and reads each back, so that what is written can be read.
+pub(crate) fn compose(
+    plan: &CityPlan,
+    cells: &Cells,
+    shells: &[CellShell],
+    sheets: &[FacadeSheet],
+) -> Result<Composed, StoreError> {
+    let count = cells.cells.len();
+    for (name, found) in [("visible sets", cells.visible.len()), ("shells", shells.len()), ("sheets", sheets.len())] {
+        if found != count {
+            return Err(invalid(format!("there are {count} cells but {found} {name}")));
+        }
+    }
+    let mut blobs = Blobs::default();
+    let mut stats = CityStats { houses: plan.houses.len() as u64, cells: count as u64, ..CityStats::default() };
+    let mut entries = Vec::with_capacity(count);
+    for (i, (((cell, visible), shell), sheet)) in cells.cells.iter().zip(&cells.visible).zip(shells).zip(sheets).enumerate() {
+        let entry = entry(plan, cell, visible, shell, sheet, &mut blobs)
+            .map_err(|error| invalid(format!("cell {i} ({}): {error}", cell.id)))?;
+        stats.walls += u64::from(entry.walls);
+        for (sum, packet) in stats.bytes_level.iter_mut().zip(&entry.packets) {
+            *sum += packet.map_or(0, |blob| u64::from(blob.bytes));
+        }
+        entries.push(entry);
+    }
+    let index = CityIndex {
+        format: FORMAT_VERSION,
+        name: plan.name.clone(),
+        anchor: plan.anchor,
+        attribution: plan.attribution.clone(),
+        seed: plan.seed,
+        growth_version: plan.growth_version,
+        start: plan.start,
+        extent: plan.extent.clone(),
+        cells: entries,
+        portals: cells.portals.clone(),
+        skyline: cells.skyline.clone(),
+        places: plan.places.clone(),
+        overview: overview(plan, &mut blobs, &mut stats)?,
+        styles: styles(plan, &mut blobs, &mut stats)?,
+    };
+    let stored = encode_index(&index);
+    read_back(&index, &decode_index(&stored)?)?;
+    stats.bytes_index = stored.len() as u64;
+    stats.blobs = blobs.0.len() as u64;
+    Ok(Composed { blobs: blobs.0, index: stored, stats })
+}
+
+#[derive(Default)]
+struct Blobs(BTreeMap<String, Vec<u8>>);
+
+impl Blobs {
+    fn add(&mut self, blob: &BlobRef, stored: Vec<u8>) {
+        self.0.insert(blob.path(), stored);
+    }
+}
+
+/// Fails if reading gives something other than what was written.
+fn read_back<T: PartialEq>(written: &T, read: &T) -> Result<(), StoreError> {
+    if written == read { Ok(()) } else { Err(invalid("it reads back as something else".to_owned())) }
+}
+
+fn overview(plan: &CityPlan, blobs: &mut Blobs, stats: &mut CityStats) -> Result<BlobRef, StoreError> {
+    let overview = Overview::of(plan);
+    let stored = overview.encode();
+    let blob = BlobRef::of(&stored);
+    read_back(&overview, &Overview::decode(&stored, &blob)?)?;
+    stats.bytes_overview = u64::from(blob.bytes);
+    blobs.add(&blob, stored);
+    Ok(blob)
+}
+
+fn styles(plan: &CityPlan, blobs: &mut Blobs, stats: &mut CityStats) -> Result<Option<BlobRef>, StoreError> {
+    if plan.styles.0.is_empty() {
+        return Ok(None);
+    }
+    if let Some(house) = plan.houses.iter().find(|house| usize::from(house.style) >= plan.styles.0.len()) {
+        return Err(invalid(format!("house {} has style {} of {}", house.id, house.style, plan.styles.0.len())));
+    }
+    let stored = encode_styles(&plan.styles);
+    let blob = BlobRef::of(&stored);
+    read_back(&plan.styles, &decode_styles(&stored, &blob)?)?;
+    stats.bytes_styles = u64::from(blob.bytes);
+    blobs.add(&blob, stored);
+    Ok(Some(blob))
+}
+
+/// A cell's entry in the index; its packets are added to the blobs.
+fn entry(
+    plan: &CityPlan,
+    cell: &Cell,
+    visible: &[u32],
+    shell: &CellShell,
+    sheet: &FacadeSheet,
+    blobs: &mut Blobs,
+) -> Result<CellEntry, StoreError> {
+    let walls = wall_count(shell);
+    if walls != cell.walls.len() || !sheet_fits(shell, sheet) {
+        let (has, sheet) = (cell.walls.len(), sheet.walls.len());
+        return Err(invalid(format!("it has {has} walls, its shell {walls}, its sheet {sheet}")));
+    }
+    let styles = plan.styles.0.len();
+    if let Some(house) = shell.houses.iter().find(|house| styles > 0 && usize::from(house.style) >= styles) {
+        return Err(invalid(format!("its house {} has style {} of {styles}", house.id, house.style)));
+    }
+    let mut packets = [None; 4];
+    let stored = encode_shell(shell);
+    let blob = BlobRef::of(&stored);
+    read_back(&Packet::Shell(shell.clone()), &decode_packet(&stored, &blob, Level::One)?)?;
+    blobs.add(&blob, stored);
+    packets[Level::One.index()] = Some(blob);
+    if walls > 0 {
+        let stored = encode_sheet(sheet);
+        let blob = BlobRef::of(&stored);
+        read_back(&Packet::Facades(sheet.clone()), &decode_packet(&stored, &blob, Level::Two)?)?;
+        blobs.add(&blob, stored);
+        packets[Level::Two.index()] = Some(blob);
+    }
+    Ok(CellEntry {
+        id: cell.id,
+        name: cell.name.clone(),
+        outline: cell.outline.clone(),
+        floor: cell.floor,
+        bounds: bounds(cell, shell),
+        top: top(cell, shell),
+        portals: cell.portals.clone(),
+        visible: visible.to_vec(),
+        houses: cell.houses.len() as u32,
+        walls: walls as u32,
+        packets,
+    })
+}
+
+/// Least and greatest corner in plan of all that is drawn with a cell. Called on a shell that was checked, so that sums
+/// stay within the grid.
+fn bounds(cell: &Cell, shell: &CellShell) -> (GridPos, GridPos) {
+    let houses = shell.houses.iter().flat_map(|house| &house.volumes).flat_map(|volume| &volume.footprint.outer);
+    let ground = shell.ground.iter().flat_map(|patch| &patch.outline.outer);
+    let objects = shell.objects.iter().map(|object| &object.pos);
+    let drawn = houses.chain(ground).chain(objects).chain(&shell.outline.outer).map(|&pos| pos + shell.origin);
+    let mut all = drawn.chain(cell.outline.outer.iter().copied());
+    let first = all.next().unwrap_or(shell.origin);
+    all.fold((first, first), |(lo, hi), p| (GridPos(lo.0.min(p.0), lo.1.min(p.1)), GridPos(hi.0.max(p.0), hi.1.max(p.1))))
+}
+
+/// Highest thing of a cell, grid steps.
+fn top(cell: &Cell, shell: &CellShell) -> i32 {
+    let houses = shell.houses.iter().flat_map(|house| &house.volumes).map(|volume| top_of(volume.eaves, volume.roof.height));
+    let objects = shell.objects.iter().map(|object| object.z.saturating_add(object.height));
+    let ground = shell.ground.iter().map(|patch| patch.z);
+    houses.chain(objects).chain(ground).fold(cell.floor.1, i32::max)
+}

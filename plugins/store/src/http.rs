@@ -1,0 +1,130 @@
+use std::time::Duration;
+
+use ureq::{Agent, Error, http::Uri};
+
+use crate::{INDEX_NAME, ReadError, Reader, reader::check_path};
+
+/// How long to wait for a server, in seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HttpSettings {
+    /// For the connection to stand.
+    pub connect_s: f64,
+    /// For the answer to begin.
+    pub response_s: f64,
+    /// For all of a file to arrive.
+    pub body_s: f64,
+}
+
+impl Default for HttpSettings {
+    fn default() -> Self {
+        Self { connect_s: 5.0, response_s: 10.0, body_s: 30.0 }
+    }
+}
+
+/// Reads a city from any plain web server: `GET base/path`.
+#[derive(Debug, Clone)]
+pub struct HttpReader {
+    agent: Agent,
+    /// Without a slash at its end.
+    base: String,
+}
+
+/// Redirects that are followed: enough for http to https and a moved folder.
+const REDIRECTS: u32 = 3;
+
+impl HttpReader {
+    /// A reader of the city at an address, such as `https://example.org/prague.city`. Nothing is asked of the server yet.
+    ///
+    /// # Errors
+    /// [`ReadError::Place`] if that is no http(s) address, or it has a query.
+    pub fn new(base: &str) -> Result<Self, ReadError> {
+        Self::with_settings(base, HttpSettings::default())
+    }
+
+    /// A reader with other waiting times.
+    ///
+    /// # Errors
+    /// As [`HttpReader::new`].
+    pub fn with_settings(base: &str, settings: HttpSettings) -> Result<Self, ReadError> {
+        let bad = |reason: String| ReadError::Place { place: base.to_owned(), reason };
+        let uri: Uri = base.parse().map_err(|error| bad(format!("{error}")))?;
+        if !matches!(uri.scheme_str(), Some("http" | "https")) || uri.host().is_none_or(str::is_empty) {
+            return Err(bad("it is no http or https address".to_owned()));
+        }
+        if base.contains(['?', '#']) {
+            return Err(bad("a city's address has no query or fragment".to_owned()));
+        }
+        let limit = |seconds: f64| Duration::try_from_secs_f64(seconds).ok();
+        let mut config = Agent::config_builder()
+            .timeout_resolve(limit(settings.connect_s))
+            .timeout_connect(limit(settings.connect_s))
+            .timeout_recv_response(limit(settings.response_s))
+            .timeout_recv_body(limit(settings.body_s))
+            .max_redirects(REDIRECTS)
+            .http_status_as_error(false)
+            .user_agent("veduta");
+        if uri.host().is_some_and(is_loopback) {
+            config = config.proxy(None);
+        }
+        let base = base.strip_suffix(INDEX_NAME).unwrap_or(base).trim_end_matches('/').to_owned();
+        Ok(Self { agent: config.build().new_agent(), base })
+    }
+
+    fn error(&self, path: &str, limit: u64, error: Error) -> ReadError {
+        let (place, path) = (self.describe(), path.to_owned());
+        match error {
+            Error::Timeout(phase) => ReadError::Timeout { place, path, phase: phase.to_string() },
+            Error::BodyExceedsLimit(_) => ReadError::TooLarge { place, path, limit },
+            Error::StatusCode(status) => ReadError::Status { place, path, status },
+            error => ReadError::Failed { place, path, message: error.to_string() },
+        }
+    }
+}
+
+/// Whether a host is this machine, for which no proxy is asked.
+fn is_loopback(host: &str) -> bool {
+    let bare = host.trim_start_matches('[').trim_end_matches(']');
+    bare.eq_ignore_ascii_case("localhost") || bare.parse::<std::net::IpAddr>().is_ok_and(|ip| ip.is_loopback())
+}
+
+impl Reader for HttpReader {
+    fn read(&self, path: &str, limit: u64) -> Result<Vec<u8>, ReadError> {
+        check_path(path)?;
+        let url = format!("{}/{path}", self.base);
+        let mut response = self.agent.get(&url).call().map_err(|error| self.error(path, limit, error))?;
+        match response.status().as_u16() {
+            200 => {}
+            404 | 410 => return Err(ReadError::NotFound { place: self.describe(), path: path.to_owned() }),
+            status => return Err(ReadError::Status { place: self.describe(), path: path.to_owned(), status }),
+        }
+        if response.body().content_length().is_some_and(|length| length > limit) {
+            return Err(ReadError::TooLarge { place: self.describe(), path: path.to_owned(), limit });
+        }
+        // One more than allowed, so that a body of exactly the limit is told from a longer one.
+        let body = response.body_mut().with_config().limit(limit.saturating_add(1));
+        let bytes = body.read_to_vec().map_err(|error| self.error(path, limit, error))?;
+        if bytes.len() as u64 > limit {
+            return Err(ReadError::TooLarge { place: self.describe(), path: path.to_owned(), limit });
+        }
+        Ok(bytes)
+    }
+
+    fn describe(&self) -> String {
+        self.base.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_lose_what_does_not_belong_to_the_folder() {
+        for place in ["http://h/x.city", "http://h/x.city/", "http://h/x.city/city.veduta"] {
+            assert_eq!(HttpReader::new(place).expect("an address").describe(), "http://h/x.city");
+        }
+        for place in ["http://", "ftp://h/x", "http://h/x?y", "http://h/x#y", "http:// h/", "h/x", ""] {
+            assert!(matches!(HttpReader::new(place), Err(ReadError::Place { .. })), "{place}");
+        }
+    }
+}

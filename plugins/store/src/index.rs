@@ -1,0 +1,150 @@
+use veduta_city::{Anchor, GridPolygon, GridPos, Id, Level, Place, Portal, Viewpoint};
+
+use crate::blob::{INFLATED_CAP, deflate, inflate};
+use crate::wire::{WireIndex, from_bytes, to_bytes};
+use crate::{BlobRef, FORMAT_VERSION, StoreError, valid};
+
+/// What a walker must know of a whole city before asking for any part of it. It comes only out of [`decode_index`] or
+/// [`crate::write_city`], both of which make sure that every index in it points at something.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CityIndex {
+    /// Version of the format, [`FORMAT_VERSION`].
+    pub format: u32,
+    /// Name of the city.
+    pub name: String,
+    /// Where plan (0, 0) lies on Earth.
+    pub anchor: Anchor,
+    /// Who is to be credited for the data.
+    pub attribution: String,
+    /// Seed of every draw.
+    pub seed: u64,
+    /// Version of growth that made the plan.
+    pub growth_version: u32,
+    /// Where a visit begins.
+    pub start: Viewpoint,
+    /// Edge of the modelled city, counter-clockwise.
+    pub extent: GridPolygon,
+    /// Cells; all else refers to them by index.
+    pub cells: Vec<CellEntry>,
+    /// Portals; cells refer to them by index.
+    pub portals: Vec<Portal>,
+    /// Cells whose tallest things are seen from (almost) everywhere, ascending.
+    pub skyline: Vec<u32>,
+    /// Things with a name.
+    pub places: Vec<Place>,
+    /// The [`crate::Overview`].
+    pub overview: BlobRef,
+    /// The styles that the city was baked with.
+    pub styles: Option<BlobRef>,
+}
+
+/// What the index says of a cell.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct CellEntry {
+    /// Stable id.
+    pub id: Id,
+    /// Name of its square or street, may be empty.
+    pub name: String,
+    /// Its space in plan.
+    pub outline: GridPolygon,
+    /// Lowest and highest ground, grid steps.
+    pub floor: (i32, i32),
+    /// Least and greatest corner in plan of all that is drawn with it, houses and yards included.
+    pub bounds: (GridPos, GridPos),
+    /// Its highest thing above the city's zero, grid steps.
+    pub top: i32,
+    /// Its portals, ascending.
+    pub portals: Vec<u32>,
+    /// Cells seen from somewhere in it, itself included, ascending.
+    pub visible: Vec<u32>,
+    /// Houses whose roof it carries: over all cells they add up to the city's.
+    pub houses: u32,
+    /// Walls that face it.
+    pub walls: u32,
+    /// Its packets, by [`Level::index`]. A cell without walls has none beyond level 1.
+    pub packets: [Option<BlobRef>; 4],
+}
+
+impl CellEntry {
+    /// The packet of a level.
+    #[must_use]
+    pub fn packet(&self, level: Level) -> Option<&BlobRef> {
+        self.packets.get(level.index())?.as_ref()
+    }
+}
+
+impl CityIndex {
+    /// The cell in which a plan position lies, by looking at all; `None` outside of every cell. Where floors lie above each
+    /// other, the first.
+    #[must_use]
+    pub fn locate(&self, pos: GridPos) -> Option<u32> {
+        let is_in = |cell: &CellEntry| {
+            let (lo, hi) = cell.bounds;
+            lo.0 <= pos.0 && pos.0 <= hi.0 && lo.1 <= pos.1 && pos.1 <= hi.1 && cell.outline.contains(pos)
+        };
+        self.cells.iter().position(is_in).map(|i| i as u32)
+    }
+}
+
+/// What an index is called in messages.
+pub(crate) const WHAT: &str = "the index";
+/// First bytes of an index.
+const MAGIC: &[u8; 7] = b"VEDUTA\0";
+/// Kind of file: an index.
+const KIND: u8 = 1;
+/// Bytes before the payload: mark, kind, version, checksum, inflated size.
+const HEADER: usize = 7 + 1 + 4 + 32 + 4;
+
+/// Stored form of an index.
+#[must_use]
+pub fn encode_index(index: &CityIndex) -> Vec<u8> {
+    let content = to_bytes(&WireIndex::from(index));
+    let mut sealed = u32::try_from(content.len()).unwrap_or(u32::MAX).to_le_bytes().to_vec();
+    deflate(&content, &mut sealed);
+    let mut stored = Vec::with_capacity(HEADER + sealed.len());
+    stored.extend(MAGIC);
+    stored.push(KIND);
+    stored.extend(FORMAT_VERSION.to_le_bytes());
+    stored.extend(blake3::hash(&sealed).as_bytes());
+    stored.extend(sealed);
+    stored
+}
+
+/// Takes the first `N` bytes off.
+fn head<'a, const N: usize>(bytes: &mut &'a [u8]) -> Result<&'a [u8; N], StoreError> {
+    let short = StoreError::Length { what: WHAT, expected: HEADER as u64, found: bytes.len() as u64 };
+    let (first, rest) = bytes.split_first_chunk().ok_or(short)?;
+    *bytes = rest;
+    Ok(first)
+}
+
+/// The index of stored bytes.
+///
+/// # Errors
+/// [`StoreError::NotACity`], [`StoreError::Newer`], [`StoreError::Older`] by the first bytes; [`StoreError::Checksum`] if the
+/// rest is damaged; [`StoreError::Invalid`] if an index in it points at nothing.
+pub fn decode_index(stored: &[u8]) -> Result<CityIndex, StoreError> {
+    let mut rest = stored;
+    if !rest.starts_with(MAGIC) {
+        return Err(StoreError::NotACity);
+    }
+    let _: &[u8; 7] = head(&mut rest)?;
+    let &[kind] = head(&mut rest)?;
+    if kind != KIND {
+        return Err(StoreError::Kind { expected: WHAT, found: format!("a file of kind {kind}") });
+    }
+    match u32::from_le_bytes(*head(&mut rest)?) {
+        FORMAT_VERSION => {}
+        found if found > FORMAT_VERSION => return Err(StoreError::Newer { found }),
+        found => return Err(StoreError::Older { found }),
+    }
+    let sum: &[u8; 32] = head(&mut rest)?;
+    if blake3::hash(rest).as_bytes() != sum {
+        return Err(StoreError::Checksum { what: WHAT });
+    }
+    let size = u32::from_le_bytes(*head(&mut rest)?);
+    let wire: WireIndex = from_bytes(WHAT, &inflate(WHAT, rest, u64::from(size), INFLATED_CAP)?)?;
+    let index = CityIndex::try_from(wire).map_err(|malformed| malformed.of(WHAT))?;
+    valid::check_index(&index).map_err(|reason| StoreError::Invalid { what: WHAT, reason })?;
+    Ok(index)
+}

@@ -1,0 +1,240 @@
+use veduta_city::{CellShell, FacadeSheet, Level, Styles};
+
+use crate::blob::{BlobKind, pack, unpack};
+use crate::wire::{WireSheet, WireShell, from_bytes, to_bytes};
+use crate::{BlobRef, StoreError, valid};
+
+/// What is transferred for one cell at one level.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Packet {
+    /// Level 1: all that stands and lies in the cell.
+    Shell(CellShell),
+    /// Level 2: openings of its walls.
+    Facades(FacadeSheet),
+}
+
+impl Packet {
+    /// The level it belongs to.
+    #[must_use]
+    pub const fn level(&self) -> Level {
+        match self {
+            Self::Shell(_) => Level::One,
+            Self::Facades(_) => Level::Two,
+        }
+    }
+}
+
+/// Stored form of a packet. The same packet gives the same bytes on every platform.
+#[must_use]
+pub fn encode_packet(packet: &Packet) -> Vec<u8> {
+    match packet {
+        Packet::Shell(shell) => encode_shell(shell),
+        Packet::Facades(sheet) => encode_sheet(sheet),
+    }
+}
+
+pub(crate) fn encode_shell(shell: &CellShell) -> Vec<u8> {
+    pack(BlobKind::Shell, &to_bytes(&WireShell::from(shell)))
+}
+
+pub(crate) fn encode_sheet(sheet: &FacadeSheet) -> Vec<u8> {
+    pack(BlobKind::Facades, &to_bytes(&WireSheet::from(sheet)))
+}
+
+/// The packet of stored bytes that the reference stands for. Any bytes are safe: length and checksum are looked at first,
+/// then they are inflated within a cap, decoded, and checked. A shell's rings have at least three vertices, its walls are
+/// edges of their footprints, and its positions may be added and subtracted without overflow.
+///
+/// # Errors
+/// What is wrong with the bytes; see [`StoreError::is_permanent`] for whether reading them anew may help.
+pub fn decode_packet(stored: &[u8], blob: &BlobRef, level: Level) -> Result<Packet, StoreError> {
+    match level {
+        Level::One => {
+            let what = BlobKind::Shell.words();
+            let wire: WireShell = from_bytes(what, &unpack(BlobKind::Shell, stored, blob)?)?;
+            let shell = CellShell::try_from(wire).map_err(|malformed| malformed.of(what))?;
+            valid::check_shell(&shell).map_err(|reason| StoreError::Invalid { what, reason })?;
+            Ok(Packet::Shell(shell))
+        }
+        Level::Two => {
+            let what = BlobKind::Facades.words();
+            let wire: WireSheet = from_bytes(what, &unpack(BlobKind::Facades, stored, blob)?)?;
+            Ok(Packet::Facades(FacadeSheet::try_from(wire).map_err(|malformed| malformed.of(what))?))
+        }
+        Level::Three | Level::Four => Err(StoreError::NoSuchLevel(level)),
+    }
+}
+
+/// Number of walls that a shell draws.
+#[must_use]
+pub fn wall_count(shell: &CellShell) -> usize {
+    shell.houses.iter().flat_map(|house| &house.volumes).map(|volume| volume.walls.len()).sum()
+}
+
+/// Whether a sheet has one wall for each of the shell's.
+#[must_use]
+pub fn sheet_fits(shell: &CellShell, sheet: &FacadeSheet) -> bool {
+    wall_count(shell) == sheet.walls.len()
+}
+
+pub(crate) fn encode_styles(styles: &Styles) -> Vec<u8> {
+    pack(BlobKind::Styles, &to_bytes(styles))
+}
+
+/// The styles of stored bytes that the reference stands for ([`crate::CityIndex::styles`]).
+///
+/// # Errors
+/// If the bytes are not those, cannot be decoded, or are no styles to draw from.
+pub fn decode_styles(stored: &[u8], blob: &BlobRef) -> Result<Styles, StoreError> {
+    let what = BlobKind::Styles.words();
+    let styles: Styles = from_bytes(what, &unpack(BlobKind::Styles, stored, blob)?)?;
+    match styles.validate().first() {
+        None => Ok(styles),
+        Some(error) => Err(StoreError::Invalid { what, reason: error.to_string() }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::collection::vec;
+    use proptest::prelude::*;
+    use veduta_city::{
+        GridPolygon, GridPos, GroundFloor, GroundPatch, HouseShell, Id, ObjectKind, Opening, PlanObject, PlanRoof, Portal,
+        PortalSide, Rgb, RoofShape, Storey, SurfaceKind, VolumeShell, Wall, WallKind,
+    };
+
+    use super::*;
+
+    const NEAR: i32 = 1 << 27;
+
+    fn any_pos() -> impl Strategy<Value = GridPos> {
+        let near = (-9..9_i32, -9..9_i32);
+        prop_oneof![near, (-NEAR..=NEAR, -NEAR..=NEAR)].prop_map(|(x, y)| GridPos(x, y))
+    }
+
+    fn any_polygon() -> impl Strategy<Value = GridPolygon> {
+        (vec(any_pos(), 3..7), vec(vec(any_pos(), 3..5), 0..2)).prop_map(|(outer, holes)| GridPolygon { outer, holes })
+    }
+
+    fn any_colour() -> impl Strategy<Value = Rgb> {
+        (0..3_u8, any::<u8>(), 0..2_u8).prop_map(|(r, g, b)| Rgb(r, g, b))
+    }
+
+    fn any_volume() -> impl Strategy<Value = VolumeShell> {
+        let roof = (prop::sample::select(&[RoofShape::Flat, RoofShape::SawTooth][..]), 0..NEAR, 0..360_u16, any_colour());
+        let roof = roof.prop_map(|(shape, height, direction, colour)| PlanRoof { shape, height, direction, colour });
+        let walls = prop::sample::subsequence(vec![0_u16, 1, 2], 0..=3);
+        (any_polygon(), -NEAR..NEAR, -NEAR..NEAR, any_colour(), any_colour(), roof, any::<bool>(), walls).prop_map(
+            |(footprint, bottom, eaves, colour, trim, roof, has_roof, walls)| VolumeShell {
+                footprint,
+                bottom,
+                eaves,
+                colour,
+                trim,
+                roof,
+                has_roof,
+                walls,
+            },
+        )
+    }
+
+    fn any_shell() -> impl Strategy<Value = CellShell> {
+        let surface = prop::sample::select(&[SurfaceKind::Asphalt, SurfaceKind::Ballast][..]);
+        let patch = (surface, any_polygon(), -NEAR..NEAR).prop_map(|(surface, outline, z)| GroundPatch { surface, outline, z });
+        let house = (any::<u64>(), any::<u16>(), vec(any_volume(), 0..3));
+        let house = house.prop_map(|(id, style, volumes)| HouseShell { id: Id(id), style, volumes });
+        let object = (any::<u64>(), any_pos(), -NEAR..NEAR, any::<u16>(), 1..NEAR);
+        let object = object.prop_map(|(id, pos, z, heading, height)| PlanObject {
+            id: Id(id),
+            kind: ObjectKind::Bin,
+            pos,
+            z,
+            heading,
+            height,
+        });
+        let beyond = prop_oneof![Just(PortalSide::Edge), any::<u32>().prop_map(PortalSide::Cell)];
+        let blind = (any_pos(), any_pos(), any::<u32>(), beyond);
+        let blind = blind.prop_map(|(a, b, cell, beyond)| Portal { ends: (a, b), cell, beyond });
+        (any_pos(), any_polygon(), vec(patch, 0..3), vec(house, 0..4), vec(object, 0..3), vec(blind, 0..3)).prop_map(
+            |(origin, outline, ground, houses, objects, blind)| CellShell { origin, outline, ground, houses, objects, blind },
+        )
+    }
+
+    fn any_wall() -> impl Strategy<Value = Wall> {
+        let storey = (any::<i32>(), prop::sample::select(&[Opening::Blank, Opening::Window, Opening::Belfry][..]));
+        let storeys = vec(storey.prop_map(|(height, opening)| Storey { height, opening }), 0..3);
+        let kind = prop::sample::select(&[WallKind::Street, WallKind::Party][..]);
+        let ground_floor = (any::<Option<u8>>(), any::<u32>());
+        (kind, 0..3_u8, storeys, ground_floor).prop_map(|(kind, bays, storeys, (door_bay, shops))| Wall {
+            kind,
+            bays,
+            storeys,
+            ground_floor: GroundFloor { door_bay, door: Opening::Gate, shops },
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn shells_survive(shell in any_shell()) {
+            let packet = Packet::Shell(shell);
+            let stored = encode_packet(&packet);
+            prop_assert_eq!(decode_packet(&stored, &BlobRef::of(&stored), Level::One), Ok(packet));
+        }
+
+        #[test]
+        fn sheets_survive(different in vec(any_wall(), 0..5), uses in vec(any::<prop::sample::Index>(), 0..20)) {
+            let walls = uses.iter().filter(|_| !different.is_empty()).map(|n| n.get(&different).clone()).collect();
+            let packet = Packet::Facades(FacadeSheet { walls });
+            let stored = encode_packet(&packet);
+            prop_assert_eq!(decode_packet(&stored, &BlobRef::of(&stored), Level::Two), Ok(packet));
+        }
+
+        /// Someone who can compute checksums makes packets that no encoder would.
+        #[test]
+        fn forged_packets_do_no_harm(
+            shell in any_shell(),
+            walls in vec(any_wall(), 0..4),
+            edits in vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+            cut in any::<prop::sample::Index>(),
+        ) {
+            let forge = |mut content: Vec<u8>, kind| {
+                for (at, byte) in &edits {
+                    let at = at.index(content.len());
+                    content[at] = *byte;
+                }
+                let keep = if cut.index(3) == 0 { cut.index(content.len()) } else { content.len() };
+                content.truncate(keep);
+                pack(kind, &content)
+            };
+            let stored = forge(to_bytes(&WireShell::from(&shell)), BlobKind::Shell);
+            if let Ok(Packet::Shell(shell)) = decode_packet(&stored, &BlobRef::of(&stored), Level::One) {
+                prop_assert_eq!(valid::check_shell(&shell), Ok(()));
+                // Decoded positions may be added without overflow.
+                let _sum = shell.outline.outer.iter().map(|&p| p + shell.origin).max();
+            }
+            let stored = forge(to_bytes(&WireSheet::from(&FacadeSheet { walls })), BlobKind::Facades);
+            let _either = decode_packet(&stored, &BlobRef::of(&stored), Level::Two);
+        }
+    }
+
+    #[test]
+    fn equal_walls_cost_a_byte_each_before_deflate() {
+        let storeys = vec![Storey { height: 3000, opening: Opening::Window }; 5];
+        let wall = Wall { kind: WallKind::Street, bays: 6, storeys, ground_floor: GroundFloor::default() };
+        let size = |n| to_bytes(&WireSheet::from(&FacadeSheet { walls: vec![wall.clone(); n] })).len();
+        assert_eq!(size(101) - size(100), 1);
+    }
+
+    #[test]
+    fn a_table_cannot_claim_the_memory() {
+        // One tall wall named a million times: some hundred kilobytes that would become gigabytes.
+        let tall = Wall { storeys: vec![Storey { height: 1, opening: Opening::Window }; 5_000], ..Wall::default() };
+        let mut wire = to_bytes(&WireSheet::from(&FacadeSheet { walls: vec![tall.clone(); 100] }));
+        assert_eq!(&wire[..3], [100, 0, 0], "count of walls, then which each is");
+        wire.splice(..1, [0xC0, 0x84, 0x3D]);
+        wire.splice(3..3, vec![0; 1_000_000 - 100]);
+        let stored = pack(BlobKind::Facades, &wire);
+        let error = decode_packet(&stored, &BlobRef::of(&stored), Level::Two).expect_err("too much");
+        assert!(error.to_string().contains("too many storeys"), "{error}");
+    }
+}

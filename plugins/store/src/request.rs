@@ -1,0 +1,83 @@
+use std::sync::Arc;
+
+use veduta_city::Level;
+
+use crate::{BlobRef, CityIndex, Overview, Packet, Reader, StoreError, decode_index, decode_packet};
+
+/// Number of a request, never used twice by the same client.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct RequestId(pub u64);
+
+/// What a request asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum What {
+    /// The city's index.
+    Index,
+    /// The city's overview.
+    Overview,
+    /// A cell's packet.
+    Packet {
+        /// Which cell.
+        cell: u32,
+        /// Which level.
+        level: Level,
+    },
+}
+
+/// Something that a [`crate::Client`] wants read. Whoever does the I/O reads `path`, calls [`Request::decode`] on the bytes
+/// off the main thread, and hands the result to [`crate::Client::deliver`]. Each request must be answered once, with an
+/// error if it is given up: it counts as in flight until then.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Request {
+    /// Its number.
+    pub id: RequestId,
+    /// Path within the city.
+    pub path: String,
+    /// Most bytes to read.
+    pub limit: u64,
+    /// What it asks for.
+    pub what: What,
+    /// The content asked for; none for the index, which checks itself.
+    pub blob: Option<BlobRef>,
+}
+
+/// The answer to a request, decoded and checked.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Payload {
+    /// The index.
+    Index {
+        /// The index.
+        index: Arc<CityIndex>,
+        /// Bytes that it took on the wire.
+        bytes: u64,
+    },
+    /// The overview.
+    Overview(Arc<Overview>),
+    /// A packet.
+    Packet(Packet),
+}
+
+impl Request {
+    /// What the bytes that were read say. Pure; takes up to some milliseconds.
+    ///
+    /// # Errors
+    /// If the bytes are not those asked for, or cannot be understood.
+    pub fn decode(&self, bytes: Vec<u8>) -> Result<Payload, StoreError> {
+        match (self.what, &self.blob) {
+            (What::Overview, Some(blob)) => Overview::decode(&bytes, blob).map(|overview| Payload::Overview(Arc::new(overview))),
+            (What::Packet { level, .. }, Some(blob)) => decode_packet(&bytes, blob, level).map(Payload::Packet),
+            _ => {
+                let index = Arc::new(decode_index(&bytes)?);
+                Ok(Payload::Index { index, bytes: bytes.len() as u64 })
+            }
+        }
+    }
+
+    /// Reads and decodes; waits for the reader.
+    ///
+    /// # Errors
+    /// If reading or decoding fails.
+    pub fn fetch(&self, reader: &dyn Reader) -> Result<Payload, StoreError> {
+        self.decode(reader.read(&self.path, self.limit)?)
+    }
+}

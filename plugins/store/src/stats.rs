@@ -1,0 +1,57 @@
+use core::fmt;
+
+use serde::Serialize;
+use veduta_city::Level;
+
+/// Figures of a city as written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct CityStats {
+    /// Houses.
+    pub houses: u64,
+    /// Walls.
+    pub walls: u64,
+    /// Cells.
+    pub cells: u64,
+    /// Different blobs.
+    pub blobs: u64,
+    /// Blobs that were not there already.
+    pub blobs_written: u64,
+    /// Blobs that an earlier city had and this one has not.
+    pub blobs_removed: u64,
+    /// Bytes of the index.
+    pub bytes_index: u64,
+    /// Bytes of the overview.
+    pub bytes_overview: u64,
+    /// Bytes of the styles.
+    pub bytes_styles: u64,
+    /// Bytes of all packets, by [`Level::index`].
+    pub bytes_level: [u64; 4],
+}
+
+impl CityStats {
+    /// Bytes of a level's packets for each house; `None` without houses.
+    #[must_use]
+    pub fn bytes_per_house(&self, level: Level) -> Option<f64> {
+        (self.houses > 0).then(|| self.bytes_level[level.index()] as f64 / self.houses as f64)
+    }
+}
+
+impl fmt::Display for CityStats {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} houses in {} cells; index {} B, overview {} B",
+            self.houses, self.cells, self.bytes_index, self.bytes_overview
+        )?;
+        for level in Level::ALL {
+            let bytes = self.bytes_level[level.index()];
+            if bytes > 0 {
+                write!(f, "; {level} {bytes} B")?;
+                if let Some(each) = self.bytes_per_house(level) {
+                    write!(f, " ({each:.1} B a house)")?;
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,189 @@
+//! What decoded values must keep to, so that their users may index and subtract without looking.
+//!
+//! Plan positions stay within ±2³⁰ steps (1,048 km), positions within a cell and heights within ±2²⁷ (131 km): no sum or
+//! difference of two of them leaves 32 bits.
+
+use veduta_city::{CellShell, GridPolygon, GridPos, HouseShell, PortalSide, VolumeShell};
+
+use crate::{CellEntry, CityIndex, Overview};
+
+/// A reason in a sentence without a full stop.
+type Check = Result<(), String>;
+
+const FAR: u32 = 1 << 30;
+const NEAR: u32 = 1 << 27;
+
+const fn is_within(pos: GridPos, reach: u32) -> bool {
+    pos.0.unsigned_abs() <= reach && pos.1.unsigned_abs() <= reach
+}
+
+fn check_height(name: &str, height: i32) -> Check {
+    if height.unsigned_abs() <= NEAR { Ok(()) } else { Err(format!("{name} is at a height of {height} steps")) }
+}
+
+fn check_polygon(name: &str, polygon: &GridPolygon, reach: u32) -> Check {
+    for ring in polygon.rings() {
+        if ring.len() < 3 {
+            return Err(format!("{name} has a ring of {} vertices", ring.len()));
+        }
+        if let Some(pos) = ring.iter().find(|&&pos| !is_within(pos, reach)) {
+            return Err(format!("{name} reaches to ({}, {}), too far", pos.0, pos.1));
+        }
+    }
+    Ok(())
+}
+
+/// Fails unless the numbers ascend and stay below a count.
+fn check_ascending(name: &str, list: &[u32], count: usize) -> Check {
+    if !list.is_sorted_by(|a, b| a < b) {
+        return Err(format!("{name} do not ascend"));
+    }
+    match list.last() {
+        Some(&last) if last as usize >= count => Err(format!("{name} name number {last} of {count}")),
+        _ => Ok(()),
+    }
+}
+
+/// Number of edges, and so of walls, of an outline.
+pub(crate) fn edge_count(polygon: &GridPolygon) -> usize {
+    polygon.rings().map(Vec::len).sum()
+}
+
+pub(crate) fn check_shell(shell: &CellShell) -> Check {
+    if !is_within(shell.origin, FAR - NEAR) {
+        return Err(format!("its origin is at ({}, {}), too far", shell.origin.0, shell.origin.1));
+    }
+    check_polygon("its outline", &shell.outline, NEAR)?;
+    for (i, patch) in shell.ground.iter().enumerate() {
+        check_polygon("it", &patch.outline, NEAR)
+            .and_then(|()| check_height("it", patch.z))
+            .map_err(|reason| format!("patch {i} of its ground: {reason}"))?;
+    }
+    shell.houses.iter().try_for_each(check_house)?;
+    for object in &shell.objects {
+        if !is_within(object.pos, NEAR) {
+            return Err(format!("object {} stands too far away", object.id));
+        }
+        check_height("its foot", object.z)
+            .and_then(|()| check_height("its top", object.height))
+            .map_err(|reason| format!("object {}: {reason}", object.id))?;
+    }
+    for (i, portal) in shell.blind.iter().enumerate() {
+        if !is_within(portal.ends.0, NEAR) || !is_within(portal.ends.1, NEAR) {
+            return Err(format!("blind portal {i} reaches too far"));
+        }
+    }
+    Ok(())
+}
+
+fn check_house(house: &HouseShell) -> Check {
+    for (v, volume) in house.volumes.iter().enumerate() {
+        check_volume(volume).map_err(|reason| format!("house {}, volume {v}: {reason}", house.id))?;
+    }
+    Ok(())
+}
+
+fn check_volume(volume: &VolumeShell) -> Check {
+    check_polygon("its footprint", &volume.footprint, NEAR)?;
+    check_height("its foot", volume.bottom)?;
+    check_height("its eaves", volume.eaves)?;
+    check_height("its roof", volume.roof.height)?;
+    if !volume.walls.is_sorted_by(|a, b| a < b) {
+        return Err("its walls do not ascend".to_owned());
+    }
+    let edges = edge_count(&volume.footprint);
+    match volume.walls.last() {
+        Some(&last) if usize::from(last) >= edges => Err(format!("it has wall {last} on a footprint of {edges} edges")),
+        _ => Ok(()),
+    }
+}
+
+pub(crate) fn check_overview(overview: &Overview) -> Check {
+    for (id, outline, top) in &overview.houses {
+        check_polygon("it", outline, FAR)
+            .and_then(|()| check_height("its top", *top))
+            .map_err(|reason| format!("house {id}: {reason}"))?;
+    }
+    for (i, (_, outline)) in overview.areas.iter().enumerate() {
+        check_polygon("it", outline, FAR).map_err(|reason| format!("area {i}: {reason}"))?;
+    }
+    let in_streets = overview.streets.iter().flat_map(|street| &street.line);
+    let in_objects = overview.objects.iter().map(|(_, pos)| pos);
+    if let Some(pos) = in_streets.chain(in_objects).find(|&&pos| !is_within(pos, FAR)) {
+        return Err(format!("something is at ({}, {}), too far", pos.0, pos.1));
+    }
+    for name in &overview.names {
+        if name.house as usize >= overview.houses.len() {
+            return Err(format!("a name is given to house number {} of {}", name.house, overview.houses.len()));
+        }
+    }
+    Ok(())
+}
+
+pub(crate) fn check_index(index: &CityIndex) -> Check {
+    check_numbers(index)?;
+    // A city may have no edge, if nothing lies in it.
+    if !(index.extent.outer.is_empty() && index.extent.holes.is_empty()) {
+        check_polygon("the city's edge", &index.extent, FAR)?;
+    }
+    for (i, cell) in index.cells.iter().enumerate() {
+        check_cell(index, i, cell).map_err(|reason| format!("cell {i} ({}): {reason}", cell.id))?;
+    }
+    for (i, portal) in index.portals.iter().enumerate() {
+        let beyond = match portal.beyond {
+            PortalSide::Cell(cell) => cell,
+            PortalSide::Edge => portal.cell,
+        };
+        if portal.cell.max(beyond) as usize >= index.cells.len() {
+            return Err(format!("portal {i} leads to cell {} of {}", portal.cell.max(beyond), index.cells.len()));
+        }
+        if !is_within(portal.ends.0, FAR) || !is_within(portal.ends.1, FAR) {
+            return Err(format!("portal {i} reaches too far"));
+        }
+    }
+    check_ascending("cells of the skyline", &index.skyline, index.cells.len())
+}
+
+/// No position, angle or radius is infinite or no number.
+fn check_numbers(index: &CityIndex) -> Check {
+    let is_view = |view: &veduta_city::Viewpoint| {
+        view.pos.is_finite() && view.eye_m.is_finite() && view.heading_deg.is_finite() && view.pitch_deg.is_finite()
+    };
+    if !is_view(&index.start) || !index.anchor.lat.is_finite() || !index.anchor.lon.is_finite() {
+        return Err("its start or anchor is not a number".to_owned());
+    }
+    for place in &index.places {
+        if !place.pos.is_finite() || !place.radius_m.is_finite() || !place.view.as_ref().is_none_or(is_view) {
+            return Err(format!("place `{}` lies nowhere: a number of it is none", place.name));
+        }
+    }
+    Ok(())
+}
+
+fn check_cell(index: &CityIndex, number: usize, cell: &CellEntry) -> Check {
+    check_polygon("its outline", &cell.outline, FAR)?;
+    check_height("its floor", cell.floor.0)?;
+    check_height("its floor", cell.floor.1)?;
+    check_height("its top", cell.top)?;
+    let (lo, hi) = cell.bounds;
+    if lo.0 > hi.0 || lo.1 > hi.1 || !is_within(lo, FAR) || !is_within(hi, FAR) {
+        return Err("its bounds are no rectangle".to_owned());
+    }
+    check_ascending("its portals", &cell.portals, index.portals.len())?;
+    for &p in &cell.portals {
+        let is_here = index.portals.get(p as usize).is_some_and(|portal| {
+            portal.cell as usize == number || matches!(portal.beyond, PortalSide::Cell(cell) if cell as usize == number)
+        });
+        if !is_here {
+            return Err(format!("portal {p} is not on its border"));
+        }
+    }
+    check_ascending("its visible cells", &cell.visible, index.cells.len())?;
+    if cell.visible.binary_search(&(number as u32)).is_err() {
+        return Err("it is not in its own visible set".to_owned());
+    }
+    if let Some(level) = (1..4).find(|&n| cell.packets[n].is_some() && cell.packets[n - 1].is_none()) {
+        return Err(format!("it has a packet of level {} but none of level {level}", level + 1));
+    }
+    Ok(())
+}

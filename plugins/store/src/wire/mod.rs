@@ -1,0 +1,52 @@
+//! The wire form: private structures that postcard writes, with exact conversions to and from the public types.
+//!
+//! Values of one kind stand together in a column, because deflate finds more to say twice that way. Vertices are told once
+//! a packet and then named ([`points`]), ids without their leading zeros, colours, texts and walls by tables. The model's own
+//! serde form cannot be used: it leaves out empty fields, which only self-describing formats survive.
+//!
+//! Hostile bytes: every count is backed by that many entries of some column before memory is taken for it, so what is
+//! decoded is at most a small multiple of the inflated size, and all columns must be used up.
+
+mod columns;
+mod index;
+mod overview;
+mod points;
+mod sheet;
+mod shell;
+
+pub(crate) use index::WireIndex;
+pub(crate) use overview::WireOverview;
+pub(crate) use sheet::WireSheet;
+pub(crate) use shell::WireShell;
+
+use serde::{Serialize, de::DeserializeOwned};
+
+use crate::StoreError;
+
+/// What is wrong with columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Malformed(pub &'static str);
+
+impl Malformed {
+    pub(crate) fn of(self, what: &'static str) -> StoreError {
+        StoreError::Malformed { what, reason: self.0.to_owned() }
+    }
+}
+
+/// Bytes of a wire structure.
+pub(crate) fn to_bytes<T: Serialize>(wire: &T) -> Vec<u8> {
+    match postcard::to_allocvec(wire) {
+        Ok(bytes) => bytes,
+        // Columns have known lengths and no maps, which is all that postcard could refuse.
+        Err(error) => unreachable!("postcard into memory: {error}"),
+    }
+}
+
+/// Wire structure of bytes that must be used up.
+pub(crate) fn from_bytes<T: DeserializeOwned>(what: &'static str, bytes: &[u8]) -> Result<T, StoreError> {
+    match postcard::take_from_bytes(bytes) {
+        Ok((wire, [])) => Ok(wire),
+        Ok(_) => Err(Malformed("bytes are left over").of(what)),
+        Err(error) => Err(StoreError::Malformed { what, reason: error.to_string() }),
+    }
+}

@@ -1,0 +1,117 @@
+use serde::{Deserialize, Serialize};
+use veduta_city::{FacadeSheet, GroundFloor, Opening, Storey, Wall, WallKind};
+
+use super::{
+    Malformed,
+    columns::{Deltas, Pull, Table, TableWriter},
+};
+
+/// A [`FacadeSheet`]: different walls once, made of different stacks of storeys once.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct WireSheet {
+    /// For each wall, which of the different walls it is.
+    walls: Vec<u32>,
+    kinds: Vec<WallKind>,
+    bays: Vec<u8>,
+    /// 0: no door; else one more than its bay.
+    door_bays: Vec<u16>,
+    doors: Vec<Opening>,
+    shops: Vec<u32>,
+    /// For each different wall, which of the different stacks it has.
+    stacks: Vec<u32>,
+    /// Storeys of each different stack.
+    storeys: Vec<u32>,
+    heights: Deltas,
+    openings: Vec<Opening>,
+}
+
+/// Most walls of a sheet, and most storeys of all its walls together: a table could claim far more than its bytes.
+const WALLS_CAP: usize = 1 << 20;
+const STOREYS_CAP: usize = 1 << 22;
+
+impl From<&FacadeSheet> for WireSheet {
+    fn from(sheet: &FacadeSheet) -> Self {
+        let mut walls = TableWriter::default();
+        sheet.walls.iter().for_each(|wall| walls.push(wall));
+        let (different, walls) = walls.finish().parts();
+        let mut stacks = TableWriter::default();
+        different.iter().for_each(|wall| stacks.push(&wall.storeys));
+        let (tall, stacks) = stacks.finish().parts();
+        Self {
+            walls,
+            kinds: different.iter().map(|wall| wall.kind).collect(),
+            bays: different.iter().map(|wall| wall.bays).collect(),
+            door_bays: different.iter().map(|wall| wall.ground_floor.door_bay.map_or(0, |bay| u16::from(bay) + 1)).collect(),
+            doors: different.iter().map(|wall| wall.ground_floor.door).collect(),
+            shops: different.iter().map(|wall| wall.ground_floor.shops).collect(),
+            stacks,
+            storeys: tall.iter().map(|stack| stack.len() as u32).collect(),
+            heights: Deltas::of(tall.iter().flatten().map(|storey| storey.height)),
+            openings: tall.iter().flatten().map(|storey| storey.opening).collect(),
+        }
+    }
+}
+
+impl TryFrom<WireSheet> for FacadeSheet {
+    type Error = Malformed;
+
+    fn try_from(wire: WireSheet) -> Result<Self, Malformed> {
+        let tall = stacks_of(wire.storeys, wire.heights, wire.openings)?;
+        let mut stacks = Table::of_parts(tall, wire.stacks).pull();
+        let mut budget = STOREYS_CAP;
+        let mut spend = |storeys: usize| {
+            budget = budget.checked_sub(storeys).ok_or(Malformed("walls have too many storeys together"))?;
+            Ok(())
+        };
+        let mut bays = Pull::new("bays", wire.bays);
+        let mut door_bays = Pull::new("bays of doors", wire.door_bays);
+        let mut doors = Pull::new("doors", wire.doors);
+        let mut shops = Pull::new("shops", wire.shops);
+        let mut different = Vec::with_capacity(wire.kinds.len());
+        for kind in wire.kinds {
+            let door_bay = door_bays.take()?.checked_sub(1).map(u8::try_from).transpose();
+            let ground_floor = GroundFloor {
+                door_bay: door_bay.map_err(|_| Malformed("a door's bay is too large"))?,
+                door: doors.take()?,
+                shops: shops.take()?,
+            };
+            let storeys = stacks.take_ref()?;
+            spend(storeys.len())?;
+            different.push(Wall { kind, bays: bays.take()?, storeys: storeys.clone(), ground_floor });
+        }
+        stacks.finish()?;
+        bays.finish()?;
+        door_bays.finish()?;
+        doors.finish()?;
+        shops.finish()?;
+        let mut uses = Table::of_parts(different, wire.walls).pull();
+        if uses.left() > WALLS_CAP {
+            return Err(Malformed("a sheet has too many walls"));
+        }
+        let mut walls = Vec::with_capacity(uses.left());
+        while uses.left() > 0 {
+            let wall = uses.take_ref()?;
+            spend(wall.storeys.len())?;
+            walls.push(wall.clone());
+        }
+        Ok(Self { walls })
+    }
+}
+
+/// Different stacks of storeys.
+fn stacks_of(counts: Vec<u32>, heights: Deltas, openings: Vec<Opening>) -> Result<Vec<Vec<Storey>>, Malformed> {
+    let mut heights = Pull::new("heights of storeys", heights.numbers());
+    let mut openings = Pull::new("openings of storeys", openings);
+    let mut all = Vec::with_capacity(counts.len());
+    for count in counts {
+        if count as usize > openings.left() {
+            return Err(Malformed("a wall has more storeys than are left"));
+        }
+        let stack: Result<Vec<_>, Malformed> =
+            (0..count).map(|_| Ok(Storey { height: heights.take()?, opening: openings.take()? })).collect();
+        all.push(stack?);
+    }
+    heights.finish()?;
+    openings.finish()?;
+    Ok(all)
+}

@@ -1,0 +1,305 @@
+use serde::{Deserialize, Serialize};
+use veduta_city::{
+    CellShell, GridPos, GroundPatch, HouseShell, Id, ObjectKind, PlanObject, PlanRoof, Portal, PortalSide, Rgb, RoofShape,
+    SurfaceKind, VolumeShell,
+};
+
+use super::{
+    Malformed,
+    columns::{Deltas, Ids, Lists, Pull, PullIds, PullLists, PullTable, Table, TableWriter},
+    points::{PointWriter, Points, PullPoints},
+};
+
+/// A [`CellShell`] in columns.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct WireShell {
+    origin: GridPos,
+    points: Points,
+    colours: Table<Rgb>,
+    ground: WireGround,
+    houses: WireHouses,
+    volumes: WireVolumes,
+    objects: WireObjects,
+    blind: WireBlind,
+}
+
+#[derive(Serialize, Deserialize)]
+struct WireGround {
+    surfaces: Vec<SurfaceKind>,
+    z: Deltas,
+}
+
+#[derive(Serialize, Deserialize)]
+struct WireHouses {
+    ids: Ids,
+    styles: Vec<u16>,
+    volumes: Vec<u32>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct WireVolumes {
+    bottoms: Deltas,
+    /// Above the bottom.
+    eaves: Vec<i32>,
+    shapes: Vec<RoofShape>,
+    roof_heights: Vec<i32>,
+    directions: Vec<u16>,
+    has_roof: Vec<bool>,
+    walls: Lists,
+}
+
+#[derive(Serialize, Deserialize)]
+struct WireObjects {
+    ids: Ids,
+    kinds: Vec<ObjectKind>,
+    z: Deltas,
+    headings: Vec<u16>,
+    heights: Vec<i32>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct WireBlind {
+    cells: Vec<u32>,
+    /// 0: the edge; else one more than the cell.
+    beyond: Vec<u64>,
+}
+
+/// One number for what lies beyond a portal: 0 for the edge, else one more than the cell.
+pub(super) const fn code_of_side(side: PortalSide) -> u64 {
+    match side {
+        PortalSide::Edge => 0,
+        PortalSide::Cell(cell) => cell as u64 + 1,
+    }
+}
+
+/// What lies beyond a portal, by its number.
+pub(super) fn side_of_code(code: u64) -> Result<PortalSide, Malformed> {
+    match code.checked_sub(1) {
+        None => Ok(PortalSide::Edge),
+        Some(cell) => u32::try_from(cell).map(PortalSide::Cell).map_err(|_| Malformed("a portal leads to no cell")),
+    }
+}
+
+impl From<&CellShell> for WireShell {
+    fn from(shell: &CellShell) -> Self {
+        let volumes = || shell.houses.iter().flat_map(|house| &house.volumes);
+        let mut points = PointWriter::default();
+        points.polygon(&shell.outline);
+        // Houses first: the ground between them then walks along edges already told.
+        volumes().for_each(|volume| points.polygon(&volume.footprint));
+        shell.ground.iter().for_each(|patch| points.polygon(&patch.outline));
+        shell.objects.iter().for_each(|object| points.point(object.pos));
+        for portal in &shell.blind {
+            points.point(portal.ends.0);
+            points.point(portal.ends.1);
+        }
+        let mut colours = TableWriter::default();
+        for volume in volumes() {
+            [volume.colour, volume.trim, volume.roof.colour].iter().for_each(|colour| colours.push(colour));
+        }
+        Self {
+            origin: shell.origin,
+            points: points.finish(),
+            colours: colours.finish(),
+            ground: WireGround {
+                surfaces: shell.ground.iter().map(|patch| patch.surface).collect(),
+                z: Deltas::of(shell.ground.iter().map(|patch| patch.z)),
+            },
+            houses: WireHouses {
+                ids: ids(shell.houses.iter().map(|house| house.id)),
+                styles: shell.houses.iter().map(|house| house.style).collect(),
+                volumes: shell.houses.iter().map(|house| house.volumes.len() as u32).collect(),
+            },
+            volumes: WireVolumes::of(volumes()),
+            objects: WireObjects::of(&shell.objects),
+            blind: WireBlind {
+                cells: shell.blind.iter().map(|portal| portal.cell).collect(),
+                beyond: shell.blind.iter().map(|portal| code_of_side(portal.beyond)).collect(),
+            },
+        }
+    }
+}
+
+fn ids(all: impl Iterator<Item = Id>) -> Ids {
+    let mut ids = Ids::default();
+    all.for_each(|id| ids.push(id));
+    ids
+}
+
+impl WireVolumes {
+    fn of<'a>(volumes: impl Iterator<Item = &'a VolumeShell> + Clone) -> Self {
+        let mut walls = Lists::default();
+        volumes.clone().for_each(|volume| walls.push(volume.walls.iter().map(|&wall| u32::from(wall))));
+        Self {
+            bottoms: Deltas::of(volumes.clone().map(|volume| volume.bottom)),
+            eaves: volumes.clone().map(|volume| volume.eaves.wrapping_sub(volume.bottom)).collect(),
+            shapes: volumes.clone().map(|volume| volume.roof.shape).collect(),
+            roof_heights: volumes.clone().map(|volume| volume.roof.height).collect(),
+            directions: volumes.clone().map(|volume| volume.roof.direction).collect(),
+            has_roof: volumes.map(|volume| volume.has_roof).collect(),
+            walls,
+        }
+    }
+}
+
+impl WireObjects {
+    fn of(objects: &[PlanObject]) -> Self {
+        Self {
+            ids: ids(objects.iter().map(|object| object.id)),
+            kinds: objects.iter().map(|object| object.kind).collect(),
+            z: Deltas::of(objects.iter().map(|object| object.z)),
+            headings: objects.iter().map(|object| object.heading).collect(),
+            heights: objects.iter().map(|object| object.height).collect(),
+        }
+    }
+}
+
+impl TryFrom<WireShell> for CellShell {
+    type Error = Malformed;
+
+    fn try_from(wire: WireShell) -> Result<Self, Malformed> {
+        let mut points = wire.points.pull();
+        let mut colours = wire.colours.pull();
+        let outline = points.polygon()?;
+        let houses = wire.houses.pull(&mut wire.volumes.pull(), &mut points, &mut colours)?;
+        let ground = wire.ground.pull(&mut points)?;
+        let objects = wire.objects.pull(&mut points)?;
+        let blind = wire.blind.pull(&mut points)?;
+        points.finish()?;
+        colours.finish()?;
+        Ok(Self { origin: wire.origin, outline, ground, houses, objects, blind })
+    }
+}
+
+impl WireGround {
+    fn pull(self, points: &mut PullPoints) -> Result<Vec<GroundPatch>, Malformed> {
+        let mut z = Pull::new("heights of ground", self.z.numbers());
+        let ground = self
+            .surfaces
+            .into_iter()
+            .map(|surface| Ok(GroundPatch { surface, outline: points.polygon()?, z: z.take()? }))
+            .collect::<Result<_, _>>()?;
+        z.finish()?;
+        Ok(ground)
+    }
+}
+
+impl WireHouses {
+    fn pull(
+        self,
+        volumes: &mut PullVolumes,
+        points: &mut PullPoints,
+        colours: &mut PullTable<Rgb>,
+    ) -> Result<Vec<HouseShell>, Malformed> {
+        let mut ids = self.ids.pull();
+        let mut counts = Pull::new("volumes of houses", self.volumes);
+        let mut houses = Vec::with_capacity(self.styles.len());
+        for style in self.styles {
+            let count = counts.take()? as usize;
+            if count > volumes.bottoms.left() {
+                return Err(Malformed("a house has more volumes than are left"));
+            }
+            let id = ids.take()?;
+            let volumes = (0..count).map(|_| volumes.take(points, colours)).collect::<Result<_, _>>()?;
+            houses.push(HouseShell { id, style, volumes });
+        }
+        ids.finish()?;
+        counts.finish()?;
+        volumes.finish()?;
+        Ok(houses)
+    }
+}
+
+struct PullVolumes {
+    bottoms: Pull<i32>,
+    eaves: Pull<i32>,
+    shapes: Pull<RoofShape>,
+    roof_heights: Pull<i32>,
+    directions: Pull<u16>,
+    has_roof: Pull<bool>,
+    walls: PullLists,
+}
+
+impl WireVolumes {
+    fn pull(self) -> PullVolumes {
+        PullVolumes {
+            bottoms: Pull::new("feet of volumes", self.bottoms.numbers()),
+            eaves: Pull::new("eaves of volumes", self.eaves),
+            shapes: Pull::new("roofs", self.shapes),
+            roof_heights: Pull::new("heights of roofs", self.roof_heights),
+            directions: Pull::new("directions of roofs", self.directions),
+            has_roof: Pull::new("marks of roofs", self.has_roof),
+            walls: self.walls.pull(),
+        }
+    }
+}
+
+impl PullVolumes {
+    fn take(&mut self, points: &mut PullPoints, colours: &mut PullTable<Rgb>) -> Result<VolumeShell, Malformed> {
+        let bottom = self.bottoms.take()?;
+        let walls = self.walls.take()?.into_iter().map(u16::try_from).collect::<Result<_, _>>();
+        Ok(VolumeShell {
+            footprint: points.polygon()?,
+            bottom,
+            eaves: bottom.wrapping_add(self.eaves.take()?),
+            colour: colours.take()?,
+            trim: colours.take()?,
+            roof: PlanRoof {
+                shape: self.shapes.take()?,
+                height: self.roof_heights.take()?,
+                direction: self.directions.take()?,
+                colour: colours.take()?,
+            },
+            has_roof: self.has_roof.take()?,
+            walls: walls.map_err(|_| Malformed("a wall's index is too large"))?,
+        })
+    }
+
+    fn finish(&self) -> Result<(), Malformed> {
+        self.bottoms.finish()?;
+        self.eaves.finish()?;
+        self.shapes.finish()?;
+        self.roof_heights.finish()?;
+        self.directions.finish()?;
+        self.has_roof.finish()?;
+        self.walls.finish()
+    }
+}
+
+impl WireObjects {
+    fn pull(self, points: &mut PullPoints) -> Result<Vec<PlanObject>, Malformed> {
+        let mut ids: PullIds = self.ids.pull();
+        let mut z = Pull::new("feet of objects", self.z.numbers());
+        let mut headings = Pull::new("headings of objects", self.headings);
+        let mut heights = Pull::new("heights of objects", self.heights);
+        let mut objects = Vec::with_capacity(self.kinds.len());
+        for kind in self.kinds {
+            objects.push(PlanObject {
+                id: ids.take()?,
+                kind,
+                pos: points.point()?,
+                z: z.take()?,
+                heading: headings.take()?,
+                height: heights.take()?,
+            });
+        }
+        ids.finish()?;
+        z.finish()?;
+        headings.finish()?;
+        heights.finish()?;
+        Ok(objects)
+    }
+}
+
+impl WireBlind {
+    fn pull(self, points: &mut PullPoints) -> Result<Vec<Portal>, Malformed> {
+        let mut beyond = Pull::new("portals", self.beyond);
+        let mut blind = Vec::with_capacity(self.cells.len());
+        for cell in self.cells {
+            let ends = (points.point()?, points.point()?);
+            blind.push(Portal { ends, cell, beyond: side_of_code(beyond.take()?)? });
+        }
+        beyond.finish()?;
+        Ok(blind)
+    }
+}

@@ -1,0 +1,275 @@
+//! What the client asks for, when, and what it makes of failures. Time is a number that the test moves.
+
+mod sample;
+
+use sample::{TempDir, city};
+use veduta_city::Level::{self, Four, One, Three, Two};
+use veduta_store::*;
+
+/// A client and the city that it walks, with a server that can be made to fail.
+struct Walk {
+    _temp: TempDir,
+    reader: DirReader,
+    client: Client,
+    now_s: f64,
+}
+
+impl Walk {
+    fn new(cells: usize, settings: ClientSettings) -> Self {
+        let temp = TempDir::new("client");
+        city(cells, 1).write(&temp.0).expect("written");
+        let reader = DirReader::new(&temp.0).expect("a city");
+        Self { _temp: temp, reader, client: Client::new(settings), now_s: 0.0 }
+    }
+
+    /// A walk whose index and overview are there.
+    fn open(cells: usize, settings: ClientSettings) -> Self {
+        let mut walk = Self::new(cells, settings);
+        for expected in [What::Index, What::Overview] {
+            let request = walk.next().expect("a request");
+            assert_eq!(request.what, expected);
+            assert_eq!(walk.answer(&request).len(), 1);
+        }
+        walk
+    }
+
+    fn next(&mut self) -> Option<Request> {
+        self.client.next_request(self.now_s)
+    }
+
+    fn answer(&mut self, request: &Request) -> Vec<ClientEvent> {
+        self.client.deliver(request.id, request.fetch(&self.reader), self.now_s)
+    }
+
+    fn refuse(&mut self, request: &Request, error: StoreError) -> Vec<ClientEvent> {
+        self.client.deliver(request.id, Err(error), self.now_s)
+    }
+
+    /// All requests that can be sent off now.
+    fn burst(&mut self) -> Vec<Request> {
+        std::iter::from_fn(|| self.next()).collect()
+    }
+}
+
+fn packets(requests: &[Request]) -> Vec<(u32, Level)> {
+    let packet = |request: &Request| match request.what {
+        What::Packet { cell, level } => (cell, level),
+        what => panic!("expected packets, found {what:?}"),
+    };
+    requests.iter().map(packet).collect()
+}
+
+/// What the only event says of a failure: when it is tried again.
+fn again(events: &[ClientEvent]) -> Option<f64> {
+    match events {
+        [ClientEvent::Failed { again_in_s, .. }] => *again_in_s,
+        events => panic!("expected one failure, found {events:?}"),
+    }
+}
+
+fn dead() -> StoreError {
+    StoreError::Read(ReadError::Failed {
+        place: "nowhere".to_owned(),
+        path: "x".to_owned(),
+        message: "connection refused".to_owned(),
+    })
+}
+
+#[test]
+fn the_index_comes_first_then_the_overview_then_packets() {
+    let mut walk = Walk::new(3, ClientSettings::default());
+    walk.client.want([(0, One)]);
+    let index = walk.next().expect("a request");
+    assert_eq!((index.what, index.path.as_str()), (What::Index, INDEX_NAME));
+    assert_eq!(walk.next(), None, "nothing else is known yet");
+    assert_eq!(walk.answer(&index), [ClientEvent::Opened]);
+    assert_eq!(walk.client.index().expect("open").name, "Testov");
+    let rest = walk.burst();
+    assert_eq!(rest.iter().map(|request| request.what).collect::<Vec<_>>(), [What::Overview, What::Packet { cell: 0, level: One }]);
+    assert_eq!(walk.answer(&rest[0]), [ClientEvent::OverviewReady]);
+    assert_eq!(walk.client.overview().expect("there").houses.len(), 6);
+    assert!(matches!(walk.answer(&rest[1])[..], [ClientEvent::Arrived { cell: 0, level: One, packet: Packet::Shell(_) }]));
+    assert!(walk.client.has(0, One) && !walk.client.has(0, Two));
+}
+
+#[test]
+fn packets_come_in_the_order_wanted_and_levels_after_each_other() {
+    let mut walk = Walk::open(3, ClientSettings::default());
+    walk.client.want([(2, One), (2, Two), (0, One), (1, Two), (2, Three), (2, Four), (99, One)]);
+    let first = walk.burst();
+    assert_eq!(packets(&first), [(2, One), (0, One)], "level 2 waits for level 1, and nobody wants level 1 of cell 1");
+    walk.answer(&first[1]);
+    assert_eq!(walk.next(), None);
+    walk.answer(&first[0]);
+    assert_eq!(packets(&walk.burst()), [(2, Two)]);
+    walk.client.want([(1, One)]);
+    assert_eq!(packets(&walk.burst()), [(1, One)], "the new list replaces the old one");
+}
+
+#[test]
+fn no_more_than_the_cap_are_on_their_way() {
+    let mut walk = Walk::open(6, ClientSettings { max_in_flight: 3, ..ClientSettings::default() });
+    walk.client.want((0..6).map(|cell| (cell, One)));
+    let first = walk.burst();
+    assert_eq!(packets(&first), [(0, One), (1, One), (2, One)]);
+    assert_eq!(walk.client.stats().in_flight, 3);
+    walk.refuse(&first[1], dead());
+    assert_eq!(packets(&walk.burst()), [(3, One)], "a failure frees its place for the next");
+    let mut none = Walk::new(1, ClientSettings { max_in_flight: 0, ..ClientSettings::default() });
+    assert!(none.next().is_some(), "a cap of none is taken for one");
+}
+
+#[test]
+fn a_packet_that_fails_is_tried_again_later_and_later() {
+    let mut walk = Walk::open(1, ClientSettings::default());
+    walk.client.want([(0, One), (0, Two)]);
+    for expected_s in [0.5, 1.0, 2.0, 4.0, 8.0, 8.0, 8.0] {
+        let request = walk.next().expect("due");
+        let damaged = request.decode(vec![0; request.limit as usize]);
+        assert!(matches!(damaged, Err(StoreError::Checksum { .. })));
+        let events = walk.client.deliver(request.id, damaged, walk.now_s);
+        assert_eq!(again(&events), Some(expected_s));
+        walk.now_s += expected_s * 0.99;
+        assert_eq!(walk.next(), None, "not yet");
+        walk.now_s += expected_s * 0.02;
+    }
+    let request = walk.next().expect("due");
+    assert!(matches!(walk.answer(&request)[..], [ClientEvent::Arrived { level: One, .. }]));
+    assert_eq!(walk.client.stats().failures, 7);
+    let request = walk.next().expect("level 2");
+    assert_eq!(again(&walk.refuse(&request, dead())), Some(0.5), "failures are counted for each packet");
+}
+
+#[test]
+fn a_missing_packet_does_not_hold_up_the_others() {
+    let mut walk = Walk::open(3, ClientSettings::default());
+    let blob = walk.client.index().expect("open").cells[1].packets[0].expect("a packet");
+    std::fs::remove_file(walk._temp.join(&blob.path())).expect("removed");
+    walk.client.want((0..3).flat_map(|cell| [(cell, One), (cell, Two)]));
+    let mut arrived = Vec::new();
+    for _ in 0..3 {
+        for request in walk.burst() {
+            for event in walk.answer(&request) {
+                match event {
+                    ClientEvent::Arrived { cell, level, .. } => arrived.push((cell, level)),
+                    ClientEvent::Failed { what, error, again_in_s } => {
+                        assert_eq!(what, What::Packet { cell: 1, level: One });
+                        assert!(matches!(*error, StoreError::Read(ReadError::NotFound { .. })), "{error:?}");
+                        assert!(again_in_s.is_some());
+                    }
+                    event => panic!("{event:?}"),
+                }
+            }
+        }
+    }
+    assert_eq!(arrived, [(0, One), (2, One), (0, Two), (2, Two)]);
+}
+
+#[test]
+fn the_walk_goes_on_when_a_dead_server_returns() {
+    let mut walk = Walk::open(12, ClientSettings::default());
+    walk.client.want((0..12).map(|cell| (cell, One)));
+    // Dead for a minute, polled every tenth of a second.
+    let mut tries = 0;
+    while walk.now_s < 60.0 {
+        for request in walk.burst() {
+            assert!(again(&walk.refuse(&request, dead())).is_some());
+            tries += 1;
+        }
+        walk.now_s += 0.1;
+    }
+    assert!((12 * 8..12 * 14).contains(&tries), "a dead server is not hammered: {tries} tries");
+    let back_s = walk.now_s;
+    while !(0..12).all(|cell| walk.client.has(cell, One)) {
+        for request in walk.burst() {
+            walk.answer(&request);
+        }
+        walk.now_s += 0.1;
+        assert!(walk.now_s - back_s < 8.5, "all is there soon after");
+    }
+}
+
+#[test]
+fn a_server_that_starts_late_is_waited_for() {
+    let mut walk = Walk::new(1, ClientSettings::default());
+    for expected_s in [0.5, 1.0] {
+        let request = walk.next().expect("the index");
+        assert_eq!(again(&walk.refuse(&request, dead())), Some(expected_s));
+        walk.now_s += expected_s;
+    }
+    let request = walk.next().expect("the index");
+    assert_eq!(walk.answer(&request), [ClientEvent::Opened]);
+}
+
+#[test]
+fn a_newer_or_damaged_index_is_told_once() {
+    let newer = StoreError::Newer { found: 9 };
+    for error in [newer, StoreError::NotACity, StoreError::Checksum { what: "the index" }] {
+        let mut walk = Walk::new(1, ClientSettings::default());
+        walk.client.want([(0, One)]);
+        let request = walk.next().expect("the index");
+        assert_eq!(again(&walk.refuse(&request, error)), None);
+        walk.now_s = 1e9;
+        assert_eq!(walk.next(), None, "never again");
+    }
+}
+
+#[test]
+fn a_packet_that_is_wrong_for_good_is_told_once_and_the_others_come() {
+    let mut walk = Walk::open(2, ClientSettings::default());
+    walk.client.want([(0, One), (0, Two), (1, One)]);
+    let requests = walk.burst();
+    let wrong = StoreError::Malformed { what: "a packet", reason: "bytes are left over".to_owned() };
+    assert_eq!(again(&walk.refuse(&requests[0], wrong)), None);
+    walk.now_s = 1e9;
+    walk.client.forget(0, One);
+    assert_eq!(walk.next(), None, "neither it nor the level above it");
+    assert_eq!(walk.answer(&requests[1]).len(), 1);
+}
+
+#[test]
+fn what_was_forgotten_may_be_asked_for_again() {
+    let mut walk = Walk::open(1, ClientSettings::default());
+    walk.client.want([(0, One)]);
+    let first = walk.next().expect("a request");
+    walk.client.forget(0, One);
+    assert_eq!(walk.next(), None, "it is still on its way");
+    walk.answer(&first);
+    assert_eq!(walk.next(), None, "it is there");
+    walk.client.forget(0, One);
+    walk.client.forget(7, One);
+    let second = walk.next().expect("a request");
+    assert_eq!((second.what, second.id > first.id), (first.what, true));
+}
+
+#[test]
+fn answers_nobody_asked_for_change_nothing() {
+    let mut walk = Walk::open(1, ClientSettings::default());
+    walk.client.want([(0, One)]);
+    let request = walk.next().expect("a request");
+    let shell = request.fetch(&walk.reader);
+    assert!(walk.client.deliver(RequestId(77), shell.clone(), 0.0).is_empty());
+    let overview = Payload::Overview(Default::default());
+    let events = walk.client.deliver(request.id, Ok(overview), 0.0);
+    assert!(matches!(&events[..], [ClientEvent::Failed { error, .. }] if matches!(**error, StoreError::Kind { .. })), "{events:?}");
+    assert!(walk.client.deliver(request.id, shell, 0.0).is_empty(), "answered already");
+    assert_eq!(walk.client.stats().unexpected, 2);
+    assert!(!walk.client.has(0, One));
+}
+
+#[test]
+fn bytes_are_counted_as_stored() {
+    let mut walk = Walk::open(2, ClientSettings::default());
+    let index = walk.client.index().expect("open").clone();
+    let index_bytes = std::fs::metadata(walk._temp.join(INDEX_NAME)).expect("a file").len();
+    let opened = index_bytes + u64::from(index.overview.bytes);
+    assert_eq!(walk.client.stats().bytes, opened);
+    walk.client.want([(0, One), (1, One)]);
+    for request in walk.burst() {
+        walk.answer(&request);
+    }
+    let level_1: u64 = index.cells.iter().map(|cell| u64::from(cell.packets[0].expect("a packet").bytes)).sum();
+    let stats = walk.client.stats();
+    assert_eq!((stats.bytes, stats.bytes_level), (opened + level_1, [level_1, 0, 0, 0]));
+    assert_eq!((stats.requests, stats.delivered, stats.failures, stats.in_flight), (4, 4, 0, 0));
+}

@@ -1,0 +1,85 @@
+//! Damaged, cut and foreign bytes end in a named error, never in a panic or in other content.
+
+mod sample;
+
+use sample::{TempDir, city};
+use veduta_city::Level;
+use veduta_store::*;
+
+fn index() -> Vec<u8> {
+    let temp = TempDir::new("damage");
+    city(3, 2).write(&temp.0).expect("written");
+    std::fs::read(temp.join(INDEX_NAME)).expect("an index")
+}
+
+#[test]
+fn any_flipped_byte_of_an_index_is_noticed() {
+    let good = index();
+    let mut bytes = good.clone();
+    for i in 0..good.len() {
+        for mask in [0x01, 0x80, 0xFF] {
+            bytes[i] = good[i] ^ mask;
+            let error = decode_index(&bytes).expect_err("a flipped byte");
+            let is_named = match i {
+                0..7 => error == StoreError::NotACity,
+                7 => matches!(error, StoreError::Kind { .. }),
+                8..12 => matches!(error, StoreError::Newer { .. } | StoreError::Older { .. }),
+                _ => error == StoreError::Checksum { what: "the index" },
+            };
+            assert!(is_named, "byte {i}: {error:?}");
+        }
+        bytes[i] = good[i];
+    }
+}
+
+#[test]
+fn a_cut_or_lengthened_index_is_noticed() {
+    let good = index();
+    for n in 0..good.len() {
+        assert!(decode_index(&good[..n]).is_err(), "{n} bytes of {}", good.len());
+    }
+    let longer = [good.as_slice(), &[0]].concat();
+    assert_eq!(decode_index(&longer), Err(StoreError::Checksum { what: "the index" }));
+}
+
+#[test]
+fn a_newer_city_asks_for_a_newer_program() {
+    let mut bytes = index();
+    bytes[8..12].copy_from_slice(&7_u32.to_le_bytes());
+    let error = decode_index(&bytes).expect_err("newer");
+    assert_eq!(error, StoreError::Newer { found: 7 });
+    assert_eq!(error.to_string(), "the city has format 7, this program reads format 1: update the program");
+    bytes[8..12].copy_from_slice(&0_u32.to_le_bytes());
+    assert_eq!(decode_index(&bytes), Err(StoreError::Older { found: 0 }));
+    assert_eq!(decode_index(b"<!DOCTYPE html>"), Err(StoreError::NotACity));
+}
+
+#[test]
+fn any_flipped_byte_of_a_packet_is_noticed_and_may_be_asked_for_again() {
+    let city = city(1, 3);
+    let packets = [Packet::Shell(city.shells[0].clone()), Packet::Facades(city.sheets[0].clone())];
+    for packet in packets {
+        let good = encode_packet(&packet);
+        let blob = BlobRef::of(&good);
+        assert_eq!(decode_packet(&good, &blob, packet.level()).as_ref(), Ok(&packet));
+        let mut bytes = good.clone();
+        for i in 0..good.len() {
+            bytes[i] ^= 0x10;
+            let error = decode_packet(&bytes, &blob, packet.level()).expect_err("a flipped byte");
+            assert!(matches!(error, StoreError::Checksum { .. }) && !error.is_permanent(), "byte {i}: {error:?}");
+            bytes[i] = good[i];
+            let error = decode_packet(&good[..i], &blob, packet.level()).expect_err("cut");
+            assert!(matches!(error, StoreError::Length { .. }) && !error.is_permanent(), "{i} bytes: {error:?}");
+        }
+    }
+}
+
+#[test]
+fn a_packet_of_another_level_is_noticed_for_good() {
+    let city = city(1, 1);
+    let sheet = encode_packet(&Packet::Facades(city.sheets[0].clone()));
+    let error = decode_packet(&sheet, &BlobRef::of(&sheet), Level::One).expect_err("another level");
+    assert!(matches!(error, StoreError::Kind { .. }) && error.is_permanent(), "{error:?}");
+    let error = decode_packet(&sheet, &BlobRef::of(&sheet), Level::Three).expect_err("no such level");
+    assert_eq!(error, StoreError::NoSuchLevel(Level::Three));
+}
