@@ -1,0 +1,332 @@
+//! Positions and directions of view over time.
+//!
+//! Positions come from the paths and paces themselves. The direction wanted at each moment (a spot, a heading, along the
+//! way) jumps where steps meet; it is followed at a bounded angular speed sixty times a second, averaged over half a
+//! second twice (to both sides, so nothing lags), and read through a cubic B-spline. All three keep the bound, and the last
+//! two bound the angular acceleration and make it continuous. Nothing is averaged across a cut.
+
+use glam::{DVec2, DVec3, swizzles::Vec3Swizzles};
+
+use crate::{
+    pace::Pace,
+    path::Path,
+    pose::{Facing, smoothstep, turn_deg},
+};
+
+/// Greatest angular speed, degrees a second.
+pub const TURN_DEG_S: f64 = 60.0;
+/// Entries of the table of directions, a second.
+const RATE_HZ: f64 = 60.0;
+/// Entries averaged to either side, twice.
+const AVERAGED: usize = 15;
+/// The view begins to turn so much before a movement that asks for it, and is still so much after, in seconds.
+pub(crate) const SETTLE_S: f64 = (2 * AVERAGED + 2) as f64 / RATE_HZ;
+
+/// What the eye turns to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Gaze {
+    /// Nothing else than before.
+    Hold,
+    /// A direction.
+    Direction(Facing),
+    /// A spot: plan metres and height above the ground.
+    Spot(DVec3),
+    /// Along the path.
+    Ahead,
+}
+
+impl Gaze {
+    /// The direction from a standing eye.
+    pub fn from(self, at: DVec3, now: Facing) -> Facing {
+        match self {
+            Self::Hold | Self::Ahead => now,
+            Self::Direction(facing) => facing,
+            Self::Spot(spot) => Facing::along(spot - at, now),
+        }
+    }
+}
+
+/// A movement along a path.
+#[derive(Debug, Clone)]
+pub(crate) struct Run {
+    pub path: Path,
+    pub pace: Pace,
+    /// How far ahead the eye looks, in metres.
+    pub reach_m: f64,
+    pub is_walk: bool,
+}
+
+impl Run {
+    /// Direction of view along the path, a walker's level, a flight's leaning a little into climbs and falls.
+    pub fn facing(&self, s: f64, now: Facing) -> Facing {
+        let facing = Facing::along(self.path.ahead(s, self.reach_m), now);
+        if self.is_walk {
+            return Facing { pitch: 0.0, ..facing };
+        }
+        Facing { pitch: (0.6 * facing.pitch).clamp(-35.0, 35.0), ..facing }
+    }
+}
+
+#[derive(Debug, Clone)]
+enum Motion {
+    Stand(DVec3),
+    Run(Box<Run>),
+}
+
+#[derive(Debug, Clone)]
+struct Clip {
+    start_s: f64,
+    motion: Motion,
+}
+
+impl Clip {
+    fn at(&self, t: f64) -> DVec3 {
+        match &self.motion {
+            Motion::Stand(at) => *at,
+            Motion::Run(run) => run.path.at(run.pace.travelled(t - self.start_s)),
+        }
+    }
+}
+
+/// From a moment on, what the eye turns to, and how slowly.
+#[derive(Debug, Clone, Copy)]
+struct Cue {
+    start_s: f64,
+    gaze: Gaze,
+    turn_s: f64,
+}
+
+/// What lies between two cuts: directions at [`RATE_HZ`].
+#[derive(Debug, Clone)]
+struct Shot {
+    start_s: f64,
+    first: Facing,
+    table: Vec<Facing>,
+}
+
+/// A timeline in the making.
+#[derive(Debug)]
+pub(crate) struct Draft {
+    pub now_s: f64,
+    pub here: DVec3,
+    /// The direction wanted now.
+    pub facing: Facing,
+    clips: Vec<Clip>,
+    cues: Vec<Cue>,
+    shots: Vec<Shot>,
+}
+
+impl Draft {
+    pub fn new(here: DVec3, facing: Facing) -> Self {
+        let mut draft = Self { now_s: 0.0, here, facing, clips: Vec::new(), cues: Vec::new(), shots: Vec::new() };
+        draft.place(here, facing);
+        draft
+    }
+
+    /// Stands somewhere else from now on.
+    pub fn place(&mut self, here: DVec3, facing: Facing) {
+        (self.here, self.facing) = (here, facing);
+        self.shots.push(Shot { start_s: self.now_s, first: facing, table: Vec::new() });
+        self.clips.push(Clip { start_s: self.now_s, motion: Motion::Stand(here) });
+        self.cue(self.now_s, Gaze::Hold, 0.0);
+    }
+
+    /// From a moment on, turns the eye; in so many seconds, or as fast as it may.
+    pub fn cue(&mut self, start_s: f64, gaze: Gaze, turn_s: f64) {
+        self.cues.push(Cue { start_s, gaze, turn_s });
+    }
+
+    /// Stays.
+    pub fn stand(&mut self, seconds: f64) {
+        if seconds > 0.0 {
+            self.clips.push(Clip { start_s: self.now_s, motion: Motion::Stand(self.here) });
+            self.now_s += seconds;
+        }
+    }
+
+    /// Turns on the spot in so many seconds, or as many as the bound on angular speed asks for.
+    pub fn turn(&mut self, gaze: Gaze, seconds: f64) {
+        let to = gaze.from(self.here, self.facing);
+        let angle = turn_deg(self.facing.heading, to.heading).abs().max((to.pitch - self.facing.pitch).abs());
+        let seconds = seconds.max(1.5 * angle / TURN_DEG_S);
+        self.cue(self.now_s, gaze, seconds);
+        self.facing = to;
+        self.stand(seconds);
+    }
+
+    /// Turns towards a path that is to be followed with the eyes, until little of the turn is left for the way.
+    pub fn set_off(&mut self, run: &Run, gaze: Gaze) {
+        const LEFT_FOR_THE_WAY_DEG: f64 = 60.0;
+        if gaze != Gaze::Ahead {
+            self.cue(self.now_s, gaze, 0.0);
+            return;
+        }
+        let ahead = run.facing(0.0, self.facing);
+        let turn = turn_deg(self.facing.heading, ahead.heading).abs();
+        self.cue(self.now_s, Gaze::Direction(ahead), 0.0);
+        self.stand((turn - LEFT_FOR_THE_WAY_DEG) / TURN_DEG_S);
+        self.cue(self.now_s, Gaze::Ahead, 0.0);
+    }
+
+    /// Moves.
+    pub fn run(&mut self, run: Run) {
+        self.clips.push(Clip { start_s: self.now_s, motion: Motion::Run(Box::new(run.clone())) });
+        self.now_s += run.pace.duration_s();
+        self.here = run.path.at(run.path.length());
+    }
+
+    /// Works out the directions of view. The timeline ends when all is said and done and the view is still.
+    pub fn finish(mut self, end_s: f64) -> Timeline {
+        self.clips.push(Clip { start_s: self.now_s, motion: Motion::Stand(self.here) });
+        let ends: Vec<f64> = self.shots.iter().skip(1).map(|s| s.start_s).chain([f64::INFINITY]).collect();
+        let mut end = end_s;
+        for (shot, cut_s) in self.shots.iter_mut().zip(ends) {
+            let least = libm::ceil((end_s.min(cut_s) - shot.start_s).max(0.0) * RATE_HZ) as usize + 1;
+            shot.table = look_along(&self.clips, &self.cues, shot, cut_s, least);
+            if shot.table.len() > least {
+                end = end.max(shot.start_s + (shot.table.len() - 1) as f64 / RATE_HZ);
+            }
+        }
+        Timeline { clips: self.clips, shots: self.shots, end_s: end }
+    }
+}
+
+/// Follows the cues through a shot for at least so many entries; through the last one until the view is still.
+fn look_along(clips: &[Clip], cues: &[Cue], shot: &Shot, cut_s: f64, least: usize) -> Vec<Facing> {
+    /// Half a turn, and time to spare.
+    const LONGEST: usize = 5 * RATE_HZ as usize;
+    let before = |start_s: f64| start_s < shot.start_s;
+    let (mut clip, mut cue) = (clips.partition_point(|c| before(c.start_s)), cues.partition_point(|c| before(c.start_s)));
+    let (mut state, mut from) = (shot.first, shot.first);
+    let mut still = 0;
+    let mut followed = Vec::with_capacity(least);
+    while followed.len() < least || (cut_s.is_infinite() && still < 2 * AVERAGED + 2 && followed.len() < least + LONGEST) {
+        let t = shot.start_s + followed.len() as f64 / RATE_HZ;
+        // The last entry may lie beyond the shot, where the next one's clips begin.
+        let goes_on = |start_s: f64| start_s <= t && start_s < cut_s;
+        while clips.get(clip + 1).is_some_and(|c| goes_on(c.start_s)) {
+            clip += 1;
+        }
+        while cues.get(cue + 1).is_some_and(|c| goes_on(c.start_s)) {
+            cue += 1;
+            from = state;
+        }
+        let last = state;
+        if let (Some(clip), Some(cue)) = (clips.get(clip), cues.get(cue)) {
+            state = follow(state, wanted(clip, cue, t, from, state));
+        }
+        let is_still = (state.heading - last.heading).abs().max((state.pitch - last.pitch).abs()) < 1e-9;
+        still = if is_still { still + 1 } else { 0 };
+        followed.push(state);
+    }
+    averaged(&averaged(&followed))
+}
+
+fn wanted(clip: &Clip, cue: &Cue, t: f64, from: Facing, state: Facing) -> Facing {
+    let to = match (cue.gaze, &clip.motion) {
+        (Gaze::Ahead, Motion::Run(run)) => run.facing(run.pace.travelled(t - clip.start_s), state),
+        (gaze, _) => gaze.from(clip.at(t), state),
+    };
+    if cue.turn_s <= 0.0 {
+        return to;
+    }
+    let share = smoothstep((t - cue.start_s) / cue.turn_s);
+    Facing {
+        heading: from.heading + turn_deg(from.heading, to.heading) * share,
+        pitch: from.pitch + (to.pitch - from.pitch) * share,
+    }
+}
+
+/// One entry's turn towards the direction wanted.
+fn follow(state: Facing, wanted: Facing) -> Facing {
+    const MOST: f64 = TURN_DEG_S / RATE_HZ;
+    let heading = state.heading + turn_deg(state.heading, wanted.heading).clamp(-MOST, MOST);
+    let pitch = (state.pitch + (wanted.pitch - state.pitch).clamp(-MOST, MOST)).clamp(-90.0, 90.0);
+    Facing { heading, pitch }
+}
+
+/// Each entry's mean with its neighbours; the first and last entries go on for ever.
+fn averaged(table: &[Facing]) -> Vec<Facing> {
+    let (Some(&first), Some(&last)) = (table.first(), table.last()) else { return Vec::new() };
+    let padded = core::iter::repeat_n(first, AVERAGED).chain(table.iter().copied()).chain(core::iter::repeat_n(last, AVERAGED));
+    let mut sums = vec![Facing::default()];
+    let mut sum = Facing::default();
+    for entry in padded {
+        sum = Facing { heading: sum.heading + (entry.heading - first.heading), pitch: sum.pitch + entry.pitch };
+        sums.push(sum);
+    }
+    let width = 2 * AVERAGED + 1;
+    let mean = |a: &Facing, b: &Facing| Facing {
+        heading: first.heading + (b.heading - a.heading) / width as f64,
+        pitch: (b.pitch - a.pitch) / width as f64,
+    };
+    sums.iter().zip(sums.iter().skip(width)).map(|(a, b)| mean(a, b)).collect()
+}
+
+/// Positions and directions of view over time.
+#[derive(Debug, Clone)]
+pub(crate) struct Timeline {
+    clips: Vec<Clip>,
+    shots: Vec<Shot>,
+    end_s: f64,
+}
+
+impl Timeline {
+    pub fn end_s(&self) -> f64 {
+        self.end_s
+    }
+
+    /// Where the eye is; clamps.
+    pub fn at(&self, t: f64) -> DVec3 {
+        let clip = self.clips.partition_point(|c| c.start_s <= t).saturating_sub(1);
+        self.clips.get(clip).map_or(DVec3::ZERO, |c| c.at(t.min(self.end_s)))
+    }
+
+    /// Where it looks; clamps. The heading is within 0 to 360.
+    pub fn facing(&self, t: f64) -> Facing {
+        let shot = self.shots.partition_point(|s| s.start_s <= t).saturating_sub(1);
+        let Some(shot) = self.shots.get(shot) else { return Facing::default() };
+        let place = ((t.min(self.end_s) - shot.start_s) * RATE_HZ).max(0.0);
+        let (whole, x) = (libm::floor(place), place - libm::floor(place));
+        let last = shot.table.len().saturating_sub(1);
+        let entry = |offset: usize| {
+            let index = (whole as usize + offset).saturating_sub(1).min(last);
+            shot.table.get(index).copied().unwrap_or(shot.first)
+        };
+        let weights = [
+            (1.0 - x) * (1.0 - x) * (1.0 - x) / 6.0,
+            (3.0 * x * x * x - 6.0 * x * x + 4.0) / 6.0,
+            (-3.0 * x * x * x + 3.0 * x * x + 3.0 * x + 1.0) / 6.0,
+            x * x * x / 6.0,
+        ];
+        let (mut heading, mut pitch) = (0.0, 0.0);
+        for (offset, weight) in weights.into_iter().enumerate() {
+            let entry = entry(offset);
+            heading += weight * entry.heading;
+            pitch += weight * entry.pitch;
+        }
+        // A tiny negative heading would be rounded up to 360.
+        let heading = heading.rem_euclid(360.0);
+        Facing { heading: if heading < 360.0 { heading } else { 0.0 }, pitch: pitch.clamp(-90.0, 90.0) }
+    }
+
+    /// The ways gone on the ground between two cuts, plan metres; standing still is one position.
+    pub fn ways(&self) -> Vec<Vec<DVec2>> {
+        let mut ways: Vec<Vec<DVec2>> = Vec::new();
+        let mut shots = self.shots.iter().map(|s| s.start_s).peekable();
+        for clip in &self.clips {
+            if shots.next_if(|&start_s| start_s <= clip.start_s).is_some() {
+                while shots.next_if(|&start_s| start_s <= clip.start_s).is_some() {}
+                ways.push(Vec::new());
+            }
+            let Some(way) = ways.last_mut() else { continue };
+            let points: Vec<DVec2> = match &clip.motion {
+                Motion::Stand(at) => vec![at.xy()],
+                Motion::Run(run) => run.path.knots().iter().map(|k| k.at.xy()).collect(),
+            };
+            way.extend(points);
+            way.dedup();
+        }
+        ways
+    }
+}
