@@ -33,7 +33,16 @@ fn shown(colour: &[u8], normal: &[u8], wall: Rgb, lit: bool) -> Pixel<u8> {
 }
 
 /// Lays a tile over a rectangle of the picture, `repeat` times each way.
-fn lay(picture: &mut RgbImage, (left, top): (u32, u32), (width, height): (u32, u32), tiles: &TileArray, tile: Tile, wall: Rgb, lit: bool, repeat: u32) {
+fn lay(
+    picture: &mut RgbImage,
+    (left, top): (u32, u32),
+    (width, height): (u32, u32),
+    tiles: &TileArray,
+    tile: Tile,
+    wall: Rgb,
+    lit: bool,
+    repeat: u32,
+) {
     // The mip whose texels are nearest to the picture's pixels.
     let mip = (0..tiles.mips).rev().find(|m| (tiles.size >> m) * repeat >= width.min(height)).unwrap_or(0);
     let side = tiles.size >> mip;

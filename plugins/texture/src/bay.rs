@@ -18,18 +18,23 @@ fn plaster(size: u32, size_m: (f32, f32), draw: Draw, strength: f32) -> Canvas {
     let brush = Fractal::new(draw.bits("brush"), 30, 9, 2, 0.6);
     let runs = Noise::new(draw.bits("runs"), 34, 2);
     let float = Fractal::new(draw.bits("float"), 9, 11, 3, 0.6);
+    let patches = Fractal::new(draw.bits("patches"), 4, 4, 4, 0.6);
     let grain = draw.bits("grain");
     Canvas::tiling(size, size_m, |u, v| {
         let cloud = clouds.at(u, v);
         let fine = word(hash(grain, (u * size as f32) as i32, (v * size as f32) as i32), 0) - 0.5;
         let (brushed, worn) = (brush.at(u, v), float.at(u, v));
-        let light = 1.0 + strength * (cloud + 0.25 * runs.at(u, v)) + 0.016 * brushed + 0.016 * worn + 0.035 * fine;
+        let run = runs.at(u, v);
+        // Where the top coat has weathered away, an older and paler one shows with a ragged edge.
+        let patch = smoothstep(0.42, 0.52, patches.at(u, v) + 0.15 * worn) - 0.13;
+        let soft = strength * (cloud + 0.45 * run + 0.9 * patch);
+        let light = 1.0 + soft + 0.02 * brushed + 0.024 * worn + 0.04 * fine;
         // Where it is darker it is a little greyer and greener: damp and soot, not shadow.
-        let hue = Vec3::new(1.0, 1.0 + 0.12 * strength * (cloud - brushed), 1.0 - 0.5 * strength * cloud);
+        let hue = Vec3::new(1.0, 1.0 + 0.1 * strength * (cloud - brushed), 1.0 - 0.6 * soft + 0.8 * strength * patch);
         Texel {
             own: Vec3::ZERO,
             tint: hue * light,
-            height: 0.003 * worn + 0.0012 * brushed + 0.0012 * fine,
+            height: 0.003 * worn + 0.0012 * brushed + 0.0012 * fine - 0.0015 * patch,
             rough: 0.9 + 0.04 * brushed,
         }
     })
@@ -38,12 +43,12 @@ fn plaster(size: u32, size_m: (f32, f32), draw: Draw, strength: f32) -> Canvas {
 /// The wall of a bay. All bays share it, whatever opens in them, so that neighbours meet without a seam; its large mottling
 /// is faint, because it comes back every bay.
 pub(crate) fn bay_wall(size: u32, seed: u64) -> Canvas {
-    plaster(size, BAY, Draw::new(seed, veduta_city::Id(0), "bay wall"), 0.016)
+    plaster(size, BAY, Draw::new(seed, veduta_city::Id(0), "bay wall"), 0.03)
 }
 
 /// Bare plaster, four metres of it, with hairlines and patches mended in another year.
 pub(crate) fn bare_plaster(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
-    let mut canvas = plaster(size, size_m, draw, 0.032);
+    let mut canvas = plaster(size, size_m, draw, 0.05);
     for i in 0..5 {
         hairline(&mut canvas, draw.part(i));
     }
@@ -59,7 +64,7 @@ fn hairline(canvas: &mut Canvas, draw: Draw) {
     for i in 0..14 {
         let step = draw.part(i);
         let to = (x + lean + step.between("dx", -0.05, 0.05) as f32, y - step.between("dy", 0.03, 0.09) as f32);
-        let fade = 0.16 * (1.0 - i as f32 / 14.0);
+        let fade = 0.11 * (1.0 - i as f32 / 14.0);
         let (from, pixel) = ((x, y), half * 4.0);
         let area = Rect::new(x.min(to.0), to.1, x.max(to.0), y).grow(pixel, pixel);
         canvas.each(area, |texel, px, py| {
@@ -79,8 +84,8 @@ pub(crate) fn streaks(canvas: &mut Canvas, x: f32, y: f32, width: f32, length: f
         let down = (y - py) / length;
         let reach = width * (0.45 + 0.5 * down);
         let thread = 0.65 + 0.5 * threads.at(px / size_m.0, py / size_m.1);
-        let dirt = 0.26 * falloff((px - x).abs(), reach) * (1.0 - down) * smoothstep(0.0, 0.04, down + 0.02) * thread;
-        let dirt = dirt.clamp(0.0, 0.5);
+        let dirt = 0.38 * falloff((px - x).abs(), reach) * (1.0 - down) * thread;
+        let dirt = dirt.clamp(0.0, 0.45);
         *texel = texel.times(1.0 - dirt);
         texel.tint *= Vec3::new(1.0, 1.0 + 0.06 * dirt, 1.0 + 0.22 * dirt);
     });

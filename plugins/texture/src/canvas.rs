@@ -123,6 +123,7 @@ pub(crate) fn disc(cx: f32, cy: f32, radius: f32, x: f32, y: f32) -> f32 {
 }
 
 /// A picture of `size` × `size` pixels over `size_m` metres.
+#[derive(Clone)]
 pub(crate) struct Canvas {
     pub(crate) size: usize,
     pub(crate) size_m: (f32, f32),

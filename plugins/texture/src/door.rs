@@ -59,7 +59,11 @@ pub(crate) fn portal(canvas: &mut Canvas, draw: Draw) {
     boards(canvas, inner.rect, |x, y| inner.distance(x, y), &timber, DEPTH);
     let transom = inner.springing();
     fanlight(canvas, &inner, transom, &timber, draw);
-    canvas.slab(Rect::new(inner.rect.x0, transom - 0.06, inner.rect.x1, transom + 0.05), Texel::solid(srgb(OXBLOOD), 0.55).at(DEPTH), 0.05);
+    canvas.slab(
+        Rect::new(inner.rect.x0, transom - 0.06, inner.rect.x1, transom + 0.05),
+        Texel::solid(srgb(OXBLOOD), 0.55).at(DEPTH),
+        0.05,
+    );
     for (x0, x1) in [(inner.rect.x0 + 0.03, MIDDLE - 0.005), (MIDDLE + 0.005, inner.rect.x1 - 0.03)] {
         leaf(canvas, Rect::new(x0, 0.3, x1, transom - 0.06), &timber, &[(0.05, 0.27), (0.33, 0.66), (0.71, 0.95)], 1, DEPTH);
     }

@@ -83,7 +83,14 @@ fn casement_panes(canvas: &mut Canvas, hole: &Hole, sash: &Sash, casement: Rect,
         let y0 = field.y0 + (clear + bar) * row as f32;
         let pane = Rect { y0, y1: y0 + clear, ..field };
         let rim = sash.frame * 0.7 + stile;
-        glaze(canvas, pane, |x, y| pane.distance(x, y).max(hole.distance(x, y) + rim), hole.rect, sash.cloth, draw.part(first + u64::from(row)));
+        glaze(
+            canvas,
+            pane,
+            |x, y| pane.distance(x, y).max(hole.distance(x, y) + rim),
+            hole.rect,
+            sash.cloth,
+            draw.part(first + u64::from(row)),
+        );
     }
     first + u64::from(rows)
 }

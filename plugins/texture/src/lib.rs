@@ -147,8 +147,9 @@ pub fn paint_tiles(size: u32, seed: u64) -> TileArray {
     array.colour.reserve_exact(total);
     array.normal.reserve_exact(total);
     let encoder = Encoder::new();
+    let wall = bay::bay_wall(size, seed);
     for tile in Tile::all() {
-        let canvas = draw_tile(tile, size, seed);
+        let canvas = draw_tile(tile, size, seed, || wall.clone());
         let (mut side, mut facets, mut texels) = (size as usize, mips::facets(&canvas), canvas.texels);
         loop {
             array.colour.extend(texels.iter().flat_map(|t| encoder.colour(t)));
@@ -167,18 +168,20 @@ pub fn paint_tiles(size: u32, seed: u64) -> TileArray {
 /// Colour and normal (with roughness) of one tile at mip 0, row by row from the top; pixels as in [`TileArray`].
 #[must_use]
 pub fn paint_tile(tile: Tile, size: u32, seed: u64) -> (Vec<[u8; 4]>, Vec<[u8; 4]>) {
-    let canvas = draw_tile(tile, paintable_size(size), seed);
+    let size = paintable_size(size);
+    let canvas = draw_tile(tile, size, seed, || bay::bay_wall(size, seed));
     let encoder = Encoder::new();
     (canvas.texels.iter().map(|t| encoder.colour(t)).collect(), mips::facets(&canvas).iter().map(mips::Facet::bytes).collect())
 }
 
-fn draw_tile(tile: Tile, size: u32, seed: u64) -> Canvas {
+/// Draws a tile; bays are drawn upon `bay_wall`, the same for all.
+fn draw_tile(tile: Tile, size: u32, seed: u64, bay_wall: impl FnOnce() -> Canvas) -> Canvas {
     let draw = Draw::new(seed, Id(tile.index() as u64), "texture");
     let size_m = tile.size_m();
     match tile {
         Tile::Plaster | Tile::Bay(Opening::Blank) => bay::bare_plaster(size, size_m, draw),
         Tile::Bay(opening) => {
-            let mut canvas = bay::bay_wall(size, seed);
+            let mut canvas = bay_wall();
             draw_opening(&mut canvas, opening, draw);
             canvas
         }

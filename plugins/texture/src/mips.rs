@@ -146,7 +146,8 @@ mod tests {
 
     #[test]
     fn slopes_become_normals_that_face_away_from_the_rise() {
-        let canvas = Canvas::tiling(32, (1.0, 1.0), |u, v| Texel::tinted(1.0, 0.5).at(if u < 0.5 { u } else { 1.0 - u } * 0.5 + v * 0.0));
+        let canvas =
+            Canvas::tiling(32, (1.0, 1.0), |u, v| Texel::tinted(1.0, 0.5).at(if u < 0.5 { u } else { 1.0 - u } * 0.5 + v * 0.0));
         let left = facets(&canvas)[16 * 32 + 8].bytes();
         let right = facets(&canvas)[16 * 32 + 24].bytes();
         assert!(left[0] < 90 && right[0] > 166 && left[1] == 128, "{left:?} {right:?}");

@@ -13,6 +13,12 @@ pub(crate) const fn hash(key: u64, x: i32, y: i32) -> u64 {
     scatter(key ^ scatter((x as u32 as u64) << 32 | y as u32 as u64))
 }
 
+/// A lattice node brought into `0..n`; most are there already, so the division is rare.
+#[inline]
+fn wrap(i: i32, n: i32) -> i32 {
+    if (i as u32) < (n as u32) { i } else { i.rem_euclid(n) }
+}
+
 /// A number in [0, 1) from one of the four 16-bit words of a hash.
 pub(crate) fn word(hash: u64, which: u32) -> f32 {
     f32::from((hash >> (16 * (which & 3))) as u16) / 65_536.0
@@ -63,7 +69,7 @@ impl Noise {
         let (x, y) = (u * self.nx as f32, v * self.ny as f32);
         let (ix, iy) = (floor(x), floor(y));
         let (fx, fy) = (x - ix as f32, y - iy as f32);
-        let (x0, y0) = (ix.rem_euclid(self.nx), iy.rem_euclid(self.ny));
+        let (x0, y0) = (wrap(ix, self.nx), wrap(iy, self.ny));
         let x1 = if x0 + 1 == self.nx { 0 } else { x0 + 1 };
         let y1 = if y0 + 1 == self.ny { 0 } else { y0 + 1 };
         let dot = |cx: i32, cy: i32, dx: f32, dy: f32| {
@@ -149,9 +155,9 @@ impl Pebbles {
         let (mut first, mut second) = (f32::MAX, f32::MAX);
         let (mut offset, mut bits) = ((0.0, 0.0), 0);
         for cy in iy - 1..=iy + 1 {
-            let row = cy.rem_euclid(self.ny) * self.nx;
+            let row = wrap(cy, self.ny) * self.nx;
             for cx in ix - 1..=ix + 1 {
-                let ([px, py], point_bits) = self.points[(row + cx.rem_euclid(self.nx)) as usize];
+                let ([px, py], point_bits) = self.points[(row + wrap(cx, self.nx)) as usize];
                 let (dx, dy) = (x - cx as f32 - px, y - cy as f32 - py);
                 let square = dx * dx + dy * dy;
                 if square < first {

@@ -21,7 +21,8 @@ pub(crate) fn gravel(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
     Canvas::tiling(size, size_m, |u, v| {
         let (big, small, cloud) = (coarse.at(u, v), fine.at(u, v), clouds.at(u, v));
         let show = smoothstep(0.42, 0.3, big.near) * smoothstep(0.35, 0.45, word(big.bits, 1));
-        let tone = |p: &Nearest| tones[(word(p.bits, 0) * tones.len() as f32) as usize] * (0.8 + 0.25 * word(p.bits, 2)) * pebble_light(p);
+        let tone =
+            |p: &Nearest| tones[(word(p.bits, 0) * tones.len() as f32) as usize] * (0.8 + 0.25 * word(p.bits, 2)) * pebble_light(p);
         let own = (tone(&small) * 0.92).lerp(tone(&big) * 1.04, show) * (1.0 + 0.09 * cloud);
         let height = mix(0.004 * (1.0 - small.near), 0.012 * (1.0 - big.near), show) + 0.004 * cloud;
         Texel { own, tint: Vec3::ZERO, height, rough: 0.92 }
@@ -43,8 +44,8 @@ pub(crate) fn grass(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
         let leaf = smoothstep(0.32, 0.16, plant.near) * smoothstep(0.72, 0.8, word(plant.bits, 0));
         let daisy = smoothstep(0.13, 0.06, plant.near) * smoothstep(0.93, 0.95, word(plant.bits, 0));
         let light = 0.5 + 0.42 * blade + 0.16 * tuft;
-        let lush = deep.lerp(green, light.clamp(0.0, 1.0)).lerp(straw, (0.22 + 0.3 * cloud + 0.25 * (blade - 0.5)).clamp(0.0, 0.5));
-        let own = lush.lerp(green * 0.72, leaf * 0.7).lerp(flower, daisy * 0.9) * (1.0 + 0.07 * cloud);
+        let lush = deep.lerp(green, light.clamp(0.0, 1.0)).lerp(straw, (0.2 + 0.14 * cloud + 0.25 * (blade - 0.5)).clamp(0.0, 0.5));
+        let own = lush.lerp(green * 0.72, leaf * 0.7).lerp(flower, daisy * 0.9) * (1.0 + 0.04 * cloud);
         Texel { own, tint: Vec3::ZERO, height: 0.012 * blade + 0.012 * tuft, rough: 0.93 }
     })
 }
@@ -82,7 +83,7 @@ pub(crate) fn ballast(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
         // Broken faces: each lump is lit by its own tilt.
         let facet = |p: &Nearest| 1.0 + 0.9 * ((word(p.bits, 0) - 0.5) * p.offset.0 + (word(p.bits, 1) - 0.3) * p.offset.1);
         let lump = |p: &Nearest| {
-            let tone = stone.lerp(brown, (0.35 + 0.5 * (word(p.bits, 2) - 0.5) + 0.2 * rust).clamp(0.0, 0.8));
+            let tone = stone.lerp(brown, (0.35 + 0.5 * (word(p.bits, 2) - 0.5) + 0.1 * rust).clamp(0.0, 0.8));
             tone * (facet(p) * (0.84 + 0.3 * word(p.bits, 1)) * (0.6 + 0.4 * smoothstep(0.0, 0.2, p.margin)) + 0.07 * grain)
         };
         let own = (lump(&below) * 0.62).lerp(lump(&top), show);
@@ -121,7 +122,7 @@ pub(crate) fn leaves(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
         let clump = clumps.at(u + 0.02 * warp, v + 0.02 * cloud);
         let round = smoothstep(0.75, 0.1, clump.near);
         let sunny = 0.62 + 0.42 * round + 0.25 * (clump.offset.1 - 0.5 * clump.offset.0);
-        let (mut light, mut hue, mut height) = (0.42, 0.0, 0.0);
+        let (mut light, mut hue, mut height) = (0.5, 0.0, 0.0);
         for (i, layer) in layers.iter().enumerate() {
             let leaf = layer.at(u, v);
             let (turn, depth) = (word(leaf.bits, 0) - 0.5, 0.62 + 0.26 * i as f32);
@@ -129,7 +130,8 @@ pub(crate) fn leaves(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
             let (dx, dy) = (leaf.offset.0 + 1.4 * turn * leaf.offset.1, leaf.offset.1 - 1.4 * turn * leaf.offset.0);
             let reach = (dx * dx * 3.2 + dy * dy * 1.1).sqrt();
             let cover = smoothstep(0.56, 0.48, reach) * smoothstep(0.18, 0.22, word(leaf.bits, 2));
-            let blade = depth * (0.8 + 0.45 * word(leaf.bits, 1)) * (1.0 + 0.5 * dx + 0.22 * dy) * (1.0 + 0.12 * falloff(dx.abs(), 0.05));
+            let blade =
+                depth * (0.8 + 0.45 * word(leaf.bits, 1)) * (1.0 + 0.5 * dx + 0.22 * dy) * (1.0 + 0.12 * falloff(dx.abs(), 0.05));
             light = mix(light * (1.0 - 0.25 * smoothstep(0.8, 0.5, reach)), blade, cover);
             hue = mix(hue, word(leaf.bits, 3) - 0.5, cover);
             height = mix(height, 0.02 + 0.02 * i as f32 + 0.02 * dx * turn, cover);

@@ -34,8 +34,8 @@ impl Sandstone {
         let (u, v) = (x / self.size_m.0, y / self.size_m.1);
         let bits = hash(self.key, block.0, block.1);
         let (grain, weather) = (self.grain.at(u, v), self.weather.at(u, v));
-        let shade = 1.0 + 0.2 * (word(bits, 0) - 0.5) + 0.07 * grain + 0.07 * weather;
-        let sooty = (0.2 + 0.3 * (word(bits, 1) - 0.5) + 0.25 * weather).clamp(0.0, 0.6);
+        let shade = 1.0 + 0.3 * (word(bits, 0) - 0.5) + 0.08 * grain + 0.1 * weather;
+        let sooty = (0.26 + 0.4 * (word(bits, 1) - 0.5) + 0.3 * weather).clamp(0.0, 0.7);
         let warm = Vec3::new(1.0, 1.0, 1.0 + 0.16 * (word(bits, 2) - 0.5));
         let own = self.light.lerp(self.soot, sooty) * warm * (0.8 * shade);
         Texel { own, tint: Vec3::splat(0.2 * shade), height: 0.004 * grain, rough: 0.86 }
@@ -72,7 +72,14 @@ fn ring_block(hole: &Hole, x: f32, y: f32, course: f32, wedges: f32) -> (i32, f3
 }
 
 /// A ring of stones of the given width around an opening: jamb courses and voussoirs.
-pub(crate) fn stone_ring(canvas: &mut Canvas, hole: &Hole, width: f32, (course, wedges): (f32, f32), proud: f32, stone: &Sandstone) {
+pub(crate) fn stone_ring(
+    canvas: &mut Canvas,
+    hole: &Hole,
+    width: f32,
+    (course, wedges): (f32, f32),
+    proud: f32,
+    stone: &Sandstone,
+) {
     let outer = hole.inset(-width, 0.0);
     canvas.cast(outer.rect, |x, y| outer.distance(x, y), proud, 0.4);
     canvas.paint(
@@ -96,11 +103,19 @@ pub(crate) fn quoins(canvas: &mut Canvas, hole: &Hole, (short, long): (f32, f32)
     let area = hole.inset(-long, 0.0).rect.grow(0.0, course);
     let (foot, springing) = (hole.rect.y0 - course, hole.springing());
     let row_of = |y: f32| floor((y - foot) / course);
+    let half = hole.rect.width() / 2.0;
     let shape = |x: f32, y: f32| {
         let reach = if row_of(y.min(springing)) % 2 == 0 { long } else { short };
         let in_course = (y - foot) / course - row_of(y) as f32;
         let slack = 0.02 * (in_course.min(1.0 - in_course) * 2.0).min(0.5);
-        (hole.distance(x, y) - reach - slack + 0.02).max(foot - y)
+        // Jambs are cut square; about an arch the stones follow its curve, over a lintel they end one course higher.
+        let across = (x - hole.rect.cx()).abs() - half;
+        let beyond = match hole.head {
+            Head::Flat => across.max(y - hole.rect.y1 - course + reach),
+            _ if y > springing => hole.distance(x, y),
+            _ => across,
+        };
+        (beyond - reach - slack + 0.02).max(foot - y)
     };
     canvas.paint(area, shape, |x, y| {
         let row = row_of(y);
@@ -159,7 +174,9 @@ impl Courses {
             let top = heights.get(i + 1).copied().unwrap_or(heights[0] + 1.0);
             let extra = (word(hash(key, i as i32, -2), 0) * vary * 2.0) as u32;
             let shift = (i % 2) as f32 * 0.5 / blocks as f32 + 0.3 * vary * word(hash(key, i as i32, -3), 0) / blocks as f32;
-            let joints = cuts(blocks + extra, i as i32 + 10).into_iter().map(|c| c + shift).collect();
+            let mut joints: Vec<f32> =
+                cuts(blocks + extra, i as i32 + 10).into_iter().map(|c| c + shift).map(|c| c - floor(c) as f32).collect();
+            joints.sort_by(f32::total_cmp);
             (heights[i], top, joints)
         };
         Self { rows: (0..heights.len()).map(row).collect(), size_m, key }
@@ -172,7 +189,7 @@ impl Courses {
             .rows
             .iter()
             .enumerate()
-            .find_map(|(i, row)| [v, v + 1.0].into_iter().find(|w| (row.0..row.1).contains(w)).map(|w| (i, w)))
+            .find_map(|(i, row)| [v, v + 1.0, v - 1.0].into_iter().find(|w| (row.0..row.1).contains(w)).map(|w| (i, w)))
             .unwrap_or((0, v));
         let (low, high, joints) = &self.rows[index];
         let u = u - floor(u) as f32;

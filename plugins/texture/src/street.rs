@@ -38,38 +38,30 @@ pub(crate) fn shop(canvas: &mut Canvas, draw: Draw) {
         panel(canvas, Rect::standing(MIDDLE + side * 1.14, 0.62, 0.1, 1.7), 0.02, paint.times(1.05).at(0.09), 0.012);
         canvas.slab(Rect::standing(MIDDLE + side * 1.14, 0.0, 0.24, 0.5), paint.times(0.9).at(0.06), 0.04);
     }
-    fascia(canvas, paint, draw);
+    fascia(canvas, paint);
     for side in [-1.0, 1.0] {
         console(canvas, Rect::standing(MIDDLE + side * 1.14, 2.4, 0.19, 0.56), paint.times(1.25).at(0.08));
     }
     cornice(canvas, Rect::standing(MIDDLE, 2.94, 2.42, 0.14), 0.16, paint.times(1.2));
 }
 
-/// The board with the shop's name: gold strokes that read as letters from across the street, and as nothing in particular.
-fn fascia(canvas: &mut Canvas, paint: Texel, draw: Draw) {
+/// The fascia: a gilt line around a field left free for a name, and an ornament in its middle.
+fn fascia(canvas: &mut Canvas, paint: Texel) {
     let board = Rect::standing(MIDDLE, 2.46, 2.5, 0.48);
     canvas.slab(board, paint.times(0.9).at(0.06), 0.03);
-    canvas.shade(board, |x, y| 1.0 - 0.12 * falloff((board.grow(-0.09, -0.07).distance(x, y)).abs(), 0.012));
-    let gold = Texel::solid(srgb(GOLD), 0.4).at(0.095);
-    let (mut x, mut i) = (MIDDLE - 0.74, 0);
-    while x < MIDDLE + 0.72 {
-        let letter = draw.part(70 + i);
-        let width = letter.between("width", 0.07, 0.13) as f32;
-        if !letter.chance("gap", 0.14) {
-            let foot = 2.61;
-            let stem = Rect::new(x, foot, x + 0.026, foot + 0.17);
-            canvas.paint_rect(stem, |_, _| gold);
-            let arm = letter.below("arm", 3) as f32 * 0.0725;
-            canvas.paint_rect(Rect::new(x, foot + arm, x + width, foot + arm + 0.024), |_, _| gold);
-            if letter.chance("bowl", 0.6) {
-                let radius = width * 0.42;
-                let (cx, cy) = (x + width * 0.55, foot + 0.085 + arm * 0.3);
-                let area = Rect::standing(cx, cy - radius, radius * 2.0, radius * 2.0);
-                canvas.paint(area, |px, py| disc(cx, cy, radius, px, py).abs() - 0.011, |_, _| gold);
-            }
-        }
-        x += width + 0.045;
-        i += 1;
+    let gold = Texel::solid(srgb(GOLD) * 0.9, 0.42).at(0.095);
+    let line = Rect::standing(MIDDLE, 2.54, 1.9, 0.32);
+    canvas.paint(line, |x, y| line.distance(x, y).abs() - 0.008, |_, _| gold);
+    let cy = (line.y0 + line.y1) / 2.0;
+    let lozenge = |half_x: f32, half_y: f32, x: f32, y: f32| {
+        (((x - MIDDLE).abs() / half_x + (y - cy).abs() / half_y) - 1.0) * half_x.min(half_y)
+    };
+    let area = Rect::standing(MIDDLE, line.y0, 1.0, 0.32);
+    canvas.paint(area, |x, y| lozenge(0.42, 0.032, x, y).min(lozenge(0.085, 0.1, x, y)), |_, _| gold);
+    canvas.paint(area, |x, y| lozenge(0.05, 0.06, x, y), |_, _| paint.times(1.1).at(0.095));
+    for side in [-1.0, 1.0] {
+        let at = MIDDLE + side * 0.19;
+        canvas.paint(area, |x, y| disc(at, cy, 0.036, x, y).abs() - 0.009, |_, _| gold);
     }
 }
 
@@ -81,11 +73,11 @@ fn display(canvas: &mut Canvas, window: Rect, draw: Draw) {
     canvas.paint_rect(window, |x, y| {
         let (u, v) = ((x - window.x0) / window.width(), (y - window.y0) / window.height());
         let glow = smoothstep(1.1, 0.3, v) * (0.25 + 0.75 * falloff((u - 0.5).abs(), 0.75));
-        let mut colour: Vec3 = dark.lerp(lamp, 0.28 * glow);
+        let mut colour: Vec3 = dark.lerp(lamp, 0.4 * glow);
         let shelf = floor(v * 3.2).min(2);
         let on_shelf = v * 3.2 - shelf as f32;
-        let slot = floor(u * 13.0 + shelf as f32 * 0.37);
-        let across = u * 13.0 + shelf as f32 * 0.37 - slot as f32;
+        let slot = floor(u * 10.0 + shelf as f32 * 0.37);
+        let across = u * 10.0 + shelf as f32 * 0.37 - slot as f32;
         let bits = hash(key, slot, shelf);
         let (tall, broad) = (0.25 + 0.45 * word(bits, 0), 0.28 + 0.2 * word(bits, 1));
         let off = (across - 0.5).abs();
@@ -105,7 +97,11 @@ fn display(canvas: &mut Canvas, window: Rect, draw: Draw) {
 /// Slender posts and a transom of the display window.
 fn mullions(canvas: &mut Canvas, window: Rect, paint: Texel) {
     for at in [0.335, 0.665] {
-        canvas.slab(Rect::standing(mix(window.x0, window.x1, at), window.y0, 0.045, window.height()), paint.times(1.25).at(0.02), 0.02);
+        canvas.slab(
+            Rect::standing(mix(window.x0, window.x1, at), window.y0, 0.045, window.height()),
+            paint.times(1.25).at(0.02),
+            0.02,
+        );
     }
     canvas.slab(Rect::new(window.x0, window.y1 - 0.42, window.x1, window.y1 - 0.37), paint.times(1.25).at(0.02), 0.02);
 }

@@ -12,7 +12,7 @@ use crate::stone::{Sandstone, quoins, stone_ring};
 /// Tall pointed window: stone jambs, two lights under a quatrefoil, leaded lozenges.
 pub(crate) fn lancet(canvas: &mut Canvas, draw: Draw) {
     let stone = Sandstone::new(draw, BAY);
-    let hole = Hole::new(Rect::standing(MIDDLE, 0.34, 1.12, 2.74), Head::Pointed);
+    let hole = Hole::new(Rect::standing(MIDDLE, 0.34, 1.12, 2.74), Head::Pointed(0.0));
     quoins(canvas, &hole, (0.2, 0.34), 0.3, &stone);
     stone_ring(canvas, &hole, 0.13, (0.36, 12.0), 0.03, &stone);
     let inner = reveal(canvas, &hole, 0.07, 0.0);
@@ -52,7 +52,7 @@ fn tracery(canvas: &mut Canvas, hole: &Hole, stone: &Sandstone) {
     let springing = hole.springing() - 0.12;
     let half = rect.width() / 2.0;
     let bar = 0.036;
-    let light = |left: f32| Hole::new(Rect::new(left, rect.y0, left + half, springing + half * 0.866), Head::Pointed);
+    let light = |left: f32| Hole::new(Rect::new(left, rect.y0, left + half, springing + half * 0.866), Head::Pointed(0.0));
     let (first, second) = (light(rect.x0), light(rect.cx()));
     let eye = (rect.cx(), springing + half * 1.06);
     let ribs = |x: f32, y: f32| {
@@ -63,7 +63,8 @@ fn tracery(canvas: &mut Canvas, hole: &Hole, stone: &Sandstone) {
         arches.min(ring).min(post).min(rim).max(hole.distance(x, y))
     };
     canvas.cast(rect, ribs, 0.05, 0.45);
-    canvas.paint(rect, ribs, |x, y| stone.texel(x, y, (floor(y / 0.6), 11)).times(0.96 + 0.2 * falloff(-ribs(x, y), 0.02)).at(-0.07));
+    canvas
+        .paint(rect, ribs, |x, y| stone.texel(x, y, (floor(y / 0.6), 11)).times(0.96 + 0.2 * falloff(-ribs(x, y), 0.02)).at(-0.07));
 }
 
 /// Loophole of a tower: a narrow slit in a splay of quoins.

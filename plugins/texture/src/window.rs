@@ -28,9 +28,11 @@ const COMMON: Sash = Sash { leaves: 2, rows: 2, transom: Some(1.2), timber: CREA
 /// Dirt under the ends of a sill.
 fn sill_streaks(canvas: &mut Canvas, top: f32, width: f32, draw: Draw) {
     let under = top - 0.1;
-    streaks(canvas, MIDDLE - width / 2.0 + 0.03, under, 0.085, 0.62, draw.part(1));
-    streaks(canvas, MIDDLE + width / 2.0 - 0.05, under, 0.075, 0.5, draw.part(2));
-    streaks(canvas, MIDDLE + draw.between("drip", -0.3, 0.3) as f32, under, 0.06, 0.3, draw.part(3));
+    streaks(canvas, MIDDLE - width / 2.0 + 0.03, under, 0.1, 0.7, draw.part(1));
+    streaks(canvas, MIDDLE + width / 2.0 - 0.05, under, 0.09, 0.56, draw.part(2));
+    streaks(canvas, MIDDLE + draw.between("drip", -0.3, 0.3) as f32, under, 0.16, 0.36, draw.part(3));
+    // What the whole sill sheds, faint.
+    streaks(canvas, MIDDLE, under, width * 0.6, 0.24, draw.part(4));
 }
 
 fn glazed(canvas: &mut Canvas, hole: &Hole, division: &Sash, draw: Draw) {
@@ -55,7 +57,11 @@ pub(crate) fn framed(canvas: &mut Canvas, draw: Draw) {
     sill_streaks(canvas, SILL, WIDTH + 0.5, draw);
     let trim = Texel::trim(1.06);
     let ear = 0.26;
-    canvas.slab(Rect::new(hole.rect.x0 - ear, hole.rect.y1 - 0.12, hole.rect.x1 + ear, hole.rect.y1 + 0.18), trim.times(0.98), 0.035);
+    canvas.slab(
+        Rect::new(hole.rect.x0 - ear, hole.rect.y1 - 0.12, hole.rect.x1 + ear, hole.rect.y1 + 0.18),
+        trim.times(0.98),
+        0.035,
+    );
     surround(canvas, &hole, 0.18, trim);
     keystone(canvas, MIDDLE, hole.rect.y1 - 0.02, hole.rect.y1 + 0.25, 0.17, trim);
     glazed(canvas, &hole, &Sash { timber: WHITE, cloth: Cloth::Half(0.42), ..COMMON }, draw);
