@@ -1,4 +1,4 @@
-//! Paints all tiles and writes three pictures: every tile on an ochre wall, a mock façade, and a street floor seen flat.
+//! Paints all tiles and writes pictures: every tile on its wall, mock façades, surfaces laid two by two, a few tiles close up.
 //!
 //! ```text
 //! cargo run --release -p veduta-texture --example contact_sheet [FOLDER] [SIZE] [SEED]
@@ -123,6 +123,26 @@ fn surfaces(tiles: &TileArray) -> RgbImage {
     picture
 }
 
+/// A few tiles at their full size, lit, as one sees them from two metres.
+fn close_ups(seed: u64) -> RgbImage {
+    let side = 512;
+    let tiles = paint_tiles(side, seed);
+    let list = [
+        Tile::Bay(Opening::PedimentWindow),
+        Tile::Bay(Opening::Portal),
+        Tile::Bay(Opening::LancetWindow),
+        Tile::RoofTile,
+        Tile::Ground(SurfaceKind::Cobbles),
+        Tile::Bay(Opening::FramedWindow),
+    ];
+    let mut picture = RgbImage::new(side * 3, side * 2);
+    for (i, tile) in list.into_iter().enumerate() {
+        let at = (i as u32 % 3 * side, i as u32 / 3 * side);
+        lay(&mut picture, at, (side, side), &tiles, tile, wall_of(tile), true, 1);
+    }
+    picture
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut words = std::env::args().skip(1);
     let folder = PathBuf::from(words.next().unwrap_or_else(|| "target/contact_sheet".to_owned()));
@@ -139,6 +159,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     sheet(&tiles).save(folder.join("sheet.png"))?;
     facade(&tiles, 128, Rgb(0xD9, 0xB3, 0x6C)).save(folder.join("facade_ochre.png"))?;
     facade(&tiles, bay, Rgb(0xBF, 0xCB, 0x9F)).save(folder.join("facade_pistachio.png"))?;
+    close_ups(seed).save(folder.join("close_ups.png"))?;
     surfaces(&tiles).save(folder.join("surfaces.png"))?;
     println!("pictures are in {}", folder.display());
     Ok(())

@@ -46,6 +46,23 @@ pub(crate) fn bay_wall(size: u32, seed: u64) -> Canvas {
     plaster(size, BAY, Draw::new(seed, veduta_city::Id(0), "bay wall"), 0.03)
 }
 
+/// Lays the common wall back over a bay's border, where shade and mouldings faded out against it: the two outermost pixels,
+/// from which the border's normals come too, are the wall's own. What stands on the ground keeps its foot.
+pub(crate) fn join(canvas: &mut Canvas, wall: &Canvas, stands_on_foot: bool) {
+    let n = canvas.size;
+    let (px, py) = (BAY.0 / n as f32, BAY.1 / n as f32);
+    for (i, (texel, common)) in canvas.texels.iter_mut().zip(&wall.texels).enumerate() {
+        let (row, column) = (i / n, i % n);
+        let across = column.min(n - 1 - column).saturating_sub(1) as f32 * px;
+        let above = row.saturating_sub(1) as f32 * py;
+        let below = if stands_on_foot { f32::MAX } else { (n - 1 - row).saturating_sub(1) as f32 * py };
+        let back = falloff(across.min(above).min(below), 0.05);
+        if back > 0.0 {
+            *texel = texel.lerp(*common, back);
+        }
+    }
+}
+
 /// Bare plaster, four metres of it, with hairlines and patches mended in another year.
 pub(crate) fn bare_plaster(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
     let mut canvas = plaster(size, size_m, draw, 0.05);

@@ -149,7 +149,7 @@ pub fn paint_tiles(size: u32, seed: u64) -> TileArray {
     let encoder = Encoder::new();
     let wall = bay::bay_wall(size, seed);
     for tile in Tile::all() {
-        let canvas = draw_tile(tile, size, seed, || wall.clone());
+        let canvas = draw_tile(tile, size, seed, &wall);
         let (mut side, mut facets, mut texels) = (size as usize, mips::facets(&canvas), canvas.texels);
         loop {
             array.colour.extend(texels.iter().flat_map(|t| encoder.colour(t)));
@@ -169,20 +169,21 @@ pub fn paint_tiles(size: u32, seed: u64) -> TileArray {
 #[must_use]
 pub fn paint_tile(tile: Tile, size: u32, seed: u64) -> (Vec<[u8; 4]>, Vec<[u8; 4]>) {
     let size = paintable_size(size);
-    let canvas = draw_tile(tile, size, seed, || bay::bay_wall(size, seed));
+    let canvas = draw_tile(tile, size, seed, &bay::bay_wall(size, seed));
     let encoder = Encoder::new();
     (canvas.texels.iter().map(|t| encoder.colour(t)).collect(), mips::facets(&canvas).iter().map(mips::Facet::bytes).collect())
 }
 
 /// Draws a tile; bays are drawn upon `bay_wall`, the same for all.
-fn draw_tile(tile: Tile, size: u32, seed: u64, bay_wall: impl FnOnce() -> Canvas) -> Canvas {
+fn draw_tile(tile: Tile, size: u32, seed: u64, bay_wall: &Canvas) -> Canvas {
     let draw = Draw::new(seed, Id(tile.index() as u64), "texture");
     let size_m = tile.size_m();
     match tile {
         Tile::Plaster | Tile::Bay(Opening::Blank) => bay::bare_plaster(size, size_m, draw),
         Tile::Bay(opening) => {
-            let mut canvas = bay_wall();
+            let mut canvas = bay_wall.clone();
             draw_opening(&mut canvas, opening, draw);
+            bay::join(&mut canvas, bay_wall, stands_on_foot(opening));
             canvas
         }
         Tile::RoofTile => roof::clay_tiles(size, size_m, draw),
@@ -193,6 +194,11 @@ fn draw_tile(tile: Tile, size: u32, seed: u64, bay_wall: impl FnOnce() -> Canvas
         Tile::Wood => timber::planks(size, size_m, draw),
         Tile::Leaves => soil::leaves(size, size_m, draw),
     }
+}
+
+/// Whether an opening stands on the lower edge of its bay.
+fn stands_on_foot(opening: Opening) -> bool {
+    matches!(opening, Opening::Arcade | Opening::Door | Opening::Gate | Opening::Portal | Opening::Shop)
 }
 
 fn draw_opening(canvas: &mut Canvas, opening: Opening, draw: Draw) {

@@ -128,7 +128,7 @@ pub(crate) fn mosaic(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
     let warp_y = Fractal::new(draw.bits("warp y"), 12, 12, 2, 0.6);
     let grain = Fractal::new(draw.bits("grain"), 60, 60, 1, 0.7);
     let dirt = Fractal::new(draw.bits("dirt"), 4, 4, 4, 0.6);
-    let (white, dark, sand) = (srgb(0x00CF_C8BB), srgb(0x005E_5A57), srgb(0x006B_6357));
+    let (white, dark, sand) = (srgb(0x00CF_C8BB), srgb(0x005E_5A57), srgb(0x007C_7467));
     let key = draw.bits("stones");
     Canvas::tiling(size, size_m, |u, v| {
         let (x, y) = ((u + 0.006 * warp.at(u, v)) * STONES, (v + 0.006 * warp_y.at(u, v)) * STONES);

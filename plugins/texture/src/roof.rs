@@ -59,7 +59,7 @@ pub(crate) fn clay_tiles(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
     let grain = Fractal::new(draw.bits("grain"), 48, 48, 2, 0.7);
     let clouds = Fractal::new(draw.bits("clouds"), 3, 3, 4, 0.6);
     let spots = Pebbles::new(draw.bits("lichen"), 26, 26, 0.9);
-    let lichen = srgb(0x008E_8B68);
+    let (lichen, dust) = (srgb(0x008E_8B68), srgb(0x0086_7A6C));
     Canvas::tiling(size, size_m, |u, v| {
         let (grain, cloud) = (grain.at(u, v), clouds.at(u, v));
         let tile = tiles.at(u, v);
@@ -68,7 +68,7 @@ pub(crate) fn clay_tiles(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
         let joint = falloff(tile.side, 0.007);
         let shadow = falloff(0.155 - tile.above, 0.045);
         let lip = falloff(tile.above, 0.014);
-        let shade = 1.04 + 0.3 * age - 0.28 * odd + 0.07 * grain + 0.1 * cloud + 0.12 * lip - 0.06 * tile.across * tile.across;
+        let shade = 1.0 + 0.3 * age - 0.28 * odd + 0.07 * grain + 0.1 * cloud + 0.12 * lip - 0.06 * tile.across * tile.across;
         let light = shade * (1.0 - 0.5 * joint) * (1.0 - 0.5 * shadow);
         let warm = word(tile.bits, 2) - 0.5;
         let tint = Vec3::new(1.0 + 0.05 * warm, 1.0 - 0.06 * warm - 0.04 * cloud, 1.0 - 0.22 * warm) * light;
@@ -76,7 +76,9 @@ pub(crate) fn clay_tiles(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
         let grown = word(spot.bits, 0) * 0.75 + 0.25 * cloud - 0.5;
         let bloom = smoothstep(0.34 + 0.08 * grain, 0.2, spot.near) * smoothstep(0.0, 0.25, grown) * 0.5 * (1.0 - 0.6 * shadow);
         let height = 0.014 * (1.0 - tile.above / 0.2).max(0.0) - 0.006 * joint + 0.001 * grain;
-        let clay = Texel { own: Vec3::ZERO, tint, height, rough: 0.85 };
+        // A film of dust greys the clay, more on old tiles.
+        let film = 0.1 + 0.12 * (0.5 - age) + 0.05 * cloud;
+        let clay = Texel { own: dust * (film * light), tint: tint * (1.0 - 0.8 * film), height, rough: 0.85 };
         clay.lerp(Texel { own: lichen * light * 0.9, tint: Vec3::splat(0.15), height: height + 0.002, rough: 0.95 }, bloom)
     })
 }
@@ -119,7 +121,7 @@ pub(crate) fn sheet_metal(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
         let seam = falloff(edge, 0.02);
         let beside = falloff((across - 0.05).abs() * size_m.0 / SHEETS, 0.03);
         let (dent, run, patina) = (dents.at(u, v), runs.at(u, v), patina.at(u, v));
-        let shade = 1.0 + 0.07 * (word(bits, 0) - 0.5) + 0.05 * dent + 0.05 * run + 0.07 * patina;
+        let shade = 1.0 + 0.07 * (word(bits, 0) - 0.5) + 0.05 * dent + 0.08 * run + 0.1 * patina;
         let light = shade * (1.0 + 0.14 * seam) * (1.0 - 0.28 * beside) * (1.0 - 0.28 * falloff(fold, 0.025));
         let hue = Vec3::new(1.0 - 0.07 * patina - 0.04 * run, 1.0 + 0.02 * patina, 1.0 + 0.03 * patina + 0.02 * run);
         let height = 0.028 * seam + 0.012 * dent + 0.006 * falloff((fold - 0.02).abs(), 0.02);

@@ -169,7 +169,8 @@ impl Courses {
         let cuts = |n: u32, salt: i32| -> Vec<f32> {
             (0..n).map(|i| (i as f32 + (word(hash(key, i as i32, salt), 1) - 0.5) * vary * 0.7) / n as f32).collect()
         };
-        let heights = cuts(rows, -1);
+        // Moved by a part of a course, so that the tile's own edge lies on stone and not along a joint.
+        let heights: Vec<f32> = cuts(rows, -1).into_iter().map(|h| h + 0.4 / rows as f32).collect();
         let row = |i: usize| {
             let top = heights.get(i + 1).copied().unwrap_or(heights[0] + 1.0);
             let extra = (word(hash(key, i as i32, -2), 0) * vary * 2.0) as u32;

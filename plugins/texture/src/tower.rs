@@ -12,7 +12,7 @@ use crate::stone::{Sandstone, quoins, stone_ring};
 /// Tall pointed window: stone jambs, two lights under a quatrefoil, leaded lozenges.
 pub(crate) fn lancet(canvas: &mut Canvas, draw: Draw) {
     let stone = Sandstone::new(draw, BAY);
-    let hole = Hole::new(Rect::standing(MIDDLE, 0.34, 1.12, 2.74), Head::Pointed(0.0));
+    let hole = Hole::new(Rect::standing(MIDDLE, 0.36, 1.08, 2.5), Head::Pointed(0.0));
     quoins(canvas, &hole, (0.2, 0.34), 0.3, &stone);
     stone_ring(canvas, &hole, 0.13, (0.36, 12.0), 0.03, &stone);
     let inner = reveal(canvas, &hole, 0.07, 0.0);
@@ -20,7 +20,7 @@ pub(crate) fn lancet(canvas: &mut Canvas, draw: Draw) {
     tracery(canvas, &inner, &stone);
     shade_recess(canvas, &hole, 0.26, 0.55);
     streaks(canvas, MIDDLE - 0.5, 0.25, 0.09, 0.24, draw.part(1));
-    sill(canvas, MIDDLE, 0.34, 1.5, stone.texel(MIDDLE, 0.3, (4, 4)).times(1.08));
+    sill(canvas, MIDDLE, 0.36, 1.5, stone.texel(MIDDLE, 0.3, (4, 4)).times(1.08));
 }
 
 /// Quarries of old glass in lead, no two of one colour or tilt.
