@@ -1,1 +1,238 @@
-//! The texture workshop: procedural materials and small facade textures.
+//! The texture workshop: paints every [`Tile`] from a seed, so that a city needs no picture files.
+//!
+//! ```text
+//!  Tile, seed ──► canvas (metres; colour, relief, roughness) ──► colour + alpha  ─┐
+//!                 shapes as signed distances                 └─► normal + rough. ─┴─► mips ──► TileArray
+//! ```
+//!
+//! # Use
+//! 1. Paint all tiles once with [`paint_tiles`], off the main thread.
+//! 2. Give [`TileArray::colour`] (sRGB) and [`TileArray::normal`] (linear) to two array textures of [`TileArray::layers`]
+//!    layers and [`TileArray::mips`] levels.
+//! 3. Sample layer [`Tile::index`] and compute the albedo, all in linear light, as
+//!    `mix(c.rgb, c.rgb / MODULATION_UNIT * vertex_colour, c.a)`.
+//!
+//! ```
+//! use veduta_city::{Opening, Tile};
+//! let tiles = veduta_texture::paint_tiles(32, 7);
+//! assert_eq!((tiles.layers, tiles.mips), (Tile::COUNT as u32, 6));
+//! let window = Tile::Bay(Opening::FramedWindow).index() as u32;
+//! assert_eq!(tiles.colour_of(window, 0).map(<[u8]>::len), Some(32 * 32 * 4));
+//! ```
+//!
+//! # What the bytes mean
+//! | picture | r g b | a |
+//! |---|---|---|
+//! | colour | sRGB. Where a = 1: modulation of the wall's colour, [`MODULATION_UNIT`] (linear 0.5, byte [`NEUTRAL_BYTE`]) leaves it unchanged. Where a = 0: the albedo itself. Between: the mixture above | share of the wall's colour, linear |
+//! | normal | tangent-space normal, x right, y up in the image, z out of the wall; 128 is 0, 255 is 1 | perceptual roughness |
+//!
+//! Glass, timber, stone and ground stand in their own colours; plaster and roof coverings are tinted; mouldings lie between:
+//! the wall's colour drawn towards a warm white. Bays are painted with the shade of reveals, cornices and sills, light
+//! from the upper left, for as long as nothing casts it in truth; their openings' depth shows in the normals only as far as
+//! a picture can. Every bay has the same plaster at its border, so that neighbours join. Openings of a ground floor (doors,
+//! portals, gates, shops, arcades) stand on the tile's lower edge.
+//!
+//! # Why it looks the same from afar
+//! Mips are averaged over what the shader makes of a texel, `own + tint × wall`, which is linear in both parts; a texel's
+//! alpha is then the tinted part's share of luminance. A window's dark glass therefore does not bleach the wall around it, as an
+//! average of alpha would. Slopes that averaging takes from the normals come back as roughness.
+//!
+//! # Limits
+//! Sizes are powers of two from 32 to 1024; others are rounded to the nearest such. Bilinear filtering between a tinted and an
+//! untinted texel is right only to first order; the error stays within one texel. One tile of a kind: variety comes from the
+//! vertex colours.
+//!
+//! # Rejected
+//! Photographs (licences, megabytes, one light for ever); a noise crate (none tiles with anisotropic periods and promises the
+//! same bits on every platform); painting on the GPU (baking and tests have none).
+
+mod bay;
+mod canvas;
+mod door;
+mod glass;
+mod hole;
+mod mips;
+mod moulding;
+mod noise;
+mod paving;
+mod roof;
+mod soil;
+mod stone;
+mod street;
+mod timber;
+mod tower;
+mod window;
+
+use veduta_city::draw::Draw;
+use veduta_city::{Id, Opening, SurfaceKind, Tile};
+
+use canvas::Canvas;
+use mips::Encoder;
+
+/// The modulation that leaves the wall's colour unchanged, in linear light: a stored modulation `m` is `m / 2`, so that it can
+/// brighten as well as darken.
+pub const MODULATION_UNIT: f32 = 0.5;
+
+/// The sRGB byte of [`MODULATION_UNIT`].
+pub const NEUTRAL_BYTE: u8 = 188;
+
+/// Smallest and largest side of a tile in pixels.
+pub const SIZES: core::ops::RangeInclusive<u32> = 32..=1024;
+
+/// All tiles with their mip chains, ready for two array textures.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TileArray {
+    /// Side of a tile in pixels at mip 0.
+    pub size: u32,
+    /// Number of tiles, [`Tile::COUNT`]; tile `t` is layer `t.index()`.
+    pub layers: u32,
+    /// Number of mip levels, down to one pixel.
+    pub mips: u32,
+    /// RGBA8, rgb in sRGB, alpha linear. Layer by layer, within a layer mip by mip, within a mip row by row from the top
+    /// (wgpu's `TextureDataOrder::LayerMajor`).
+    pub colour: Vec<u8>,
+    /// RGBA8 linear: tangent normal in rgb, roughness in alpha. Laid out like `colour`.
+    pub normal: Vec<u8>,
+}
+
+impl TileArray {
+    /// Bytes of one layer with its mips, in each of the two pictures.
+    #[must_use]
+    pub fn layer_bytes(&self) -> usize {
+        (0..self.mips).map(|mip| self.mip_bytes(mip)).sum()
+    }
+
+    /// Colour of one layer at one mip; `None` beyond the last.
+    #[must_use]
+    pub fn colour_of(&self, layer: u32, mip: u32) -> Option<&[u8]> {
+        self.colour.get(self.range(layer, mip)?)
+    }
+
+    /// Normal and roughness of one layer at one mip; `None` beyond the last.
+    #[must_use]
+    pub fn normal_of(&self, layer: u32, mip: u32) -> Option<&[u8]> {
+        self.normal.get(self.range(layer, mip)?)
+    }
+
+    fn mip_bytes(&self, mip: u32) -> usize {
+        let side = (self.size >> mip).max(1) as usize;
+        side * side * 4
+    }
+
+    fn range(&self, layer: u32, mip: u32) -> Option<core::ops::Range<usize>> {
+        if layer >= self.layers || mip >= self.mips {
+            return None;
+        }
+        let start = layer as usize * self.layer_bytes() + (0..mip).map(|m| self.mip_bytes(m)).sum::<usize>();
+        Some(start..start + self.mip_bytes(mip))
+    }
+}
+
+/// The nearest side that can be painted: a power of two within [`SIZES`].
+#[must_use]
+pub fn paintable_size(size: u32) -> u32 {
+    let size = size.clamp(*SIZES.start(), *SIZES.end());
+    let above = size.next_power_of_two();
+    if above - size > size - above / 2 { above / 2 } else { above }
+}
+
+/// Paints all tiles at `size` × `size` pixels (see [`paintable_size`]) with full mip chains. The same seed gives the same
+/// bytes.
+#[must_use]
+pub fn paint_tiles(size: u32, seed: u64) -> TileArray {
+    let size = paintable_size(size);
+    let (layers, mips) = (Tile::COUNT as u32, size.ilog2() + 1);
+    let mut array = TileArray { size, layers, mips, colour: Vec::new(), normal: Vec::new() };
+    let total = array.layer_bytes() * Tile::COUNT;
+    array.colour.reserve_exact(total);
+    array.normal.reserve_exact(total);
+    let encoder = Encoder::new();
+    let wall = bay::bay_wall(size, seed);
+    for tile in Tile::all() {
+        let canvas = draw_tile(tile, size, seed, &wall);
+        let (mut side, mut facets, mut texels) = (size as usize, mips::facets(&canvas), canvas.texels);
+        loop {
+            array.colour.extend(texels.iter().flat_map(|t| encoder.colour(t)));
+            array.normal.extend(facets.iter().flat_map(|f| f.bytes()));
+            if side == 1 {
+                break;
+            }
+            texels = mips::halve(side, &texels, mips::mean_texel);
+            facets = mips::halve(side, &facets, mips::mean_facet);
+            side /= 2;
+        }
+    }
+    array
+}
+
+/// Colour and normal (with roughness) of one tile at mip 0, row by row from the top; pixels as in [`TileArray`].
+#[must_use]
+pub fn paint_tile(tile: Tile, size: u32, seed: u64) -> (Vec<[u8; 4]>, Vec<[u8; 4]>) {
+    let size = paintable_size(size);
+    let canvas = draw_tile(tile, size, seed, &bay::bay_wall(size, seed));
+    let encoder = Encoder::new();
+    (canvas.texels.iter().map(|t| encoder.colour(t)).collect(), mips::facets(&canvas).iter().map(mips::Facet::bytes).collect())
+}
+
+/// Draws a tile; bays are drawn upon `bay_wall`, the same for all.
+fn draw_tile(tile: Tile, size: u32, seed: u64, bay_wall: &Canvas) -> Canvas {
+    let draw = Draw::new(seed, Id(tile.index() as u64), "texture");
+    let size_m = tile.size_m();
+    match tile {
+        Tile::Plaster | Tile::Bay(Opening::Blank) => bay::bare_plaster(size, size_m, draw),
+        Tile::Bay(opening) => {
+            let mut canvas = bay_wall.clone();
+            draw_opening(&mut canvas, opening, draw);
+            bay::join(&mut canvas, bay_wall, stands_on_foot(opening));
+            canvas
+        }
+        Tile::RoofTile => roof::clay_tiles(size, size_m, draw),
+        Tile::Slate => roof::slates(size, size_m, draw),
+        Tile::Metal => roof::sheet_metal(size, size_m, draw),
+        Tile::Ground(surface) => draw_ground(surface, size, size_m, draw),
+        Tile::Stone => stone::ashlar(size, size_m, draw),
+        Tile::Wood => timber::planks(size, size_m, draw),
+        Tile::Leaves => soil::leaves(size, size_m, draw),
+    }
+}
+
+/// Whether an opening stands on the lower edge of its bay.
+fn stands_on_foot(opening: Opening) -> bool {
+    matches!(opening, Opening::Arcade | Opening::Door | Opening::Gate | Opening::Portal | Opening::Shop)
+}
+
+fn draw_opening(canvas: &mut Canvas, opening: Opening, draw: Draw) {
+    match opening {
+        Opening::Blank => {}
+        Opening::Window => window::plain(canvas, draw),
+        Opening::FramedWindow => window::framed(canvas, draw),
+        Opening::CorniceWindow => window::corniced(canvas, draw),
+        Opening::PedimentWindow => window::pedimented(canvas, draw),
+        Opening::ArchedWindow => window::arched(canvas, draw),
+        Opening::LancetWindow => tower::lancet(canvas, draw),
+        Opening::AtticWindow => window::attic(canvas, draw),
+        Opening::WideWindow => window::wide(canvas, draw),
+        Opening::Slit => tower::slit(canvas, draw),
+        Opening::Portal => door::portal(canvas, draw),
+        Opening::Door => door::door(canvas, draw),
+        Opening::Shop => street::shop(canvas, draw),
+        Opening::Arcade => street::arcade(canvas, draw),
+        Opening::Gate => door::gate(canvas, draw),
+        Opening::Clock => tower::clock(canvas, draw),
+        Opening::Belfry => tower::belfry(canvas, draw),
+    }
+}
+
+fn draw_ground(surface: SurfaceKind, size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
+    match surface {
+        SurfaceKind::Asphalt => paving::asphalt(size, size_m, draw),
+        SurfaceKind::Cobbles => paving::setts(size, size_m, draw),
+        SurfaceKind::Mosaic => paving::mosaic(size, size_m, draw),
+        SurfaceKind::Flagstones => paving::flagstones(size, size_m, draw),
+        SurfaceKind::Gravel => soil::gravel(size, size_m, draw),
+        SurfaceKind::Grass => soil::grass(size, size_m, draw),
+        SurfaceKind::Yard => soil::yard(size, size_m, draw),
+        SurfaceKind::Water => soil::water(size, size_m, draw),
+        SurfaceKind::Ballast => soil::ballast(size, size_m, draw),
+    }
+}

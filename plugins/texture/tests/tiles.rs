@@ -1,0 +1,155 @@
+//! What the rest of Veduta relies on, through the public API.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use veduta_city::{Opening, Rgb, Tile};
+use veduta_texture::{MODULATION_UNIT, NEUTRAL_BYTE, paint_tile, paint_tiles, paintable_size};
+
+const SIZE: usize = 128;
+
+fn hash(bytes: &[u8]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    bytes.hash(&mut hasher);
+    hasher.finish()
+}
+
+fn linear([r, g, b, _]: [u8; 4]) -> [f32; 3] {
+    Rgb(r, g, b).to_linear()
+}
+
+/// Mean difference of the bytes of two lines of pixels.
+fn difference(a: &[[u8; 4]], b: &[[u8; 4]]) -> f32 {
+    let sum: u32 = a.iter().zip(b).flat_map(|(p, q)| p.iter().zip(q)).map(|(&p, &q)| u32::from(p.abs_diff(q))).sum();
+    sum as f32 / (a.len() * 4) as f32
+}
+
+fn row(pixels: &[[u8; 4]], y: usize) -> Vec<[u8; 4]> {
+    pixels[y * SIZE..(y + 1) * SIZE].to_vec()
+}
+
+fn column(pixels: &[[u8; 4]], x: usize) -> Vec<[u8; 4]> {
+    pixels.iter().skip(x).step_by(SIZE).copied().collect()
+}
+
+/// Whether an opening stands on the lower edge of its bay.
+fn stands_on_the_ground(tile: Tile) -> bool {
+    use Opening::{Arcade, Door, Gate, Portal, Shop};
+    matches!(tile, Tile::Bay(Arcade | Door | Gate | Portal | Shop))
+}
+
+#[test]
+fn the_same_seed_paints_the_same_bytes_and_another_seed_others() {
+    let (first, again, other) = (paint_tiles(64, 7), paint_tiles(64, 7), paint_tiles(64, 8));
+    assert_eq!(hash(&first.colour), hash(&again.colour));
+    assert_eq!(hash(&first.normal), hash(&again.normal));
+    assert_ne!(hash(&first.colour), hash(&other.colour));
+}
+
+#[test]
+fn mip_chains_fill_the_array_to_the_byte() {
+    for size in [32, 64, 128] {
+        let tiles = paint_tiles(size, 1);
+        assert_eq!((tiles.size, tiles.layers as usize, tiles.mips), (size, Tile::COUNT, size.ilog2() + 1));
+        let texels: u32 = (0..tiles.mips).map(|m| (size >> m) * (size >> m)).sum();
+        assert_eq!(tiles.colour.len(), (texels * 4 * tiles.layers) as usize);
+        assert_eq!(tiles.normal.len(), tiles.colour.len());
+        assert_eq!(tiles.colour_of(tiles.layers - 1, tiles.mips - 1).map(<[u8]>::len), Some(4));
+        assert_eq!((tiles.colour_of(tiles.layers, 0), tiles.normal_of(0, tiles.mips)), (None, None));
+    }
+}
+
+#[test]
+fn one_tile_is_the_layer_of_the_array() {
+    let tiles = paint_tiles(64, 5);
+    for tile in [Tile::Plaster, Tile::Bay(Opening::Portal), Tile::Leaves] {
+        let (colour, normal) = paint_tile(tile, 64, 5);
+        assert_eq!(tiles.colour_of(tile.index() as u32, 0), Some(colour.concat().as_slice()), "{tile:?}");
+        assert_eq!(tiles.normal_of(tile.index() as u32, 0), Some(normal.concat().as_slice()), "{tile:?}");
+    }
+}
+
+#[test]
+fn odd_sizes_are_rounded_to_what_can_be_painted() {
+    for (asked, painted) in [(0, 32), (33, 32), (100, 128), (95, 64), (256, 256), (1024, 1024), (u32::MAX, 1024)] {
+        assert_eq!(paintable_size(asked), painted, "{asked}");
+    }
+    assert_eq!(paint_tiles(40, 1).size, 32);
+}
+
+#[test]
+fn plaster_and_bays_borders_keep_the_walls_colour_on_the_whole() {
+    let mean = |pixels: &[[u8; 4]]| {
+        let sum: f32 = pixels.iter().flat_map(|&p| linear(p)).sum();
+        sum / (pixels.len() * 3) as f32 / MODULATION_UNIT
+    };
+    let (plaster, _) = paint_tile(Tile::Plaster, SIZE as u32, 7);
+    assert!(plaster.iter().all(|p| p[3] == 255), "plaster is the wall's colour throughout");
+    assert!((mean(&plaster) - 1.0).abs() < 0.05, "plaster's mean modulation is {}", mean(&plaster));
+    let (bay, _) = paint_tile(Tile::Bay(Opening::Window), SIZE as u32, 7);
+    let border = [row(&bay, 0), row(&bay, SIZE - 1), column(&bay, 0), column(&bay, SIZE - 1)].concat();
+    assert!((mean(&border) - mean(&plaster)).abs() < 0.04, "a bay's border is {} of the wall", mean(&border));
+    assert!((linear([NEUTRAL_BYTE; 4])[0] - MODULATION_UNIT).abs() < 0.003);
+}
+
+#[test]
+fn bays_meet_in_the_same_plaster() {
+    let wall = paint_tile(Tile::Bay(Opening::Window), SIZE as u32, 7);
+    for tile in Tile::all().filter(|t| matches!(t, Tile::Bay(_))) {
+        let bay = paint_tile(tile, SIZE as u32, 7);
+        for (what, mine, theirs) in [("colour", &bay.0, &wall.0), ("normal", &bay.1, &wall.1)] {
+            for x in [0, SIZE - 1] {
+                assert!(column(mine, x) == column(theirs, x), "{what} of {tile:?} differs in column {x}");
+            }
+            if !stands_on_the_ground(tile) || what == "colour" {
+                assert!(row(mine, 0) == row(theirs, 0), "{what} of {tile:?} differs at the top");
+            }
+            if !stands_on_the_ground(tile) {
+                assert!(row(mine, SIZE - 1) == row(theirs, SIZE - 1), "{what} of {tile:?} differs at the foot");
+            }
+        }
+    }
+}
+
+#[test]
+fn surfaces_repeat_without_a_seam() {
+    for tile in Tile::all().filter(|t| !matches!(t, Tile::Bay(_))) {
+        let (colour, normal) = paint_tile(tile, SIZE as u32, 7);
+        for (what, pixels) in [("colour", &colour), ("normal", &normal)] {
+            let columns: Vec<f32> = (1..SIZE).map(|x| difference(&column(pixels, x - 1), &column(pixels, x))).collect();
+            let rows: Vec<f32> = (1..SIZE).map(|y| difference(&row(pixels, y - 1), &row(pixels, y))).collect();
+            let across = difference(&column(pixels, SIZE - 1), &column(pixels, 0));
+            let down = difference(&row(pixels, SIZE - 1), &row(pixels, 0));
+            for (way, inside, seam) in [("across", columns, across), ("down", rows, down)] {
+                let most = inside.iter().copied().fold(0.0, f32::max);
+                assert!(seam <= most * 1.1 + 0.5, "{what} of {tile:?} {way}: {seam} at the seam, at most {most} inside");
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_is_pure_black_or_white_and_normals_face_outwards() {
+    for tile in Tile::all() {
+        let (colour, normal) = paint_tile(tile, 64, 7);
+        assert!(colour.iter().all(|p| p[..3].iter().all(|c| (8..=247).contains(c))), "{tile:?}");
+        for n in normal {
+            let [x, y, z] = [n[0], n[1], n[2]].map(|c| (f32::from(c) - 128.0) / 127.0);
+            assert!(z > 0.4 && ((x * x + y * y + z * z).sqrt() - 1.0).abs() < 0.03, "{tile:?}: {n:?}");
+            assert!(n[3] > 10, "{tile:?} is a mirror");
+        }
+    }
+}
+
+#[test]
+fn openings_show_glass_or_timber_and_ground_its_own_colour() {
+    for tile in Tile::all() {
+        let (colour, _) = paint_tile(tile, 64, 7);
+        let own = colour.iter().filter(|p| p[3] < 64).count() as f32 / colour.len() as f32;
+        match tile {
+            Tile::Bay(Opening::Slit) => assert!(own > 0.005, "{tile:?}: {own}"),
+            Tile::Bay(_) => assert!((0.04..0.8).contains(&own), "{tile:?}: {own}"),
+            Tile::Ground(_) => assert_eq!(own, 1.0, "{tile:?}"),
+            _ => assert!(own < 0.1, "{tile:?}: {own}"),
+        }
+    }
+}
