@@ -75,7 +75,18 @@ impl Encoder {
         let ffmpeg = Command::new("ffmpeg")
             .args(["-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba", "-s"])
             .arg(format!("{}x{}", size.width, size.height))
-            .args(["-r", &fps.to_string(), "-i", "-", "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2", "-c:v", "libx264", "-preset", "medium"])
+            .args([
+                "-r",
+                &fps.to_string(),
+                "-i",
+                "-",
+                "-vf",
+                "crop=trunc(iw/2)*2:trunc(ih/2)*2",
+                "-c:v",
+                "libx264",
+                "-preset",
+                "medium",
+            ])
             .args(["-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-fflags", "+bitexact", "-flags:v", "+bitexact"])
             .args(["-map_metadata", "-1", "-threads", "2"])
             .arg(path)

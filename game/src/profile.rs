@@ -3,8 +3,8 @@
 use bevy::anti_alias::fxaa::Fxaa;
 use bevy::anti_alias::smaa::Smaa;
 use bevy::prelude::*;
-use bevy::render::renderer::RenderAdapterInfo;
 use bevy::render::render_resource::WgpuAdapterInfo;
+use bevy::render::renderer::RenderAdapterInfo;
 use veduta::prelude::*;
 
 /// How much the picture may cost.

@@ -26,7 +26,8 @@ pub struct At {
 impl FromStr for At {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
-        let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok().filter(|n: &f64| n.is_finite())).collect();
+        let numbers: Option<Vec<f64>> =
+            text.split(',').map(|part| part.trim().parse().ok().filter(|n: &f64| n.is_finite())).collect();
         match numbers.as_deref() {
             Some(&[x, y, eye_m, heading_deg, pitch_deg]) => Ok(Self { plan_pos: DVec2::new(x, y), eye_m, heading_deg, pitch_deg }),
             _ => Err(format!("`{text}` is no stand: write \"x,y,eye,heading,pitch\", five numbers, as in \"12,-40,1.65,270,5\"")),

@@ -25,7 +25,9 @@ pub enum BakeError {
         limit: u64,
     },
     /// The input is of no known kind.
-    #[error("{0}: not a map that can be baked; give an OpenStreetMap extract (.osm, .osm.gz, .osm.pbf, Overpass .json), a city graph (.graph.ron), a plan (.plan.ron) or a folder with a .graph.ron")]
+    #[error(
+        "{0}: not a map that can be baked; give an OpenStreetMap extract (.osm, .osm.gz, .osm.pbf, Overpass .json), a city graph (.graph.ron), a plan (.plan.ron) or a folder with a .graph.ron"
+    )]
     UnknownKind(PathBuf),
     /// A scene folder without a graph, or with several.
     #[error("{path}: a scene folder holds exactly one .graph.ron; this one holds {n}")]

@@ -114,7 +114,13 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
             let (graph, _, findings) = survey(&Input::of(&input)?)?;
             file::write(&graph, &output)?;
             report(&findings, quiet, false);
-            println!("{}: {} links, {} buildings, {} places", output.display(), graph.links.len(), graph.buildings.len(), graph.places.len());
+            println!(
+                "{}: {} links, {} buildings, {} places",
+                output.display(),
+                graph.links.len(),
+                graph.buildings.len(),
+                graph.places.len()
+            );
         }
         Command::Grow { input, output, seed } => {
             let planned = planned(&input, seed, quiet)?;

@@ -19,7 +19,11 @@ pub fn map_svg(plan: &CityPlan) -> String {
         size.y,
         escape(&plan.name)
     );
-    let _ = writeln!(svg, "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#e9e2d3\"/>", low.x, -high.y, size.x, size.y);
+    let _ = writeln!(
+        svg,
+        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#e9e2d3\"/>",
+        low.x, -high.y, size.x, size.y
+    );
     for patch in &plan.ground {
         if let Some(ink) = ink(patch.surface) {
             path(&mut svg, &patch.outline, ink);

@@ -49,7 +49,7 @@ pub use graph::{
 pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres};
 pub use id::Id;
 pub use overrides::{GraphOverride, GraphOverrides, Target};
-pub use overview::Overview;
+pub use overview::{HouseName, Overview};
 pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, VolumeShell};
 pub use place::{Place, PlaceKind, Viewpoint};
 pub use plan::{

@@ -123,6 +123,14 @@ pub struct Volume {
     pub walls: Vec<Wall>,
 }
 
+impl Volume {
+    /// Highest point of the roof above the city's zero, grid steps.
+    #[must_use]
+    pub const fn top(&self) -> i32 {
+        self.eaves.saturating_add(if self.roof.height > 0 { self.roof.height } else { 0 })
+    }
+}
+
 /// A roof, as it will be built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

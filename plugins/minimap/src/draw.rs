@@ -1,14 +1,16 @@
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use bevy_egui::egui::{self, Align2, Color32, Context, FontId, Id, Order, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Vec2 as EguiVec2};
 use bevy_egui::EguiContexts;
+use bevy_egui::egui::{
+    self, Align2, Color32, Context, FontId, Id, Order, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Vec2 as EguiVec2,
+};
 use veduta_city::Viewpoint;
 use veduta_ecs::{City, Eye, JumpTo, Viewer};
 
+use crate::MinimapSettings;
 use crate::label;
 use crate::tiles::{MapTiles, PAPER};
 use crate::view::{MapView, Projection, zoomed};
-use crate::MinimapSettings;
 
 /// Draws the map in the corner, or the large one.
 pub(crate) fn draw_map(
@@ -110,8 +112,20 @@ fn title(painter: &Painter, rect: Rect, name: &str, attribution: &str) {
     let size = (rect.height() / 26.0).clamp(18.0, 80.0);
     painter.text(rect.left_top() + EguiVec2::splat(size * 0.6), Align2::LEFT_TOP, name, FontId::proportional(size), ink);
     let hint = "click: go there · drag, wheel: move, zoom · M: back";
-    painter.text(rect.left_bottom() + EguiVec2::new(size * 0.6, -size * 0.5), Align2::LEFT_BOTTOM, hint, FontId::proportional(size * 0.5), ink);
-    painter.text(rect.right_bottom() - EguiVec2::splat(size * 0.5), Align2::RIGHT_BOTTOM, attribution, FontId::proportional(size * 0.4), ink);
+    painter.text(
+        rect.left_bottom() + EguiVec2::new(size * 0.6, -size * 0.5),
+        Align2::LEFT_BOTTOM,
+        hint,
+        FontId::proportional(size * 0.5),
+        ink,
+    );
+    painter.text(
+        rect.right_bottom() - EguiVec2::splat(size * 0.5),
+        Align2::RIGHT_BOTTOM,
+        attribution,
+        FontId::proportional(size * 0.4),
+        ink,
+    );
 }
 
 fn paint(painter: &Painter, map: &Projection, city: &City, tiles: &MapTiles, eye: &Eye, text: f32) {

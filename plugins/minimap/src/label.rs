@@ -64,7 +64,14 @@ fn place_labels(map: &Projection, places: &[Place], size: f32) -> Vec<Label> {
                 _ => 3,
             };
             let at = map.screen(DVec2::new(place.pos.x, place.pos.y));
-            Label { text: place.name.clone(), at, angle: 0.0, size: size * if rank == 0 { 1.1 } else { 0.95 }, rank, room: f32::INFINITY }
+            Label {
+                text: place.name.clone(),
+                at,
+                angle: 0.0,
+                size: size * if rank == 0 { 1.1 } else { 0.95 },
+                rank,
+                room: f32::INFINITY,
+            }
         })
         .filter(|label| label.rank < 3 || map.scale > 1.2)
         .collect()

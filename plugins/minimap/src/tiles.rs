@@ -35,7 +35,9 @@ const LANDMARK_TOP: i32 = 30 * 1024;
 
 const fn ink(surface: SurfaceKind) -> Option<Color32> {
     match surface {
-        SurfaceKind::Asphalt | SurfaceKind::Cobbles | SurfaceKind::Mosaic | SurfaceKind::Flagstones => Some(Color32::from_rgb(0xFB, 0xF8, 0xF1)),
+        SurfaceKind::Asphalt | SurfaceKind::Cobbles | SurfaceKind::Mosaic | SurfaceKind::Flagstones => {
+            Some(Color32::from_rgb(0xFB, 0xF8, 0xF1))
+        }
         SurfaceKind::Gravel => Some(Color32::from_rgb(0xF1, 0xEA, 0xDA)),
         SurfaceKind::Grass => Some(Color32::from_rgb(0xC4, 0xD3, 0xA6)),
         SurfaceKind::Water => Some(Color32::from_rgb(0x9F, 0xC0, 0xCE)),

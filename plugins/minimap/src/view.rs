@@ -32,7 +32,13 @@ pub(crate) fn read_keys(keys: Res<ButtonInput<KeyCode>>, mut view: ResMut<MapVie
     }
     let closer = keys.any_just_pressed([KeyCode::Equal, KeyCode::NumpadAdd]);
     let wider = keys.any_just_pressed([KeyCode::Minus, KeyCode::NumpadSubtract]);
-    let factor = if closer { 0.8 } else if wider { 1.25 } else { 1.0 };
+    let factor = if closer {
+        0.8
+    } else if wider {
+        1.25
+    } else {
+        1.0
+    };
     if factor != 1.0 {
         let radius = if view.open { &mut view.radius_m } else { &mut settings.radius_m };
         *radius = zoomed(*radius, factor);

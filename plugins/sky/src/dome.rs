@@ -67,7 +67,12 @@ fn raise(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
     ));
 }
 
-fn tint(light: Res<Light>, time: Res<Time>, mut materials: ResMut<Assets<SkyMaterial>>, dome: Query<&MeshMaterial3d<SkyMaterial>, With<Dome>>) {
+fn tint(
+    light: Res<Light>,
+    time: Res<Time>,
+    mut materials: ResMut<Assets<SkyMaterial>>,
+    dome: Query<&MeshMaterial3d<SkyMaterial>, With<Dome>>,
+) {
     for handle in &dome {
         let p = light.palette;
         let uniform = SkyUniform {

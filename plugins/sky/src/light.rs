@@ -105,7 +105,8 @@ pub(crate) fn dress_viewers(
     }
     let p = light.palette;
     // The fill's cube map is made anew only when its colours have visibly moved.
-    let stale = last.is_none_or(|l| (l.zenith - p.zenith).abs().max_element() > 0.01 || (l.horizon - p.horizon).abs().max_element() > 0.02);
+    let stale =
+        last.is_none_or(|l| (l.zenith - p.zenith).abs().max_element() > 0.01 || (l.horizon - p.horizon).abs().max_element() > 0.02);
     for (viewer, fill) in &viewers {
         let mut viewer = commands.entity(viewer);
         viewer.insert(Exposure { ev100: p.ev100 }).insert(DistanceFog {
@@ -119,8 +120,12 @@ pub(crate) fn dress_viewers(
                 viewer.insert(EnvironmentMapLight { intensity: p.fill, ..map.clone() });
             }
             _ => {
-                let mut map =
-                    EnvironmentMapLight::hemispherical_gradient(&mut images, colour(p.zenith.lerp(p.horizon, 0.35) * 1.25), colour(p.horizon * 0.9), colour(p.bounce));
+                let mut map = EnvironmentMapLight::hemispherical_gradient(
+                    &mut images,
+                    colour(p.zenith.lerp(p.horizon, 0.35) * 1.25),
+                    colour(p.horizon * 0.9),
+                    colour(p.bounce),
+                );
                 map.intensity = p.fill;
                 viewer.insert(map);
             }

@@ -1,10 +1,10 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use veduta_city::Level;
+use veduta_city::{Level, Overview};
 
 use crate::index::WHAT as INDEX;
-use crate::{BlobRef, CityIndex, INDEX_NAME, Overview, Packet, Payload, Request, RequestId, StoreError, What};
+use crate::{BlobRef, CityIndex, INDEX_NAME, Packet, Payload, Request, RequestId, StoreError, What};
 
 /// How a [`Client`] asks.
 #[derive(Debug, Clone, Copy, PartialEq)]

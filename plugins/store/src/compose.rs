@@ -1,13 +1,13 @@
 use std::collections::BTreeMap;
 
-use veduta_city::{Cell, CellShell, Cells, CityPlan, FacadeSheet, GridPos, Level};
+use veduta_city::{Cell, CellShell, Cells, CityPlan, FacadeSheet, GridPos, Level, Overview};
 
 use crate::index::encode_index;
-use crate::overview::top_of;
+use crate::overview::{decode_overview, encode_overview};
 use crate::packet::{encode_sheet, encode_shell, encode_styles};
 use crate::{
-    BlobRef, CellEntry, CityIndex, CityStats, FORMAT_VERSION, Overview, Packet, StoreError, decode_index, decode_packet,
-    decode_styles, sheet_fits, wall_count,
+    BlobRef, CellEntry, CityIndex, CityStats, FORMAT_VERSION, Packet, StoreError, decode_index, decode_packet, decode_styles,
+    sheet_fits, wall_count,
 };
 
 /// All files of a city.
@@ -90,9 +90,9 @@ fn read_back<T: PartialEq>(written: &T, read: &T) -> Result<(), StoreError> {
 
 fn overview(plan: &CityPlan, blobs: &mut Blobs, stats: &mut CityStats) -> Result<BlobRef, StoreError> {
     let overview = Overview::of(plan);
-    let stored = overview.encode();
+    let stored = encode_overview(&overview);
     let blob = BlobRef::of(&stored);
-    read_back(&overview, &Overview::decode(&stored, &blob)?)?;
+    read_back(&overview, &decode_overview(&stored, &blob)?)?;
     stats.bytes_overview = u64::from(blob.bytes);
     blobs.add(&blob, stored);
     Ok(blob)
@@ -173,7 +173,8 @@ fn bounds(cell: &Cell, shell: &CellShell) -> (GridPos, GridPos) {
 
 /// Highest thing of a cell, grid steps.
 fn top(cell: &Cell, shell: &CellShell) -> i32 {
-    let houses = shell.houses.iter().flat_map(|house| &house.volumes).map(|volume| top_of(volume.eaves, volume.roof.height));
+    let houses =
+        shell.houses.iter().flat_map(|house| &house.volumes).map(|volume| volume.eaves.saturating_add(volume.roof.height.max(0)));
     let objects = shell.objects.iter().map(|object| object.z.saturating_add(object.height));
     let ground = shell.ground.iter().map(|patch| patch.z);
     houses.chain(objects).chain(ground).fold(cell.floor.1, i32::max)

@@ -32,7 +32,7 @@ pub struct CityIndex {
     pub skyline: Vec<u32>,
     /// Things with a name.
     pub places: Vec<Place>,
-    /// The [`crate::Overview`].
+    /// The [`veduta_city::Overview`].
     pub overview: BlobRef,
     /// The styles that the city was baked with.
     pub styles: Option<BlobRef>,

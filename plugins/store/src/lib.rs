@@ -91,7 +91,7 @@ pub use error::{ReadError, StoreError};
 #[cfg(not(target_arch = "wasm32"))]
 pub use http::{HttpReader, HttpSettings};
 pub use index::{CellEntry, CityIndex, decode_index, encode_index};
-pub use overview::{HouseName, Overview};
+pub use overview::{decode_overview, encode_overview};
 pub use packet::{Packet, decode_packet, decode_styles, encode_packet, sheet_fits, wall_count};
 pub use reader::{DirReader, Reader, open_reader};
 pub use request::{Payload, Request, RequestId, What};

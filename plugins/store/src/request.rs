@@ -1,8 +1,8 @@
 use std::sync::Arc;
 
-use veduta_city::Level;
+use veduta_city::{Level, Overview};
 
-use crate::{BlobRef, CityIndex, Overview, Packet, Reader, StoreError, decode_index, decode_packet};
+use crate::{BlobRef, CityIndex, Packet, Reader, StoreError, decode_index, decode_overview, decode_packet};
 
 /// Number of a request, never used twice by the same client.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -64,7 +64,7 @@ impl Request {
     /// If the bytes are not those asked for, or cannot be understood.
     pub fn decode(&self, bytes: Vec<u8>) -> Result<Payload, StoreError> {
         match (self.what, &self.blob) {
-            (What::Overview, Some(blob)) => Overview::decode(&bytes, blob).map(|overview| Payload::Overview(Arc::new(overview))),
+            (What::Overview, Some(blob)) => decode_overview(&bytes, blob).map(|overview| Payload::Overview(Arc::new(overview))),
             (What::Packet { level, .. }, Some(blob)) => decode_packet(&bytes, blob, level).map(Payload::Packet),
             _ => {
                 let index = Arc::new(decode_index(&bytes)?);

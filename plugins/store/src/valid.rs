@@ -3,9 +3,9 @@
 //! Plan positions stay within ±2³⁰ steps (1,048 km), positions within a cell and heights within ±2²⁷ (131 km): no sum or
 //! difference of two of them leaves 32 bits.
 
-use veduta_city::{CellShell, GridPolygon, GridPos, HouseShell, PortalSide, VolumeShell};
+use veduta_city::{CellShell, GridPolygon, GridPos, HouseShell, Overview, PortalSide, VolumeShell};
 
-use crate::{CellEntry, CityIndex, Overview};
+use crate::{CellEntry, CityIndex};
 
 /// A reason in a sentence without a full stop.
 type Check = Result<(), String>;

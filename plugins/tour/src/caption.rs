@@ -1,6 +1,6 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
-use bevy_egui::egui::{Align2, Area, Color32, CornerRadius, FontId, Id, Label, Margin, Order, RichText, Vec2, Frame, TextWrapMode};
+use bevy_egui::egui::{Align2, Area, Color32, CornerRadius, FontId, Frame, Id, Label, Margin, Order, RichText, TextWrapMode, Vec2};
 
 use crate::{TourPlayer, TourState};
 

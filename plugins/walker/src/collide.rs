@@ -35,7 +35,11 @@ impl SolidCells {
                 let t = ((local - a).dot(b - a) / (b - a).length_squared().max(1e-9)).clamp(0.0, 1.0);
                 let edge = a.lerp(b, t);
                 let inward = [(b - a).perp().normalize_or_zero() * 0.6, (middle - edge).normalize_or_zero() * 1.5];
-                inward.map(|step| GridPos::from_metres(edge + step)).into_iter().filter(|p| shell.outline.contains(*p)).map(|p| p + shell.origin)
+                inward
+                    .map(|step| GridPos::from_metres(edge + step))
+                    .into_iter()
+                    .filter(|p| shell.outline.contains(*p))
+                    .map(|p| p + shell.origin)
             })
         });
         candidates.min_by(|a, b| a.to_metres().distance_squared(target).total_cmp(&b.to_metres().distance_squared(target)))

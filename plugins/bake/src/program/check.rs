@@ -45,7 +45,10 @@ fn check_one(path: &Path) -> Result<String, Vec<String>> {
         let style: veduta_city::Style = file::read(path).map_err(one)?;
         return told(path, Styles(vec![style]).validate(), "a style".to_owned());
     }
-    Err(vec![format!("{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .plan.ron, .style.ron or .tour.ron", path.display())])
+    Err(vec![format!(
+        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .plan.ron, .style.ron or .tour.ron",
+        path.display()
+    )])
 }
 
 fn told<E: core::fmt::Display>(path: &Path, mistakes: Vec<E>, words: String) -> Result<String, Vec<String>> {

@@ -33,7 +33,11 @@ pub(crate) fn inspect(city: &str, json: bool) -> Result<(), Failure> {
     } else {
         println!("{} ({})", index.name, reader.describe());
         println!("  {} cells, {} portals, {houses} houses, {} places", index.cells.len(), index.portals.len(), index.places.len());
-        println!("  {:.1} cells seen from a cell, {} on the skyline", seen as f64 / index.cells.len().max(1) as f64, index.skyline.len());
+        println!(
+            "  {:.1} cells seen from a cell, {} on the skyline",
+            seen as f64 / index.cells.len().max(1) as f64,
+            index.skyline.len()
+        );
         for level in Level::ALL.into_iter().filter(|l| whole[l.index()] > 0) {
             println!("  {level}: {} packets, {} bytes", whole[level.index()], bytes[level.index()]);
         }

@@ -38,7 +38,9 @@ fn answer(reader: &DirReader, request: Request) {
             let cache = if path.starts_with("blobs/") { "public, max-age=31536000, immutable" } else { "no-cache" };
             let data = if head { Vec::new() } else { bytes };
             let mut response = Response::from_data(data).with_status_code(StatusCode(200));
-            for (name, value) in [("Cache-Control", cache), ("Content-Type", "application/octet-stream"), ("Access-Control-Allow-Origin", "*")] {
+            for (name, value) in
+                [("Cache-Control", cache), ("Content-Type", "application/octet-stream"), ("Access-Control-Allow-Origin", "*")]
+            {
                 if let Ok(header) = Header::from_bytes(name, value) {
                     response.add_header(header);
                 }

@@ -66,8 +66,7 @@ fn overhang(form: &RoofForm<'_>, wall: usize, reach: f64, scratch: &mut Vec<(f64
         return;
     }
     let low = form.eaves - OVERHANG_DROP_M;
-    let [lip_a, lip_b, b, a] =
-        [engine(from, low), engine(to, low), engine(edge.b, form.eaves), engine(edge.a, form.eaves)];
+    let [lip_a, lip_b, b, a] = [engine(from, low), engine(to, low), engine(edge.b, form.eaves), engine(edge.a, form.eaves)];
     let (under_a, under_b) = (engine(edge.a, low), engine(edge.b, low));
     let top = covering(form.volume);
     let under = Paint::new(top.centre, form.volume.trim, Tile::Plaster);
@@ -113,9 +112,7 @@ fn chimneys(draw: Draw, form: &RoofForm<'_>, roofer: &Roofer, mesh: &mut MeshDat
     };
     let across = DVec2::new(along.y, -along.x);
     let ring = &roofer.rings[0];
-    let span = |d: DVec2| {
-        ring.iter().map(|p| p.dot(d)).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
-    };
+    let span = |d: DVec2| ring.iter().map(|p| p.dot(d)).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     let ((s0, s1), (d0, d1)) = (span(along), span(across));
     let is_plastered = draw.chance("plastered chimneys", 0.6);
     let colour = if is_plastered { form.volume.colour.scaled(0.85) } else { BRICK };

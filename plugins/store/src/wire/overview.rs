@@ -1,12 +1,11 @@
 use serde::{Deserialize, Serialize};
-use veduta_city::{ObjectKind, PlanStreet, SurfaceKind};
+use veduta_city::{HouseName, ObjectKind, Overview, PlanStreet, SurfaceKind};
 
 use super::{
     Malformed,
     columns::{Deltas, Ids, Pull, Texts},
     points::{PointWriter, Points, PullPoints},
 };
-use crate::{HouseName, Overview};
 
 /// An [`Overview`] in columns.
 #[derive(Serialize, Deserialize)]
