@@ -98,9 +98,13 @@ const HEADER: usize = 7 + 1 + 4 + 32 + 4;
 /// Stored form of an index.
 #[must_use]
 pub fn encode_index(index: &CityIndex) -> Vec<u8> {
-    let content = to_bytes(&WireIndex::from(index));
+    seal(&to_bytes(&WireIndex::from(index)))
+}
+
+/// Content of an index under its header.
+fn seal(content: &[u8]) -> Vec<u8> {
     let mut sealed = u32::try_from(content.len()).unwrap_or(u32::MAX).to_le_bytes().to_vec();
-    deflate(&content, &mut sealed);
+    deflate(content, &mut sealed);
     let mut stored = Vec::with_capacity(HEADER + sealed.len());
     stored.extend(MAGIC);
     stored.push(KIND);
@@ -147,4 +151,81 @@ pub fn decode_index(stored: &[u8]) -> Result<CityIndex, StoreError> {
     let index = CityIndex::try_from(wire).map_err(|malformed| malformed.of(WHAT))?;
     valid::check_index(&index).map_err(|reason| StoreError::Invalid { what: WHAT, reason })?;
     Ok(index)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+    use proptest::collection::vec;
+    use proptest::prelude::*;
+    use veduta_city::PortalSide;
+
+    use super::*;
+
+    /// Two cells side by side.
+    fn index() -> CityIndex {
+        let square = |x| GridPolygon::simple(vec![GridPos(x, 0), GridPos(x + 50, 0), GridPos(x + 50, 50), GridPos(x, 50)]);
+        let blob = |n: u8| Some(BlobRef { hash: [n; 32], bytes: 100 + u32::from(n) });
+        let cell = |n: u32| CellEntry {
+            id: Id(1 << 63 | u64::from(n)),
+            name: format!("cell {n}"),
+            outline: square(50 * n as i32),
+            floor: (-3, 4),
+            bounds: (GridPos(-9, -9), GridPos(999, 99)),
+            top: 20_000,
+            portals: vec![0],
+            visible: vec![0, 1],
+            houses: 3,
+            walls: 7,
+            packets: [blob(n as u8), blob(9), None, None],
+        };
+        CityIndex {
+            format: FORMAT_VERSION,
+            name: "Testov".to_owned(),
+            anchor: Anchor { lat: 50.0, lon: 14.0 },
+            attribution: "nobody".to_owned(),
+            seed: u64::MAX,
+            growth_version: 3,
+            start: Viewpoint::default(),
+            extent: square(-100),
+            cells: vec![cell(0), cell(1)],
+            portals: vec![Portal { ends: (GridPos(50, 0), GridPos(50, 50)), cell: 0, beyond: PortalSide::Cell(1) }],
+            skyline: vec![1],
+            places: vec![Place {
+                name: "Kašna".to_owned(),
+                pos: DVec2::new(0.1, -7.0),
+                view: Some(Viewpoint::default()),
+                ..Place::default()
+            }],
+            overview: BlobRef { hash: [77; 32], bytes: 12 },
+            styles: Some(BlobRef { hash: [78; 32], bytes: 13 }),
+        }
+    }
+
+    #[test]
+    fn an_index_survives() {
+        assert_eq!(decode_index(&encode_index(&index())), Ok(index()));
+    }
+
+    #[test]
+    fn a_form_that_changed_has_a_new_version() {
+        let form = blake3::hash(&to_bytes(&WireIndex::from(&index()))).to_hex();
+        assert_eq!((FORMAT_VERSION, &form[..16]), (1, "e5d0179e08061f6c"), "raise FORMAT_VERSION if this is on purpose");
+    }
+
+    proptest! {
+        /// Someone who can compute checksums makes indices that no encoder would.
+        #[test]
+        fn forged_indices_do_no_harm(edits in vec((any::<prop::sample::Index>(), any::<u8>()), 1..4)) {
+            let mut content = to_bytes(&WireIndex::from(&index()));
+            for (at, byte) in edits {
+                let at = at.index(content.len());
+                content[at] = byte;
+            }
+            if let Ok(index) = decode_index(&seal(&content)) {
+                prop_assert_eq!(valid::check_index(&index), Ok(()));
+                let _anywhere = index.locate(GridPos(25, 25));
+            }
+        }
+    }
 }

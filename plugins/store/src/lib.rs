@@ -59,10 +59,10 @@
 //! points at something.
 //!
 //! # Limits
-//! The index and the overview are read whole: some 110 and 28 bytes a cell and a house. Walks that outlive the city they began (baked
-//! again meanwhile) see their packets missing until they are opened anew. A power cut right after writing may lose blobs;
-//! writing again mends them. Two programs must not write to one directory at a time. Deflate's bytes depend on the version
-//! of its crate, so a new one changes names of blobs, not what they say.
+//! The index (some 110 bytes a cell) and the overview (some 30 bytes a house) are read whole. A walk that goes on while its
+//! city is baked again sees packets missing until it is opened anew. A power cut right after writing may lose blobs; writing
+//! again mends them. Two programs must not write to one directory at a time. Deflate's bytes depend on the version of its
+//! crate: a new one changes the names of blobs, not what they say.
 //!
 //! # Rejected
 //! The model's own serde form in postcard (it leaves out empty fields, which formats without names do not survive); zstd (a

@@ -217,6 +217,102 @@ mod tests {
         }
     }
 
+    /// A shell and a sheet with every kind of thing, so that a change of order in the model is noticed.
+    fn full() -> (CellShell, FacadeSheet) {
+        use Opening as O;
+        use RoofShape as R;
+        let shapes = [
+            R::Flat,
+            R::Gabled,
+            R::Hipped,
+            R::HalfHipped,
+            R::Pyramidal,
+            R::Skillion,
+            R::Mansard,
+            R::Gambrel,
+            R::Dome,
+            R::Onion,
+            R::Cone,
+            R::Round,
+            R::SawTooth,
+        ];
+        use SurfaceKind as S;
+        let surfaces = [S::Asphalt, S::Cobbles, S::Mosaic, S::Flagstones, S::Gravel, S::Grass, S::Yard, S::Water, S::Ballast];
+        use ObjectKind as K;
+        let kinds = [
+            K::Lamp,
+            K::Tree,
+            K::Conifer,
+            K::Bench,
+            K::Fountain,
+            K::Statue,
+            K::TramStop,
+            K::Bollard,
+            K::Kiosk,
+            K::Well,
+            K::Column,
+            K::Bin,
+        ];
+        let openings = [
+            O::Blank,
+            O::Window,
+            O::FramedWindow,
+            O::CorniceWindow,
+            O::PedimentWindow,
+            O::ArchedWindow,
+            O::LancetWindow,
+            O::AtticWindow,
+            O::WideWindow,
+            O::Slit,
+            O::Portal,
+            O::Door,
+            O::Shop,
+            O::Arcade,
+            O::Gate,
+            O::Clock,
+            O::Belfry,
+        ];
+        let outline = |x| GridPolygon::simple(vec![GridPos(x, 0), GridPos(x + 5, 0), GridPos(x, 5)]);
+        let volume = |(n, &shape): (usize, &RoofShape)| VolumeShell {
+            footprint: outline(n as i32),
+            bottom: 1,
+            eaves: 9000,
+            colour: Rgb(1, 2, 3),
+            trim: Rgb(4, 5, 6),
+            roof: PlanRoof { shape, height: 77, direction: 300, colour: Rgb(7, 8, 9) },
+            has_roof: n % 2 == 0,
+            walls: vec![0, 2],
+        };
+        let object = |&kind| PlanObject { id: Id(1 << 63 | 5), kind, pos: GridPos(-3, 4), z: 5, heading: 6, height: 7 };
+        let wall = |kind| Wall {
+            kind,
+            bays: 3,
+            storeys: openings.iter().map(|&opening| Storey { height: 3000, opening }).collect(),
+            ground_floor: GroundFloor { door_bay: Some(1), door: O::Door, shops: 4 },
+        };
+        let ends = (GridPos(0, 0), GridPos(5, 0));
+        let blind = [PortalSide::Edge, PortalSide::Cell(3)].map(|beyond| Portal { ends, cell: 2, beyond });
+        let volumes = shapes.iter().enumerate().map(volume).collect();
+        let shell = CellShell {
+            origin: GridPos(1000, -1000),
+            outline: outline(0),
+            ground: surfaces.iter().map(|&surface| GroundPatch { surface, outline: outline(9), z: 3 }).collect(),
+            houses: vec![HouseShell { id: Id::from_source(2, 99), style: 1, volumes }],
+            objects: kinds.iter().map(object).collect(),
+            blind: blind.to_vec(),
+        };
+        (shell, FacadeSheet { walls: [WallKind::Street, WallKind::Yard, WallKind::Party].map(wall).to_vec() })
+    }
+
+    #[test]
+    fn a_form_that_changed_has_a_new_version() {
+        let (shell, sheet) = full();
+        let hash = |content: Vec<u8>| blake3::hash(&content).to_hex()[..16].to_owned();
+        let forms = (hash(to_bytes(&WireShell::from(&shell))), hash(to_bytes(&WireSheet::from(&sheet))));
+        let expected = ("2cc2f91a4037bf4c".to_owned(), "917468b7a8aa35f3".to_owned());
+        assert_eq!((crate::FORMAT_VERSION, forms), (1, expected), "raise FORMAT_VERSION if this is on purpose");
+    }
+
     #[test]
     fn equal_walls_cost_a_byte_each_before_deflate() {
         let storeys = vec![Storey { height: 3000, opening: Opening::Window }; 5];

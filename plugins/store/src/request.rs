@@ -1,3 +1,4 @@
+use core::fmt;
 use std::sync::Arc;
 
 use veduta_city::{Level, Overview};
@@ -22,6 +23,16 @@ pub enum What {
         /// Which level.
         level: Level,
     },
+}
+
+impl fmt::Display for What {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Index => f.write_str("the city's index"),
+            Self::Overview => f.write_str("the city's overview"),
+            Self::Packet { cell, level } => write!(f, "cell {cell}, {level}"),
+        }
+    }
 }
 
 /// Something that a [`crate::Client`] wants read. Whoever does the I/O reads `path`, calls [`Request::decode`] on the bytes

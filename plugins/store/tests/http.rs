@@ -17,8 +17,8 @@ use veduta_store::*;
 enum Answer {
     /// Exactly these bytes of HTTP, then the line is closed.
     Raw(Vec<u8>),
-    /// Nothing, for a while.
-    Silence,
+    /// These bytes, then nothing for a while.
+    Stall(&'static [u8]),
 }
 
 #[derive(Clone)]
@@ -66,7 +66,10 @@ fn serve(mut stream: TcpStream, answers: &Mutex<BTreeMap<String, Answer>>) {
     let answer = answers.lock().expect("no panic").get(&path).cloned().unwrap_or(missing);
     match answer {
         Answer::Raw(bytes) => _ = stream.write_all(&bytes),
-        Answer::Silence => std::thread::sleep(Duration::from_secs(2)),
+        Answer::Stall(bytes) => {
+            let _ = stream.write_all(bytes);
+            std::thread::sleep(Duration::from_secs(2));
+        }
     }
 }
 
@@ -97,14 +100,16 @@ fn failures_are_told_apart() {
     assert!(matches!(error, ReadError::Failed { .. }), "{error:?}");
     server.put("noise.bin", Answer::Raw(b"\x00\x01\x02 what?\r\n\r\n".to_vec()));
     assert!(matches!(reader.read("noise.bin", 9), Err(ReadError::Failed { .. })));
-    server.put("slow.bin", Answer::Silence);
-    let error = reader.read("slow.bin", 9).expect_err("silence");
-    assert!(matches!(error, ReadError::Timeout { .. }), "{error:?}");
+    for begun in [&b""[..], b"HTTP/1.1 200 OK\r\nContent-Length: 9\r\n\r\nhello"] {
+        server.put("slow.bin", Answer::Stall(begun));
+        let error = reader.read("slow.bin", 9).expect_err("nothing more comes");
+        assert!(matches!(error, ReadError::Timeout { .. }), "{error:?}");
+    }
     server.put(
-        "stalls.bin",
-        Answer::Raw(b"HTTP/1.1 302 Found\r\nLocation: /prague.city/stalls.bin\r\nContent-Length: 0\r\n\r\n".to_vec()),
+        "circle.bin",
+        Answer::Raw(b"HTTP/1.1 302 Found\r\nLocation: /prague.city/circle.bin\r\nContent-Length: 0\r\n\r\n".to_vec()),
     );
-    assert!(reader.read("stalls.bin", 9).is_err(), "a redirect in a circle ends");
+    assert!(reader.read("circle.bin", 9).is_err(), "a redirect in a circle ends");
     assert!(matches!(reader.read("../x", 9), Err(ReadError::Forbidden { .. })), "not even asked");
     let closed = TcpListener::bind(("127.0.0.1", 0)).expect("a port").local_addr().expect("an address");
     let error = HttpReader::new(&format!("http://{closed}")).expect("an address").read("x", 9).expect_err("nobody listens");

@@ -20,7 +20,7 @@ impl<T> Pull<T> {
     }
 
     pub(crate) fn take(&mut self) -> Result<T, Malformed> {
-        self.values.next().ok_or(Malformed(self.name))
+        self.values.next().ok_or(Malformed::Column(self.name))
     }
 
     pub(crate) fn left(&self) -> usize {
@@ -32,7 +32,7 @@ impl<T> Pull<T> {
     }
 
     pub(crate) fn finish(&self) -> Result<(), Malformed> {
-        if self.is_empty() { Ok(()) } else { Err(Malformed(self.name)) }
+        if self.is_empty() { Ok(()) } else { Err(Malformed::Column(self.name)) }
     }
 }
 
@@ -90,7 +90,7 @@ impl PullLists {
     pub(crate) fn take(&mut self) -> Result<Vec<u32>, Malformed> {
         let count = self.counts.take()? as usize;
         if count > self.gaps.left() {
-            return Err(Malformed("a list is longer than what is left"));
+            return Err(Malformed::Reason("a list is longer than what is left"));
         }
         let mut next = 0_u32;
         (0..count)
@@ -140,7 +140,7 @@ impl PullIds {
     pub(crate) fn take(&mut self) -> Result<Id, Malformed> {
         let length = self.lengths.take()?;
         let mut bytes = [0; 8];
-        let Some(given) = bytes.get_mut(..usize::from(length)) else { return Err(Malformed("an id is too long")) };
+        let Some(given) = bytes.get_mut(..usize::from(length)) else { return Err(Malformed::Reason("an id is too long")) };
         for byte in given {
             *byte = self.bytes.take()?;
         }
@@ -214,7 +214,7 @@ pub(crate) struct PullTable<T> {
 impl<T: Clone> PullTable<T> {
     pub(crate) fn take_ref(&mut self) -> Result<&T, Malformed> {
         let n = self.uses.take()? as usize;
-        self.values.get(n).ok_or(Malformed("a table has no such entry"))
+        self.values.get(n).ok_or(Malformed::Reason("a table has no such entry"))
     }
 
     pub(crate) fn take(&mut self) -> Result<T, Malformed> {
@@ -263,12 +263,12 @@ impl Texts {
         let mut rest = self.all.as_str();
         let mut values = Vec::with_capacity(self.lengths.len());
         for length in self.lengths {
-            let (text, after) = rest.split_at_checked(length as usize).ok_or(Malformed("texts are cut wrongly"))?;
+            let (text, after) = rest.split_at_checked(length as usize).ok_or(Malformed::Reason("texts are cut wrongly"))?;
             values.push(text.to_owned());
             rest = after;
         }
         if !rest.is_empty() {
-            return Err(Malformed("texts are left over"));
+            return Err(Malformed::Reason("texts are left over"));
         }
         Ok(PullTexts { table: Table { values, uses: self.uses }.pull(), budget: TEXTS_CAP })
     }
@@ -283,9 +283,9 @@ impl PullTexts {
     pub(crate) fn take(&mut self) -> Result<String, Malformed> {
         let text = self.table.take_ref()?;
         if text.len() > TEXT_CAP {
-            return Err(Malformed("a text is longer than 16 KiB"));
+            return Err(Malformed::Reason("a text is longer than 16 KiB"));
         }
-        self.budget = self.budget.checked_sub(text.len()).ok_or(Malformed("texts are longer than 64 MiB together"))?;
+        self.budget = self.budget.checked_sub(text.len()).ok_or(Malformed::Reason("texts are longer than 64 MiB together"))?;
         Ok(text.clone())
     }
 

@@ -173,7 +173,7 @@ impl WireCells {
 
 fn packets_of(levels: u8, packets: &mut Pull<WireBlob>) -> Result<[Option<BlobRef>; 4], Malformed> {
     if levels >= 1 << 4 {
-        return Err(Malformed("a cell has packets of unknown levels"));
+        return Err(Malformed::Reason("a cell has packets of unknown levels"));
     }
     let mut all = [None; 4];
     for (n, packet) in all.iter_mut().enumerate() {

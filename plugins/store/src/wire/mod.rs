@@ -25,11 +25,20 @@ use crate::StoreError;
 
 /// What is wrong with columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Malformed(pub &'static str);
+pub(crate) enum Malformed {
+    /// In a sentence.
+    Reason(&'static str),
+    /// A column that has fewer or more entries than the others ask for.
+    Column(&'static str),
+}
 
 impl Malformed {
     pub(crate) fn of(self, what: &'static str) -> StoreError {
-        StoreError::Malformed { what, reason: self.0.to_owned() }
+        let reason = match self {
+            Self::Reason(reason) => reason.to_owned(),
+            Self::Column(name) => format!("there are too few or too many {name}"),
+        };
+        StoreError::Malformed { what, reason }
     }
 }
 
@@ -46,7 +55,7 @@ pub(crate) fn to_bytes<T: Serialize>(wire: &T) -> Vec<u8> {
 pub(crate) fn from_bytes<T: DeserializeOwned>(what: &'static str, bytes: &[u8]) -> Result<T, StoreError> {
     match postcard::take_from_bytes(bytes) {
         Ok((wire, [])) => Ok(wire),
-        Ok(_) => Err(Malformed("bytes are left over").of(what)),
+        Ok(_) => Err(Malformed::Reason("bytes are left over").of(what)),
         Err(error) => Err(StoreError::Malformed { what, reason: error.to_string() }),
     }
 }

@@ -123,7 +123,7 @@ impl PullPoints {
     pub(crate) fn line(&mut self) -> Result<GridRing, Malformed> {
         let count = self.counts.take()? as usize;
         if count > self.names.left() {
-            return Err(Malformed("a ring has more vertices than are left"));
+            return Err(Malformed::Reason("a ring has more vertices than are left"));
         }
         let mut line = Vec::with_capacity(count);
         for _ in 0..count {
@@ -136,7 +136,7 @@ impl PullPoints {
     pub(crate) fn polygon(&mut self) -> Result<GridPolygon, Malformed> {
         let holes = self.counts.take()? as usize;
         if holes > self.counts.left() {
-            return Err(Malformed("a polygon has more holes than rings are left"));
+            return Err(Malformed::Reason("a polygon has more holes than rings are left"));
         }
         let outer = self.line()?;
         Ok(GridPolygon { outer, holes: (0..holes).map(|_| self.line()).collect::<Result<_, _>>()? })
@@ -160,7 +160,7 @@ impl PullPoints {
                 let step = (folded >> 1) as i64 ^ -((folded & 1) as i64);
                 let number = self.last.1.wrapping_add(step);
                 let pos = usize::try_from(number).ok().and_then(|n| self.known.get(n));
-                (*pos.ok_or(Malformed("a vertex is named that was never told"))?, number)
+                (*pos.ok_or(Malformed::Reason("a vertex is named that was never told"))?, number)
             }
         };
         self.last = (pos, number);
@@ -208,7 +208,7 @@ mod tests {
     fn a_vertex_never_told_is_an_error() {
         for name in [1, 2, 3, u64::MAX] {
             let points = Points { counts: vec![1], names: vec![name], ..Points::default() };
-            assert_eq!(points.pull().line(), Err(Malformed("a vertex is named that was never told")), "{name}");
+            assert_eq!(points.pull().line(), Err(Malformed::Reason("a vertex is named that was never told")), "{name}");
         }
         let points = Points { counts: vec![u32::MAX], ..Points::default() };
         assert!(points.pull().line().is_err());

@@ -60,7 +60,7 @@ impl TryFrom<WireSheet> for FacadeSheet {
         let mut stacks = Table::of_parts(tall, wire.stacks).pull();
         let mut budget = STOREYS_CAP;
         let mut spend = |storeys: usize| {
-            budget = budget.checked_sub(storeys).ok_or(Malformed("walls have too many storeys together"))?;
+            budget = budget.checked_sub(storeys).ok_or(Malformed::Reason("walls have too many storeys together"))?;
             Ok(())
         };
         let mut bays = Pull::new("bays", wire.bays);
@@ -71,7 +71,7 @@ impl TryFrom<WireSheet> for FacadeSheet {
         for kind in wire.kinds {
             let door_bay = door_bays.take()?.checked_sub(1).map(u8::try_from).transpose();
             let ground_floor = GroundFloor {
-                door_bay: door_bay.map_err(|_| Malformed("a door's bay is too large"))?,
+                door_bay: door_bay.map_err(|_| Malformed::Reason("a door's bay is too large"))?,
                 door: doors.take()?,
                 shops: shops.take()?,
             };
@@ -86,7 +86,7 @@ impl TryFrom<WireSheet> for FacadeSheet {
         shops.finish()?;
         let mut uses = Table::of_parts(different, wire.walls).pull();
         if uses.left() > WALLS_CAP {
-            return Err(Malformed("a sheet has too many walls"));
+            return Err(Malformed::Reason("a sheet has too many walls"));
         }
         let mut walls = Vec::with_capacity(uses.left());
         while uses.left() > 0 {
@@ -105,7 +105,7 @@ fn stacks_of(counts: Vec<u32>, heights: Deltas, openings: Vec<Opening>) -> Resul
     let mut all = Vec::with_capacity(counts.len());
     for count in counts {
         if count as usize > openings.left() {
-            return Err(Malformed("a wall has more storeys than are left"));
+            return Err(Malformed::Reason("a wall has more storeys than are left"));
         }
         let stack: Result<Vec<_>, Malformed> =
             (0..count).map(|_| Ok(Storey { height: heights.take()?, opening: openings.take()? })).collect();

@@ -76,7 +76,7 @@ pub(super) const fn code_of_side(side: PortalSide) -> u64 {
 pub(super) fn side_of_code(code: u64) -> Result<PortalSide, Malformed> {
     match code.checked_sub(1) {
         None => Ok(PortalSide::Edge),
-        Some(cell) => u32::try_from(cell).map(PortalSide::Cell).map_err(|_| Malformed("a portal leads to no cell")),
+        Some(cell) => u32::try_from(cell).map(PortalSide::Cell).map_err(|_| Malformed::Reason("a portal leads to no cell")),
     }
 }
 
@@ -197,7 +197,7 @@ impl WireHouses {
         for style in self.styles {
             let count = counts.take()? as usize;
             if count > volumes.bottoms.left() {
-                return Err(Malformed("a house has more volumes than are left"));
+                return Err(Malformed::Reason("a house has more volumes than are left"));
             }
             let id = ids.take()?;
             let volumes = (0..count).map(|_| volumes.take(points, colours)).collect::<Result<_, _>>()?;
@@ -251,7 +251,7 @@ impl PullVolumes {
                 colour: colours.take()?,
             },
             has_roof: self.has_roof.take()?,
-            walls: walls.map_err(|_| Malformed("a wall's index is too large"))?,
+            walls: walls.map_err(|_| Malformed::Reason("a wall's index is too large"))?,
         })
     }
 
