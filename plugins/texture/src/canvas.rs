@@ -143,6 +143,12 @@ impl Canvas {
         Self { size: n, size_m, texels }
     }
 
+    /// The same, from four samples a pixel: for patterns with hard edges of their own.
+    pub(crate) fn fine_tiling(size: u32, size_m: (f32, f32), paint: impl Fn(f32, f32) -> Texel) -> Self {
+        let twice = Self::tiling(size * 2, size_m, paint);
+        Self { size: size as usize, size_m, texels: crate::mips::halve(twice.size, &twice.texels, crate::mips::mean_texel) }
+    }
+
     /// Mean side of a pixel in metres.
     pub(crate) fn pixel_m(&self) -> f32 {
         (self.size_m.0 + self.size_m.1) / (2.0 * self.size as f32)

@@ -50,8 +50,8 @@ pub(crate) fn portal(canvas: &mut Canvas, draw: Draw) {
     stone_ring(canvas, &hole, 0.34, (0.34, 11.0), 0.07, &stone);
     for side in [-1.0, 1.0] {
         let at = MIDDLE + side * 1.035;
-        canvas.slab(Rect::standing(at, hole.springing() - 0.1, 0.42, 0.14), stone.texel(at, 1.9, (7, 9)).times(1.12), 0.1);
-        canvas.slab(Rect::standing(at, 0.0, 0.42, 0.46), stone.texel(at, 0.4, (8, 9)).times(0.9), 0.1);
+        stone.block(canvas, Rect::standing(at, hole.springing() - 0.1, 0.42, 0.14), 1.12, 0.1);
+        stone.block(canvas, Rect::standing(at, 0.0, 0.42, 0.46), 0.92, 0.1);
     }
     keystone(canvas, MIDDLE, hole.rect.y1 - 0.02, hole.rect.y1 + 0.4, 0.26, stone.texel(MIDDLE, 3.0, (9, 9)).times(1.1));
     let inner = reveal(canvas, &hole, 0.06, 0.0);

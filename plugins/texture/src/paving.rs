@@ -32,9 +32,10 @@ struct Arcs {
     key: u64,
 }
 
-/// A place on a sett: metres to its rim, its hash, half its breadth.
+/// A place on a sett: metres to its rim, how far it swells there (0 to 1), its hash, breadth of its joint.
 struct OnSett {
     rim: f32,
+    swell: f32,
     bits: u64,
     joint: f32,
 }
@@ -69,7 +70,9 @@ impl Arcs {
         let round = 0.02;
         let (cx, cy) = ((round - side).max(0.0), (round - end).max(0.0));
         let rim = if cx > 0.0 && cy > 0.0 { round - (cx * cx + cy * cy).sqrt() } else { side.min(end) };
-        OnSett { rim, bits: hash(self.key, sett, row_key), joint: 0.008 + 0.004 * word(hash(self.key, sett, row_key), 3) }
+        let curve = |share: f32| 1.0 - (1.0 - share.clamp(0.0, 1.0)).powi(3);
+        let swell = curve(2.0 * side / piece_m) * curve(2.0 * end / row_m);
+        OnSett { rim, swell, bits: hash(self.key, sett, row_key), joint: 0.008 + 0.004 * word(hash(self.key, sett, row_key), 3) }
     }
 
     /// Number of the sett at a place along a row and the shares to its two ends; joints wander by a tenth.
@@ -102,8 +105,8 @@ pub(crate) fn setts(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
         let (grain, dirt) = (grain.at(u, v), dirt.at(u, v));
         let speck = word(hash(speck, (u * size as f32) as i32, (v * size as f32) as i32), 0) - 0.5;
         let stone = smoothstep(sett.joint - 0.004, sett.joint + 0.005, sett.rim);
-        let dome = smoothstep(0.0, 0.042, sett.rim);
-        let light = 0.8 + 0.24 * dome + 0.06 * grain + 0.14 * speck + 0.05 * dirt;
+        let dome = sett.swell;
+        let light = 0.76 + 0.28 * dome + 0.06 * grain + 0.14 * speck + 0.05 * dirt;
         let joint = sand.lerp(moss, smoothstep(0.1, 0.6, dirt)) * (0.72 + 0.2 * speck);
         let own = joint.lerp(granite(sett.bits) * light, stone);
         let height = 0.016 * dome + 0.004 * (word(sett.bits, 2) - 0.5) * stone + 0.0012 * grain;

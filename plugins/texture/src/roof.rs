@@ -60,7 +60,7 @@ pub(crate) fn clay_tiles(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
     let clouds = Fractal::new(draw.bits("clouds"), 3, 3, 4, 0.6);
     let spots = Pebbles::new(draw.bits("lichen"), 26, 26, 0.9);
     let (lichen, dust) = (srgb(0x008E_8B68), srgb(0x0086_7A6C));
-    Canvas::tiling(size, size_m, |u, v| {
+    Canvas::fine_tiling(size, size_m, |u, v| {
         let (grain, cloud) = (grain.at(u, v), clouds.at(u, v));
         let tile = tiles.at(u, v);
         let age = word(tile.bits, 0) - 0.5;
@@ -68,13 +68,14 @@ pub(crate) fn clay_tiles(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
         let joint = falloff(tile.side, 0.007);
         let shadow = falloff(0.155 - tile.above, 0.045);
         let lip = falloff(tile.above, 0.014);
-        let shade = 1.0 + 0.3 * age - 0.28 * odd + 0.07 * grain + 0.1 * cloud + 0.12 * lip - 0.06 * tile.across * tile.across;
+        let shade = 0.93 + 0.3 * age - 0.28 * odd + 0.07 * grain + 0.1 * cloud + 0.12 * lip - 0.06 * tile.across * tile.across;
         let light = shade * (1.0 - 0.5 * joint) * (1.0 - 0.5 * shadow);
         let warm = word(tile.bits, 2) - 0.5;
         let tint = Vec3::new(1.0 + 0.05 * warm, 1.0 - 0.06 * warm - 0.04 * cloud, 1.0 - 0.22 * warm) * light;
         let spot = spots.at(u, v);
         let grown = word(spot.bits, 0) * 0.75 + 0.25 * cloud - 0.5;
-        let bloom = smoothstep(0.34 + 0.08 * grain, 0.2, spot.near) * smoothstep(0.0, 0.25, grown) * 0.5 * (1.0 - 0.6 * shadow);
+        let reach = 0.1 + 0.3 * word(spot.bits, 1) * word(spot.bits, 2) + 0.09 * grain;
+        let bloom = smoothstep(reach + 0.08, reach - 0.04, spot.near) * smoothstep(0.0, 0.25, grown) * 0.38 * (1.0 - 0.6 * shadow);
         let height = 0.014 * (1.0 - tile.above / 0.2).max(0.0) - 0.006 * joint + 0.001 * grain;
         // A film of dust greys the clay, more on old tiles.
         let film = 0.1 + 0.12 * (0.5 - age) + 0.05 * cloud;
@@ -88,7 +89,7 @@ pub(crate) fn slates(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
     let tiles = Shingles { columns: 12, rows: 16, size_m, bow: 0.12, power: 6, key: draw.bits("slates") };
     let grain = Fractal::new(draw.bits("grain"), 30, 60, 2, 0.7);
     let clouds = Fractal::new(draw.bits("clouds"), 3, 3, 3, 0.6);
-    Canvas::tiling(size, size_m, |u, v| {
+    Canvas::fine_tiling(size, size_m, |u, v| {
         let (grain, cloud) = (grain.at(u, v), clouds.at(u, v));
         let slate = tiles.at(u, v);
         let joint = falloff(slate.side, 0.006);

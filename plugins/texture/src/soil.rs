@@ -121,7 +121,7 @@ pub(crate) fn leaves(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
         let (warp, cloud) = (warp.at(u, v), clouds.at(u, v));
         let clump = clumps.at(u + 0.02 * warp, v + 0.02 * cloud);
         let round = smoothstep(0.75, 0.1, clump.near);
-        let sunny = 0.62 + 0.42 * round + 0.25 * (clump.offset.1 - 0.5 * clump.offset.0);
+        let sunny = 0.85 + 0.5 * round + 0.25 * (clump.offset.1 - 0.5 * clump.offset.0);
         let (mut light, mut hue, mut height) = (0.5, 0.0, 0.0);
         for (i, layer) in layers.iter().enumerate() {
             let leaf = layer.at(u, v);

@@ -42,6 +42,19 @@ impl Sandstone {
     }
 }
 
+impl Sandstone {
+    /// A block that stands out of the wall: base, impost, guard stone.
+    pub(crate) fn block(&self, canvas: &mut Canvas, rect: Rect, light: f32, proud: f32) {
+        let id = (floor(rect.x0 * 16.0), floor(rect.y0 * 16.0));
+        let plain = self.texel(rect.cx(), rect.y0, id);
+        canvas.slab(rect, plain.times(light), proud);
+        canvas.shade(rect, |x, y| {
+            let (u, v) = (x / self.size_m.0, y / self.size_m.1);
+            1.0 + 0.09 * self.grain.at(u, v) + 0.1 * self.weather.at(u * 2.0, v * 2.0)
+        });
+    }
+}
+
 /// Light on a block's rim: dark in the joint, lit above, shaded below. `edge` is the distance to the nearest joint.
 fn rim(edge: f32, joint: f32) -> f32 {
     1.0 - 0.4 * falloff(edge, joint)
@@ -141,7 +154,8 @@ pub(crate) fn steps(canvas: &mut Canvas, cx: f32, widths: &[f32], rise: f32, sto
             let tread = falloff(step.y1 - y, 0.045);
             let contact = falloff(y - step.y0, 0.05);
             let worn = 0.05 * falloff((x - cx).abs(), width * 0.35);
-            stone.texel(x, y, (floor(x / 0.9), 20 + i as i32)).times(0.82 + 0.3 * tread - 0.25 * contact + worn).at(0.03 * tread)
+            let joint = 0.3 * falloff((x - cx - 0.3 + 0.55 * (i % 2) as f32).abs(), 0.012);
+            stone.texel(x, y, (0, 20 + i as i32)).times(0.82 - joint + 0.3 * tread - 0.25 * contact + worn).at(0.03 * tread)
         });
     }
 }

@@ -115,8 +115,8 @@ pub(crate) fn arcade(canvas: &mut Canvas, draw: Draw) {
     vault(canvas, &hole);
     for side in [-1.0, 1.0] {
         let at = MIDDLE + side * 1.12;
-        canvas.slab(Rect::standing(at, hole.springing() - 0.09, 0.36, 0.14), stone.texel(at, 1.9, (7, 9)).times(1.1), 0.08);
-        canvas.slab(Rect::standing(at, 0.0, 0.36, 0.5), stone.texel(at, 0.4, (8, 9)).times(0.86), 0.07);
+        stone.block(canvas, Rect::standing(at, hole.springing() - 0.09, 0.36, 0.14), 1.1, 0.08);
+        stone.block(canvas, Rect::standing(at, 0.0, 0.36, 0.5), 0.88, 0.07);
     }
 }
 

@@ -153,3 +153,18 @@ fn openings_show_glass_or_timber_and_ground_its_own_colour() {
         }
     }
 }
+
+#[test]
+fn coverings_are_on_the_whole_as_bright_as_their_vertex_colour() {
+    let wall = 0.2;
+    let tiles = paint_tiles(64, 7);
+    for tile in [Tile::RoofTile, Tile::Slate, Tile::Metal, Tile::Stone, Tile::Wood, Tile::Leaves] {
+        let Some(&[r, g, b, a]) = tiles.colour_of(tile.index() as u32, tiles.mips - 1) else {
+            panic!("{tile:?} has no last mip");
+        };
+        let share = f32::from(a) / 255.0;
+        let seen = linear([r, g, b, a]).map(|c| c * (1.0 - share) + c / MODULATION_UNIT * wall * share);
+        let by = seen.iter().sum::<f32>() / 3.0 / wall;
+        assert!((0.65..1.15).contains(&by), "{tile:?} shows {by} times its colour");
+    }
+}
