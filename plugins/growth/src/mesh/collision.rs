@@ -165,7 +165,8 @@ mod tests {
     #[test]
     fn a_passage_stays_open_and_a_wall_is_shut() {
         let walls = |bottom| {
-            let shell = CellShell { houses: vec![house(bottom)], ground: vec![ground(SurfaceKind::Cobbles, 5)], ..Default::default() };
+            let shell =
+                CellShell { houses: vec![house(bottom)], ground: vec![ground(SurfaceKind::Cobbles, 5)], ..Default::default() };
             collision(&shell).walls
         };
         assert_eq!(walls(3 * 1024).triangles.len(), 0);

@@ -188,6 +188,11 @@ impl Paint {
         Self { centre, colour: [r, g, b, tile.index() as f32], tile }
     }
 
+    /// The same colour and tile at another place.
+    pub(super) fn at(self, centre: [f32; 2]) -> Self {
+        Self { centre, ..self }
+    }
+
     /// The same place and colour with another tile.
     pub(super) fn with_tile(self, tile: Tile) -> Self {
         let [r, g, b, _] = self.colour;

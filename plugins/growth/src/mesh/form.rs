@@ -254,7 +254,7 @@ fn gabled(volume: &VolumeShell) -> Form {
     if half < LEAST_M || s1 - s0 < LEAST_M {
         return Form::Flat;
     }
-    if !volume.footprint.holes.is_empty() || outer_area(volume) < 0.66 * (d1 - d0) * (s1 - s0) {
+    if !volume.footprint.holes.is_empty() || outer_area(volume) < 0.75 * (d1 - d0) * (s1 - s0) {
         return Form::Hip;
     }
     let is_half_hipped = volume.roof.shape == RoofShape::HalfHipped;

@@ -84,7 +84,9 @@ pub(super) fn lathe(form: &RoofForm<'_>, ring: &[DVec2], mesh: &mut MeshData, pa
 fn round_normal(rings: Rings, of: usize, spoke: DVec2, height: f64) -> [f32; 3] {
     let radius = spoke.length().max(1e-6);
     let band = |k: usize| {
-        rings.get(k..k + 2).map_or(DVec2::ZERO, |w| DVec2::new((w[1].1 - w[0].1) * height, (w[0].0 - w[1].0) * radius).normalize_or_zero())
+        rings
+            .get(k..k + 2)
+            .map_or(DVec2::ZERO, |w| DVec2::new((w[1].1 - w[0].1) * height, (w[0].0 - w[1].0) * radius).normalize_or_zero())
     };
     // A cone's point has the slope of its side; a drum's edge is sharp.
     let sum = if of == 0 || rings.len() == 2 { band(0) } else { band(of - 1) + band(of) };

@@ -180,7 +180,8 @@ impl Maker<'_> {
     /// Stepped plinth and a robed figure, one arm raised.
     fn statue(&mut self) {
         let (stone, bronze) = (self.paint(GRANITE, Tile::Stone), self.paint(BRONZE, Tile::Metal));
-        for (half, low, high) in [(0.95, 0.0, 0.22), (0.78, 0.22, 0.44), (0.52, 0.44, 0.62), (0.42, 0.62, 1.95), (0.54, 1.95, 2.14)] {
+        for (half, low, high) in [(0.95, 0.0, 0.22), (0.78, 0.22, 0.44), (0.52, 0.44, 0.62), (0.42, 0.62, 1.95), (0.54, 1.95, 2.14)]
+        {
             self.sculptor.block((0.0, 0.0), (half, half), (low, high), stone);
         }
         let robe = [(0.34, 2.14), (0.3, 2.4), (0.2, 3.05), (0.24, 3.3), (0.27, 3.55), (0.1, 3.72)];
@@ -325,10 +326,15 @@ mod tests {
                 let normal: glam::Vec3 = t.iter().map(|&i| glam::Vec3::from_array(mesh.normals[i as usize])).sum();
                 assert!(turn.dot(normal) >= -1e-7, "{kind:?} at {a}: {turn} {normal}");
             }
-            let volume: f32 = mesh.indices.chunks_exact(3).map(|t| {
-                let [a, b, c] = [t[0], t[1], t[2]].map(|i| glam::Vec3::from_array(mesh.positions[i as usize]) - glam::vec3(2.0, 1.0, -1.0));
-                a.cross(b).dot(c) / 6.0
-            }).sum();
+            let volume: f32 = mesh
+                .indices
+                .chunks_exact(3)
+                .map(|t| {
+                    let [a, b, c] =
+                        [t[0], t[1], t[2]].map(|i| glam::Vec3::from_array(mesh.positions[i as usize]) - glam::vec3(2.0, 1.0, -1.0));
+                    a.cross(b).dot(c) / 6.0
+                })
+                .sum();
             assert!(volume > 0.0, "{kind:?} is inside out: {volume}");
         }
     }

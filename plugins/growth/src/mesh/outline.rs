@@ -178,8 +178,7 @@ pub(super) struct GroundHeights<'a> {
 impl<'a> GroundHeights<'a> {
     pub(super) fn new(shell: &'a veduta_city::CellShell) -> Self {
         let bounded = shell.ground.iter().filter_map(|p| p.outline.bounds().map(|bounds| (bounds, p)));
-        let patches: Vec<_> =
-            bounded.map(|((low, high), p)| (low.to_metres(), high.to_metres(), &p.outline, p.z)).collect();
+        let patches: Vec<_> = bounded.map(|((low, high), p)| (low.to_metres(), high.to_metres(), &p.outline, p.z)).collect();
         let lowest = patches.iter().map(|p| p.3).min();
         Self { patches, lowest }
     }

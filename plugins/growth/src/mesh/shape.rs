@@ -68,8 +68,7 @@ impl Sculptor<'_> {
     /// A box of half widths (x, z) about (x, z) from a height to another.
     pub(super) fn block(&mut self, middle: (f64, f64), half: (f64, f64), heights: (f64, f64), paint: Paint) {
         let along = -self.front.perp();
-        let block =
-            Block { middle: self.plan(middle.0, middle.1), along, half: DVec2::new(half.0, half.1) * self.scale };
+        let block = Block { middle: self.plan(middle.0, middle.1), along, half: DVec2::new(half.0, half.1) * self.scale };
         let (low, high) = (self.y(heights.0), self.y(heights.1));
         block.walls(self.mesh, low, high, paint);
         block.cap(self.mesh, high, paint);
