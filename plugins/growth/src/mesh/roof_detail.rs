@@ -139,7 +139,7 @@ fn chimneys(draw: Draw, form: &RoofForm<'_>, roofer: &Roofer, mesh: &mut MeshDat
         let corners = block.corners();
         let mut rises = corners.iter().map(|&p| rise(form, roofer, p));
         let Some(lowest) = rises.try_fold(f64::INFINITY, |low, r| r.map(|r| low.min(r))) else { continue };
-        let top = form.eaves + (form.height * roofer.pieces.reach + part.between("chimney above", 0.2, 0.7)).min(lowest + 3.4);
+        let top = form.eaves + (form.height * roofer.pieces.reach + part.between("chimney above", 0.2, 0.7)).min(lowest + 2.4);
         block.walls(mesh, form.eaves + (lowest - 0.3).max(0.0), top, paint);
         let cap = Block { half: block.half + 0.07, ..block };
         cap.walls(mesh, top, top + 0.14, paint.with_tile(Tile::Stone));
