@@ -26,7 +26,7 @@
 //!
 //! # Limits
 //! Storeys that do not add up to the wall's height are stretched to it. A gabled roof on a footprint with courtyards, or one
-//! that fills less than two thirds of its extent, is built hipped.
+//! that fills less than three quarters of its extent, is built hipped.
 //!
 //! # Rejected
 //! Distance fields for hips (parabolic creases at inner corners), and sharing vertices between faces (every face has its own

@@ -139,9 +139,11 @@ impl MeshData {
     /// Adds a quad, corners counter-clockwise seen from outside.
     pub(super) fn quad(&mut self, corners: [DVec3; 4], normal: [f32; 3], uvs: [DVec2; 4], paint: Paint) {
         let base = self.positions.len() as u32;
-        for (corner, uv) in corners.into_iter().zip(uvs) {
-            self.vertex(corner, normal, uv, paint);
-        }
+        self.positions.extend(corners.map(|p| p.as_vec3().to_array()));
+        self.normals.extend([normal; 4]);
+        self.uvs.extend(uvs.map(|uv| uv.as_vec2().to_array()));
+        self.centres.extend([paint.centre; 4]);
+        self.colours.extend([paint.colour; 4]);
         self.indices.extend([base, base + 1, base + 2, base, base + 2, base + 3]);
     }
 
@@ -151,9 +153,11 @@ impl MeshData {
         let Some(normal) = newell(corners) else { return };
         let chart = Chart::new(normal, paint.tile);
         let base = self.positions.len() as u32;
-        for &corner in corners {
-            self.vertex(corner, normal.as_vec3().to_array(), chart.uv(corner), paint);
-        }
+        self.positions.extend(corners.iter().map(|p| p.as_vec3().to_array()));
+        self.normals.extend(corners.iter().map(|_| normal.as_vec3().to_array()));
+        self.uvs.extend(corners.iter().map(|&p| chart.uv(p).as_vec2().to_array()));
+        self.centres.extend(corners.iter().map(|_| paint.centre));
+        self.colours.extend(corners.iter().map(|_| paint.colour));
         for i in 1..corners.len() as u32 - 1 {
             self.indices.extend([base, base + i, base + i + 1]);
         }
@@ -186,6 +190,11 @@ impl Paint {
     pub(super) fn new(centre: [f32; 2], colour: Rgb, tile: Tile) -> Self {
         let [r, g, b] = colour.to_linear();
         Self { centre, colour: [r, g, b, tile.index() as f32], tile }
+    }
+
+    /// The same colour and tile at another place.
+    pub(super) fn at(self, centre: [f32; 2]) -> Self {
+        Self { centre, ..self }
     }
 
     /// The same place and colour with another tile.

@@ -14,7 +14,7 @@ const ROUND: Profile = &[
     (0.0, 0.0),
     (0.034_074_173_7, 0.258_819_045_1),
     (0.133_974_596_2, 0.5),
-    (0.292_893_218_8, 0.707_106_781_2),
+    (0.292_893_218_8, core::f64::consts::FRAC_1_SQRT_2),
     (0.5, 0.866_025_403_8),
     (0.741_180_954_9, 0.965_925_826_3),
     (1.0, 1.0),
@@ -254,7 +254,7 @@ fn gabled(volume: &VolumeShell) -> Form {
     if half < LEAST_M || s1 - s0 < LEAST_M {
         return Form::Flat;
     }
-    if !volume.footprint.holes.is_empty() || outer_area(volume) < 0.66 * (d1 - d0) * (s1 - s0) {
+    if !volume.footprint.holes.is_empty() || outer_area(volume) < 0.75 * (d1 - d0) * (s1 - s0) {
         return Form::Hip;
     }
     let is_half_hipped = volume.roof.shape == RoofShape::HalfHipped;

@@ -27,18 +27,37 @@ const CORNICE_FROM_M: f64 = 3.0;
 pub fn mouldings(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshError> {
     check(shell, sheet)?;
     let mut mesh = MeshData::default();
+    add_mouldings(shell, sheet, &mut mesh);
+    Ok(mesh)
+}
+
+/// What a volume's mouldings are drawn with, but for the place.
+struct Paints {
+    trim: Paint,
+    plinth: Paint,
+}
+
+/// Adds the mouldings of walls that a sheet of the right length tells.
+pub(super) fn add_mouldings(shell: &CellShell, sheet: &FacadeSheet, mesh: &mut MeshData) {
+    mesh.reserve_quads(sheet.walls.iter().filter(|wall| wall.kind == WallKind::Street).count() * 14);
     let ground = GroundHeights::new(shell);
     let mut told = sheet.walls.as_slice();
     for volume in shell.houses.iter().flat_map(|house| &house.volumes) {
         let (plans, rest) = told.split_at(volume.walls.len().min(told.len()));
         told = rest;
+        if plans.iter().all(|plan| plan.kind != WallKind::Street) {
+            continue;
+        }
+        let trim = Paint::new([0.0; 2], volume.trim, Tile::Stone);
+        let plinth = Paint::new([0.0; 2], volume.colour.scaled(0.75), Tile::Stone);
         for (&wall, plan) in volume.walls.iter().zip(plans).filter(|(_, plan)| plan.kind == WallKind::Street) {
-            let Some(front) = Front::new(volume, wall) else { continue };
+            let Some(front) = Front::new(volume, wall, trim) else { continue };
+            let centre = front.plaster.centre;
+            let paints = Paints { trim: trim.at(centre), plinth: plinth.at(centre) };
             let ends = ends(volume, plans, wall, &front.edge);
-            dress(volume, &front, plan, ends, &ground, &mut mesh);
+            dress(volume, &front, plan, ends, &ground, &paints, mesh);
         }
     }
-    Ok(mesh)
 }
 
 /// How a moulding ends at a corner.
@@ -67,9 +86,17 @@ fn ends(volume: &VolumeShell, plans: &[Wall], wall: u16, edge: &Edge) -> [End; 2
     [end(before, true), end(after, false)]
 }
 
-fn dress(volume: &VolumeShell, front: &Front, plan: &Wall, ends: [End; 2], ground: &GroundHeights<'_>, mesh: &mut MeshData) {
+fn dress(
+    volume: &VolumeShell,
+    front: &Front,
+    plan: &Wall,
+    ends: [End; 2],
+    ground: &GroundHeights<'_>,
+    paints: &Paints,
+    mesh: &mut MeshData,
+) {
     let height = front.eaves - front.bottom;
-    let trim = Paint::new(front.plaster.centre, volume.trim, Tile::Stone);
+    let trim = paints.trim;
     if height >= CORNICE_FROM_M && front.edge.length > 1.0 {
         sweep(&front.edge, ends, if height >= TALL_M { CROWN } else { LOW_CROWN }, front.eaves, trim, mesh);
     }
@@ -82,13 +109,12 @@ fn dress(volume: &VolumeShell, front: &Front, plan: &Wall, ends: [End; 2], groun
     }
     let stands = ground.before(&front.edge).is_none_or(|g| metres(volume.bottom) < g + 1.0);
     if stands && height > 1.5 {
-        plinth(volume, front, plan, ends, mesh);
+        plinth(front, plan, ends, paints.plinth, mesh);
     }
 }
 
 /// The plinth, left out where something is open down to the ground.
-fn plinth(volume: &VolumeShell, front: &Front, plan: &Wall, ends: [End; 2], mesh: &mut MeshData) {
-    let paint = Paint::new(front.plaster.centre, volume.colour.scaled(0.75), Tile::Stone);
+fn plinth(front: &Front, plan: &Wall, ends: [End; 2], paint: Paint, mesh: &mut MeshData) {
     let bays = plan.bays.max(1);
     let mut from = Some(0);
     let mut stretch = |from: u8, to: u8| {

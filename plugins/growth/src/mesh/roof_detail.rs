@@ -35,8 +35,10 @@ pub(super) fn details(house: Id, form: &RoofForm<'_>, roofer: &mut Roofer, mesh:
         _ => {}
     }
     let reach = OVERHANG_M.min(0.06 * size.sqrt());
+    let top = covering(form.volume);
+    let under = Paint::new(top.centre, form.volume.trim, Tile::Plaster);
     for wall in 0..wall_count(&form.volume.footprint) {
-        overhang(form, wall, reach, &mut roofer.along, mesh);
+        overhang(form, wall, reach, [top, under], &mut roofer.along, mesh);
     }
     let has_attic = matches!(form.form, Form::Ridge(_) | Form::Planes(..) | Form::Hip) && form.height > 2.0;
     if has_attic && (40.0..1500.0).contains(&size) && form.volume.roof.shape != RoofShape::Skillion {
@@ -54,7 +56,14 @@ pub(super) fn mitre(before: &Edge, after: &Edge) -> Option<DVec2> {
     (opening > 0.5).then(|| (before.out + after.out) / opening)
 }
 
-fn overhang(form: &RoofForm<'_>, wall: usize, reach: f64, scratch: &mut Vec<(f64, f64)>, mesh: &mut MeshData) {
+fn overhang(
+    form: &RoofForm<'_>,
+    wall: usize,
+    reach: f64,
+    [top, under]: [Paint; 2],
+    scratch: &mut Vec<(f64, f64)>,
+    mesh: &mut MeshData,
+) {
     if !form.is_level_along(wall, scratch) {
         return;
     }
@@ -68,8 +77,6 @@ fn overhang(form: &RoofForm<'_>, wall: usize, reach: f64, scratch: &mut Vec<(f64
     let low = form.eaves - OVERHANG_DROP_M;
     let [lip_a, lip_b, b, a] = [engine(from, low), engine(to, low), engine(edge.b, form.eaves), engine(edge.a, form.eaves)];
     let (under_a, under_b) = (engine(edge.a, low), engine(edge.b, low));
-    let top = covering(form.volume);
-    let under = Paint::new(top.centre, form.volume.trim, Tile::Plaster);
     mesh.polygon(&[lip_a, lip_b, b, a], top);
     mesh.polygon(&[under_a, under_b, lip_b, lip_a], under);
     if start.is_none() {
@@ -132,7 +139,7 @@ fn chimneys(draw: Draw, form: &RoofForm<'_>, roofer: &Roofer, mesh: &mut MeshDat
         let corners = block.corners();
         let mut rises = corners.iter().map(|&p| rise(form, roofer, p));
         let Some(lowest) = rises.try_fold(f64::INFINITY, |low, r| r.map(|r| low.min(r))) else { continue };
-        let top = form.eaves + (form.height * roofer.pieces.reach + part.between("chimney above", 0.2, 0.7)).min(lowest + 3.4);
+        let top = form.eaves + (form.height * roofer.pieces.reach + part.between("chimney above", 0.2, 0.7)).min(lowest + 2.4);
         block.walls(mesh, form.eaves + (lowest - 0.3).max(0.0), top, paint);
         let cap = Block { half: block.half + 0.07, ..block };
         cap.walls(mesh, top, top + 0.14, paint.with_tile(Tile::Stone));

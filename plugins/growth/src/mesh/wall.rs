@@ -3,7 +3,7 @@ use veduta_city::{CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, metr
 
 use super::data::{MeshData, MeshError, Paint};
 use super::form::RoofForm;
-use super::moulding::mouldings;
+use super::moulding::add_mouldings;
 use super::outline::{Edge, centre_of, engine, wall_edge};
 
 /// The cell's walls as coloured outlines: one face from foot to eaves and the gable above it. Centres are the middles of the
@@ -14,9 +14,9 @@ pub fn level1(shell: &CellShell) -> MeshData {
     mesh.reserve_quads(wall_total(shell) * 2);
     let mut along = Vec::new();
     for volume in shell.houses.iter().flat_map(|house| &house.volumes) {
-        let form = RoofForm::new(volume);
+        let (form, plaster) = (RoofForm::new(volume), plaster(volume));
         for &wall in &volume.walls {
-            let Some(front) = Front::new(volume, wall) else { continue };
+            let Some(front) = Front::new(volume, wall, plaster) else { continue };
             front.plain(&mut mesh);
             front.gable(&form, wall, &mut along, &mut mesh);
         }
@@ -24,13 +24,13 @@ pub fn level1(shell: &CellShell) -> MeshData {
     mesh
 }
 
-/// The cell's walls with their openings and mouldings: [`facades`] and [`mouldings`].
+/// The cell's walls with their openings and mouldings: [`facades`] and [`mouldings`](super::mouldings).
 ///
 /// # Errors
 /// [`MeshError::SheetLength`] if the sheet is not of this shell.
 pub fn level2(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshError> {
     let mut mesh = facades(shell, sheet)?;
-    mesh.append(&mouldings(shell, sheet)?);
+    add_mouldings(shell, sheet, &mut mesh);
     Ok(mesh)
 }
 
@@ -46,9 +46,9 @@ pub fn facades(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshE
     let mut along = Vec::new();
     let mut told = sheet.walls.iter();
     for volume in shell.houses.iter().flat_map(|house| &house.volumes) {
-        let form = RoofForm::new(volume);
+        let (form, plaster) = (RoofForm::new(volume), plaster(volume));
         for (&wall, plan) in volume.walls.iter().zip(&mut told) {
-            let Some(front) = Front::new(volume, wall) else { continue };
+            let Some(front) = Front::new(volume, wall, plaster) else { continue };
             front.bays(plan, &mut mesh);
             front.gable(&form, wall, &mut along, &mut mesh);
         }
@@ -67,6 +67,11 @@ pub(super) fn check(shell: &CellShell, sheet: &FacadeSheet) -> Result<(), MeshEr
     if shell == sheet { Ok(()) } else { Err(MeshError::SheetLength { shell, sheet }) }
 }
 
+/// What a volume's walls are drawn with, but for the place.
+fn plaster(volume: &VolumeShell) -> Paint {
+    Paint::new([0.0; 2], volume.colour, Tile::Plaster)
+}
+
 /// A wall that stands.
 pub(super) struct Front {
     pub(super) edge: Edge,
@@ -77,9 +82,9 @@ pub(super) struct Front {
 
 impl Front {
     /// `None` for walls without length or height, and for indices beyond the footprint.
-    pub(super) fn new(volume: &VolumeShell, wall: u16) -> Option<Self> {
+    pub(super) fn new(volume: &VolumeShell, wall: u16, plaster: Paint) -> Option<Self> {
         let edge = wall_edge(&volume.footprint, wall.into())?;
-        let plaster = Paint::new(centre_of((edge.a + edge.b) / 2.0), volume.colour, Tile::Plaster);
+        let plaster = plaster.at(centre_of((edge.a + edge.b) / 2.0));
         let (bottom, eaves) = (metres(volume.bottom), metres(volume.eaves));
         (bottom < eaves).then_some(Self { edge, bottom, eaves, plaster })
     }
