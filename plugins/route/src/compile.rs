@@ -224,8 +224,7 @@ impl Score<'_> {
     }
 
     fn span(&mut self, step: usize, start_s: f64, end_s: f64) -> Result<(), TourError> {
-        // False also for what is not a number.
-        if !(end_s <= LONGEST_TOUR_S) {
+        if is_too_late(end_s) {
             return Err(self.fail(step, StepProblem::TooLate));
         }
         let kind = self.kind(step);
@@ -268,7 +267,7 @@ impl Score<'_> {
             let haste = haste(kind, speed_of(first), i > 0 || starts_gently(legs), i + 1 < paths.len() || stops_gently(legs));
             let pace = Pace::new(path, speed_of, haste);
             let run = Run { path: path.clone(), pace, reach_m: reach_m(kind, speed_of(first)), is_walk: kind == StepKind::Walk };
-            if !(self.draft.now_s + run.pace.duration_s() <= LONGEST_TOUR_S) {
+            if is_too_late(self.draft.now_s + run.pace.duration_s()) {
                 let step = legs.get(first as usize).map_or(0, |l| l.step);
                 return Err(self.fail(step, StepProblem::TooLate));
             }
@@ -354,6 +353,11 @@ impl Score<'_> {
             spans: self.spans,
         }
     }
+}
+
+/// Whether a time is beyond the longest tour, or not a number.
+fn is_too_late(t: f64) -> bool {
+    t.is_nan() || t > LONGEST_TOUR_S
 }
 
 /// The hour to turn to, counted on from `now` so that the clock goes forward, or back by less than half a day.

@@ -140,7 +140,7 @@ mod tests {
 
     fn path(points: &[(f64, f64)]) -> Path {
         let marks: Vec<Mark> = points.iter().map(|&(x, y)| Mark { at: DVec3::new(x, y, 1.65), leg: 0 }).collect();
-        round_corners(&marks).swap_remove(0)
+        round_corners(&marks, None).swap_remove(0)
     }
 
     const WALK: Haste = Haste { up: 1.2, down: 1.2, side: 3.0 };

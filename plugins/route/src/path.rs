@@ -2,6 +2,8 @@
 
 use glam::{DVec2, DVec3, swizzles::Vec3Swizzles};
 
+use crate::FreeLine;
+
 /// Furthest that a rounded corner leaves the corner, in metres.
 pub const CORNER_M: f64 = 0.6;
 /// Greatest radius of a rounded corner, in metres.
@@ -83,15 +85,16 @@ impl Path {
 }
 
 /// Rounds a walked polyline: arcs in place of corners, at most [`CORNER_M`] away from them; about 1.4 m in radius at right
-/// angles. Where the way turns back on itself the path ends and another begins.
-pub(crate) fn round_corners(marks: &[Mark]) -> Vec<Path> {
+/// angles. Where the way turns back on itself the path ends and another begins. Corners are cut less where that would not be
+/// free.
+pub(crate) fn round_corners(marks: &[Mark], free: Option<FreeLine<'_>>) -> Vec<Path> {
     let marks = straighten(marks);
     let mut paths = Vec::new();
     let mut first = 0;
     for i in 1..marks.len() {
         let is_end = i + 1 == marks.len() || turn(&marks[i - 1..=i + 1]) > REVERSAL;
         if is_end {
-            paths.extend(rounded(&marks[first..=i]));
+            paths.extend(rounded(&marks[first..=i], free));
             first = i;
         }
     }
@@ -151,8 +154,8 @@ fn angle(a: DVec2, b: DVec2) -> f64 {
 }
 
 /// A polyline without reversals as a path of straights and arcs.
-fn rounded(marks: &[Mark]) -> Option<Path> {
-    let mut pen = Pen { knots: Vec::new() };
+fn rounded(marks: &[Mark], free: Option<FreeLine<'_>>) -> Option<Path> {
+    let mut pen = Pen { knots: Vec::new(), free };
     let first = marks.first()?;
     let second = marks.get(1)?;
     pen.straight_to(first.at, (second.at - first.at).normalize_or_zero(), second.leg);
@@ -169,11 +172,12 @@ fn rounded(marks: &[Mark]) -> Option<Path> {
     Path::new(pen.knots)
 }
 
-struct Pen {
+struct Pen<'a> {
     knots: Vec<Knot>,
+    free: Option<FreeLine<'a>>,
 }
 
-impl Pen {
+impl Pen<'_> {
     fn straight_to(&mut self, at: DVec3, dir: DVec3, leg: u32) {
         let s = self.knots.last().map_or(0.0, |k| k.s + k.at.distance(at));
         self.push(Knot { s, at, dir, bend: 0.0, leg });
@@ -199,8 +203,15 @@ impl Pen {
         if half < 5e-4 || cos <= 0.0 {
             return self.straight_to(corner.at, ((into + out) / 2.0).normalize_or(into).extend(0.0), after.leg);
         }
-        let radius = (CORNER_M * cos / (1.0 - cos)).min(RADIUS_M).min(room / libm::tan(half));
-        let touch = corner.at.xy() - into * (radius * libm::tan(half));
+        let widest = (CORNER_M * cos / (1.0 - cos)).min(RADIUS_M).min(room / libm::tan(half));
+        let reach = |radius: f64| radius * libm::tan(half);
+        let is_free = |radius: &f64| {
+            let (from, to) = (corner.at.xy() - into * reach(*radius), corner.at.xy() + out * reach(*radius));
+            self.free.is_none_or(|free| free(from, to))
+        };
+        // The arc lies between the corner and the line that cuts it off.
+        let radius = [1.0, 0.5, 0.25].map(|share| widest * share).into_iter().find(is_free).unwrap_or(widest / 8.0);
+        let touch = corner.at.xy() - into * reach(radius);
         let side = into.perp() * turn.signum();
         let centre = touch + side * radius;
         let pieces = 2 * libm::ceil(half / 0.2).max(1.0) as u32;
@@ -240,7 +251,7 @@ mod tests {
 
     #[test]
     fn a_right_angle_becomes_an_arc_of_about_a_metre_and_a_half() {
-        let paths = round_corners(&marks(&[(0.0, 0.0), (20.0, 0.0), (20.0, 20.0)]));
+        let paths = round_corners(&marks(&[(0.0, 0.0), (20.0, 0.0), (20.0, 20.0)]), None);
         let [path] = paths.as_slice() else { panic!("one path, not {}", paths.len()) };
         let bend = path.knots().iter().map(|k| k.bend).fold(0.0, f64::max);
         assert!((1.0 / bend - 1.448).abs() < 1e-3, "radius {}", 1.0 / bend);
@@ -251,24 +262,34 @@ mod tests {
     }
 
     #[test]
+    fn a_corner_is_cut_less_where_a_wall_stands_in_it() {
+        let line = marks(&[(0.0, 0.0), (20.0, 0.0), (20.0, 20.0)]);
+        // Free only within 0.6 m of the corner; the widest arc's chord passes 1.02 m from it, half as wide a one's 0.51 m.
+        let free = |a: DVec2, b: DVec2| ((a + b) / 2.0).distance(DVec2::new(20.0, 0.0)) < 0.6;
+        let path = &round_corners(&line, Some(&free))[0];
+        let nearest = path.knots().iter().map(|k| k.at.xy().distance(DVec2::new(20.0, 0.0)));
+        assert!((nearest.fold(f64::INFINITY, f64::min) - CORNER_M / 2.0).abs() < 1e-3);
+    }
+
+    #[test]
     fn a_way_that_turns_back_is_cut_there() {
-        let paths = round_corners(&marks(&[(0.0, 0.0), (10.0, 0.0), (1.0, 0.5), (1.0, 9.0)]));
+        let paths = round_corners(&marks(&[(0.0, 0.0), (10.0, 0.0), (1.0, 0.5), (1.0, 9.0)]), None);
         assert_eq!(paths.len(), 2);
         assert_eq!(paths[0].at(99.0), paths[1].at(0.0));
     }
 
     #[test]
     fn nothing_to_walk_is_no_path() {
-        assert!(round_corners(&[]).is_empty());
-        assert!(round_corners(&marks(&[(1.0, 1.0)])).is_empty());
-        assert!(round_corners(&marks(&[(1.0, 1.0), (1.0, 1.0)])).is_empty());
+        assert!(round_corners(&[], None).is_empty());
+        assert!(round_corners(&marks(&[(1.0, 1.0)]), None).is_empty());
+        assert!(round_corners(&marks(&[(1.0, 1.0), (1.0, 1.0)]), None).is_empty());
     }
 
     #[test]
     fn a_leg_changes_at_the_middle_of_its_corner() {
         let mut line = marks(&[(0.0, 0.0), (20.0, 0.0), (20.0, 20.0)]);
         line[2].leg = 1;
-        let path = &round_corners(&line)[0];
+        let path = &round_corners(&line, None)[0];
         let change = path.knots().iter().find(|k| k.leg == 1).expect("two legs");
         assert!((change.s - path.length() / 2.0).abs() < 1e-9);
     }
@@ -279,7 +300,7 @@ mod tests {
             points in proptest::collection::vec((-60.0..60.0, -60.0..60.0f64), 2..9),
         ) {
             let line = marks(&points);
-            for path in round_corners(&line) {
+            for path in round_corners(&line, None) {
                 let n = 400;
                 let step = path.length() / f64::from(n);
                 for i in 0..n {

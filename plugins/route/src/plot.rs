@@ -219,7 +219,7 @@ impl<'a> Plotter<'a> {
                 _ => break,
             }
         }
-        let paths = if kind == StepKind::Walk { round_corners(&marks) } else { fly(&marks) };
+        let paths = if kind == StepKind::Walk { round_corners(&marks, self.free) } else { fly(&marks) };
         Ok((Act::Move { kind, legs, paths }, next))
     }
 

@@ -83,7 +83,7 @@ fn walk_back(net: &StreetNet, from: &Pose, to: &Pose, free: Option<FreeLine<'_>>
             return None;
         }
         let marks: Vec<Mark> = way.iter().map(|p| Mark { at: p.extend(from.eye_m), leg: 0 }).collect();
-        for path in round_corners(&marks) {
+        for path in round_corners(&marks, free) {
             let pace = Pace::new(&path, |_| SPEED, Haste { up: 1.2, down: 1.2, side: 3.0 });
             let run = Run { path, pace, reach_m: 4.0, is_walk: true };
             draft.set_off(&run, Gaze::Ahead);

@@ -380,7 +380,7 @@ fn any_number() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn no_tour_jerks(steps in proptest::collection::vec(any_step(), 1..7)) {
@@ -418,27 +418,4 @@ proptest! {
             }
         }
     }
-}
-
-/// Prints figures: `cargo test -p veduta-route --release -- --ignored --nocapture figures`.
-#[test]
-#[ignore = "prints figures and checks nothing"]
-fn figures() {
-    let (net, places, tour) = (town(), places(), read(SAMPLE));
-    let begun = std::time::Instant::now();
-    let compiled = compile(&tour, &net, &places).expect("the sample");
-    println!("compiling {:.0} s of tour: {:?}", compiled.duration_s(), begun.elapsed());
-    let begun = std::time::Instant::now();
-    let sum: f64 = (0..100_000).map(|i| compiled.pose(f64::from(i) * 1e-3).heading_deg).sum();
-    println!("a pose: {:?} ({sum:.0})", begun.elapsed() / 100_000);
-    let begun = std::time::Instant::now();
-    let net = StreetNet::new(&grid_town(100, 50.0));
-    println!("a net of {} segments: {:?}", net.segments.len(), begun.elapsed());
-    let begun = std::time::Instant::now();
-    let way = net.way(DVec2::new(10.0, 0.0), DVec2::new(4900.0, 4930.0)).expect("connected");
-    println!("a way of {:.0} m: {:?}", crate::way::length(&way), begun.elapsed());
-    let long = with_steps(vec![start(0.0, 0.0), Step::Wait { seconds: 21_500.0 }]);
-    let begun = std::time::Instant::now();
-    let long = compile(&long, &net, &places).expect("six hours");
-    println!("compiling {:.0} s of tour: {:?}", long.duration_s(), begun.elapsed());
 }
