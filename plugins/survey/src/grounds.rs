@@ -95,6 +95,7 @@ pub(crate) fn built_blocks(network: &Network, buildings: &[Building], areas: &[A
     let built = built_shares(&candidates, buildings);
     let with_houses = built.iter().filter(|&&share| share >= BUILT_SHARE).count();
     let total = candidates.len();
+    if std::env::var_os("DBG").is_some() { eprintln!("DBG {with_houses}/{total}"); }
     if with_houses as f64 > COMPLETE_SHARE * total as f64 {
         return Vec::new();
     }

@@ -59,6 +59,8 @@ mod polygon;
 mod rings;
 mod shapes;
 mod start;
+#[cfg(test)]
+mod testing;
 
 pub use error::SurveyError;
 use veduta_city::{CityGraph, Finding, Id, LinkKind, Severity};
@@ -111,21 +113,6 @@ pub fn survey_osm(bytes: &[u8], name: &str) -> Result<Survey, SurveyError> {
         return Err(SurveyError::Graph { name: name.to_owned(), detail });
     }
     Ok(Survey { graph, findings: log.finish() })
-}
-
-/// Nodes, ways, relations, references of ways, members of relations and tags that a file holds; for comparing readers.
-///
-/// # Errors
-/// Those of [`survey_osm`] that concern the file's format.
-#[doc(hidden)]
-pub fn element_counts(bytes: &[u8], name: &str) -> Result<(usize, usize, usize, usize, usize, usize), SurveyError> {
-    let data = osm::decode(bytes, name)?;
-    let refs = data.ways.values().map(|w| w.nodes.len()).sum();
-    let members = data.relations.values().map(|r| r.members.len()).sum();
-    let of_nodes = data.nodes.values().map(|n| &n.tags);
-    let of_others = data.ways.values().map(|w| &w.tags).chain(data.relations.values().map(|r| &r.tags));
-    let tags = of_nodes.chain(of_others).map(osm::Tags::len).sum();
-    Ok((data.nodes.len(), data.ways.len(), data.relations.len(), refs, members, tags))
 }
 
 fn graph_of(data: &OsmData, extent: &Extent, log: &mut Log) -> CityGraph {

@@ -231,4 +231,62 @@ mod tests {
         let nearly = assembled(&[(&[0, 5, 55, 50, 0], false), (&[0, 5, 55, 54, 50, 40, 0], false)]);
         assert!((cells(&nearly) - 25.0).abs() < 0.1, "{}", cells(&nearly));
     }
+
+    /// Rings of a MULTIPOLYGON in WKT as pairs of longitude and latitude.
+    fn wkt_rings(wkt: &str) -> Vec<Vec<(f64, f64)>> {
+        let inner = wkt.trim_start_matches("MULTIPOLYGON");
+        let rings = inner.split(['(', ')']).filter(|part| part.contains(char::is_numeric));
+        rings
+            .map(|ring| {
+                let pairs = ring.split(',').filter(|p| !p.trim().is_empty());
+                pairs.map(|p| p.trim().split_once(' ').map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap())).unwrap()).collect()
+            })
+            .collect()
+    }
+
+    /// The multipolygon cases of osmcode/osm-testdata against the areas that it expects, ends joined by location. Invalid
+    /// cases may give anything but a panic; valid ones must give the same area.
+    #[test]
+    fn the_test_grid_of_osmcode_comes_out_as_expected() {
+        let Some(folder) = crate::testing::data() else { return };
+        let bytes = std::fs::read(folder.join("osm_tiny/osm_testdata_grid_all.osm")).unwrap();
+        let data = crate::osm::decode(&bytes, "grid.osm").unwrap();
+        let tests = std::fs::read(folder.join("osm_tiny/osm_testdata_grid_tests.json")).unwrap();
+        let tests: serde_json::Value = serde_json::from_slice(&tests).unwrap();
+        let (mut right, mut wrong) = (0, Vec::new());
+        for test in tests.as_array().unwrap() {
+            let areas = &test["areas"];
+            let variant = ["location", "fix", "default"].iter().find_map(|v| areas[*v].as_array());
+            for area in variant.into_iter().flatten() {
+                let (id, wkt) = (area["from_id"].as_i64().unwrap(), area["wkt"].as_str().unwrap());
+                let mut pieces = Vec::new();
+                if area["from_type"] == "way" {
+                    pieces.push(Piece { nodes: &data.ways[&id].nodes, is_inner: false });
+                } else {
+                    for m in data.relations[&id].members.iter().filter(|m| m.kind == crate::osm::MemberKind::Way) {
+                        let nodes = data.ways.get(&m.id).map(|w| w.nodes.as_slice()).unwrap_or_default();
+                        pieces.push(Piece { nodes, is_inner: &*m.role == "inner" });
+                    }
+                }
+                let first = pieces.iter().flat_map(|p| p.nodes).find_map(|n| data.nodes.get(n));
+                let Some(first) = first else { continue };
+                let anchor = veduta_city::Anchor { lat: first.lat, lon: first.lon };
+                let extent = Extent { anchor, low: DVec2::splat(-1e6), high: DVec2::splat(1e6) };
+                let got: f64 = assemble(&pieces, &data, &extent).polygons.iter().map(Polygon::area_m2).sum();
+                if wkt == "INVALID" {
+                    continue;
+                }
+                let plan = |r: Vec<(f64, f64)>| -> Ring { r.into_iter().map(|(x, y)| anchor.plan_from_geo(y, x)).collect() };
+                let rings: Vec<Ring> = wkt_rings(wkt).into_iter().map(plan).collect();
+                let expected: f64 = even_odd(&rings).0.iter().map(Polygon::area_m2).sum();
+                if (got / expected - 1.0).abs() < 1e-3 {
+                    right += 1;
+                } else {
+                    wrong.push((test["test_id"].clone(), test["description"].clone(), got / expected));
+                }
+            }
+        }
+        println!("{right} right");
+        assert!(right > 60 && wrong.is_empty(), "{right} right, wrong: {wrong:#?}");
+    }
 }

@@ -67,6 +67,7 @@ fn named_streets(graph: &CityGraph) -> usize {
     streets.map(|l| l.name.as_str()).collect::<BTreeSet<_>>().len()
 }
 
+/// A row of the table that the test prints.
 fn row(file: &str, survey: &Survey, ms: f64) -> String {
     let Survey { graph, findings } = survey;
     let count = |kind| graph.blocks.iter().filter(|b| b.kind == kind).count();
@@ -250,30 +251,4 @@ fn single_buildings_are_models_and_broken_outlines_are_findings() {
     }
     let tests = bytes(&folder, "osm_tiny/osm_testdata_grid_tests.json");
     assert!(matches!(survey_osm(&tests, "tests.json"), Err(SurveyError::NotOsm { .. })));
-}
-
-/// What the other reader makes of a PBF file: nodes, ways with their references, relations with their members, tags.
-type Counts = (usize, usize, usize, usize, usize, usize);
-
-fn peer_counts(bytes: &[u8]) -> Counts {
-    let mut c: Counts = Default::default();
-    let reader = osmpbf::ElementReader::new(bytes);
-    reader
-        .for_each(|element| match element {
-            osmpbf::Element::Node(n) => (c.0, c.5) = (c.0 + 1, c.5 + n.tags().count()),
-            osmpbf::Element::DenseNode(n) => (c.0, c.5) = (c.0 + 1, c.5 + n.tags().count()),
-            osmpbf::Element::Way(w) => (c.1, c.3, c.5) = (c.1 + 1, c.3 + w.refs().count(), c.5 + w.tags().count()),
-            osmpbf::Element::Relation(r) => (c.2, c.4, c.5) = (c.2 + 1, c.4 + r.members().count(), c.5 + r.tags().count()),
-        })
-        .expect("the file is whole");
-    c
-}
-
-#[test]
-fn our_reading_of_pbf_is_that_of_osmpbf() {
-    let Some(folder) = data() else { return };
-    for Expected { file, .. } in CITIES.iter().filter(|c| c.file.ends_with(".pbf")) {
-        let bytes = bytes(&folder, file);
-        assert_eq!(veduta_survey::element_counts(&bytes, file).expect("it is whole"), peer_counts(&bytes), "{file}");
-    }
 }

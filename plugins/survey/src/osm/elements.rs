@@ -39,6 +39,7 @@ impl Tags {
         self.get(key).is_some_and(|v| v != "no")
     }
 
+    #[cfg(test)]
     pub(crate) fn len(&self) -> usize {
         self.0.len()
     }

@@ -326,3 +326,127 @@ fn relation(block: &Block<'_>, value: Value<'_>, data: &mut OsmData, name: &str)
     data.relations.insert(id, Relation { members, tags: block.tags(&keys, &values)? });
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn number(mut n: u64) -> Vec<u8> {
+        let mut out = Vec::new();
+        while n >= 0x80 {
+            out.push(n as u8 | 0x80);
+            n >>= 7;
+        }
+        out.push(n as u8);
+        out
+    }
+
+    fn zigzag(n: i64) -> u64 {
+        (n << 1 ^ n >> 63) as u64
+    }
+
+    fn plain(field: u64, n: u64) -> Vec<u8> {
+        [number(field << 3), number(n)].concat()
+    }
+
+    fn bytes(field: u64, content: &[u8]) -> Vec<u8> {
+        [number(field << 3 | 2), number(content.len() as u64), content.to_vec()].concat()
+    }
+
+    fn packed(field: u64, all: impl IntoIterator<Item = i64>) -> Vec<u8> {
+        bytes(field, &all.into_iter().flat_map(|n| number(zigzag(n))).collect::<Vec<_>>())
+    }
+
+    fn blob(kind: &str, body: &[u8]) -> Vec<u8> {
+        let header = [bytes(1, kind.as_bytes()), plain(3, body.len() as u64)].concat();
+        [(header.len() as u32).to_be_bytes().to_vec(), header, body.to_vec()].concat()
+    }
+
+    fn file(header: &[u8], group: &[u8]) -> Vec<u8> {
+        let strings = bytes(1, &["", "highway", "steps"].iter().flat_map(|s| bytes(1, s.as_bytes())).collect::<Vec<_>>());
+        let block = [strings, bytes(2, group)].concat();
+        [blob("OSMHeader", &bytes(1, header)), blob("OSMData", &bytes(1, &block))].concat()
+    }
+
+    fn dense(ids: [i64; 2]) -> Vec<u8> {
+        let words = bytes(10, &[1, 2, 0, 0]);
+        bytes(2, &[packed(1, ids), packed(8, [500_000_000, 1000]), packed(9, [140_000_000, -1000]), words].concat())
+    }
+
+    fn way(key: u64) -> Vec<u8> {
+        bytes(3, &[plain(1, 9), bytes(2, &number(key)), bytes(3, &[2]), packed(8, [7, 1])].concat())
+    }
+
+    fn header() -> Vec<u8> {
+        [bytes(4, b"OsmSchema-V0.6"), bytes(4, b"DenseNodes")].concat()
+    }
+
+    #[test]
+    fn a_block_by_hand_is_read() {
+        let data = read(&file(&header(), &[dense([7, 1]), way(1)].concat()), "a.pbf").unwrap();
+        assert_eq!((data.nodes[&7].lat, data.nodes[&7].tags.get("highway")), (50.0, Some("steps")));
+        assert!((data.nodes[&8].lat - 50.0001).abs() < 1e-9 && data.nodes[&8].tags.is_empty());
+        assert_eq!((data.ways[&9].nodes.as_slice(), data.ways[&9].tags.get("highway")), (&[7, 8][..], Some("steps")));
+    }
+
+    #[test]
+    fn every_cut_but_between_blobs_is_an_error() {
+        let whole = file(&header(), &dense([7, 1]));
+        let first = blob("OSMHeader", &bytes(1, &header())).len();
+        for cut in (1..whole.len()).filter(|&c| c != first) {
+            let error = read(&whole[..cut], "a.pbf").err().unwrap_or_else(|| panic!("cut at {cut} passed"));
+            assert!(matches!(error, SurveyError::Cut { .. }), "{cut}: {error}");
+        }
+    }
+
+    #[test]
+    fn differences_beyond_64_bits_and_strings_beyond_the_table_are_named() {
+        let error = read(&file(&header(), &dense([i64::MAX, 1])), "a.pbf").unwrap_err().to_string();
+        assert!(error.contains("blob 2: differences add up to more than 64 bits"), "{error}");
+        let error = read(&file(&header(), &way(3)), "a.pbf").unwrap_err().to_string();
+        assert!(error.contains("outside the table of strings"), "{error}");
+    }
+
+    #[test]
+    fn histories_and_strange_compression_are_refused_with_the_fix() {
+        let error = read(&file(&bytes(4, b"HistoricalInformation"), &[]), "a.pbf").unwrap_err().to_string();
+        assert!(error.contains("HistoricalInformation") && error.contains("osmium"), "{error}");
+        let packed = [blob("OSMHeader", &bytes(1, &header())), blob("OSMData", &bytes(7, b"zz"))].concat();
+        let error = read(&packed, "a.pbf").unwrap_err().to_string();
+        assert!(error.contains("zstd compression"), "{error}");
+    }
+
+    /// What the other reader makes of a file: nodes, ways, relations, references, members, tags.
+    fn peer_counts(bytes: &[u8]) -> [usize; 6] {
+        use osmpbf::Element;
+        let mut c = [0; 6];
+        let count = |element: Element<'_>| match element {
+            Element::Node(n) => (c[0], c[5]) = (c[0] + 1, c[5] + n.tags().count()),
+            Element::DenseNode(n) => (c[0], c[5]) = (c[0] + 1, c[5] + n.tags().count()),
+            Element::Way(w) => (c[1], c[3], c[5]) = (c[1] + 1, c[3] + w.refs().count(), c[5] + w.tags().count()),
+            Element::Relation(r) => (c[2], c[4], c[5]) = (c[2] + 1, c[4] + r.members().count(), c[5] + r.tags().count()),
+        };
+        osmpbf::ElementReader::new(bytes).for_each(count).unwrap();
+        c
+    }
+
+    #[test]
+    fn real_files_read_as_osmpbf_reads_them() {
+        let Some(folder) = crate::testing::data() else { return };
+        for file in [
+            "lauf_pegnitz/lauf_an_der_pegnitz_2020.osm.pbf",
+            "helsinki_centre/helsinki_centre_2019.osm.pbf",
+            "portland_dem/portland-central-filtered.osm.pbf",
+            "valletta/valletta_2016.osm.pbf",
+        ] {
+            let bytes = std::fs::read(folder.join(file)).unwrap();
+            let data = read(&bytes, file).unwrap();
+            let refs = data.ways.values().map(|w| w.nodes.len()).sum();
+            let members = data.relations.values().map(|r| r.members.len()).sum();
+            let tags = data.nodes.values().map(|n| &n.tags).chain(data.ways.values().map(|w| &w.tags));
+            let tags = tags.chain(data.relations.values().map(|r| &r.tags)).map(Tags::len).sum();
+            let ours = [data.nodes.len(), data.ways.len(), data.relations.len(), refs, members, tags];
+            assert_eq!(ours, peer_counts(&bytes), "{file}");
+        }
+    }
+}
