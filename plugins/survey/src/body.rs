@@ -34,9 +34,7 @@ impl Body {
         let roof = reader.roof(footprint);
         let min_level = reader.number(&["building:min_level", "min_level"]).unwrap_or(0.0).max(0.0);
         let storey_m = match (height_m, levels) {
-            (Some(height), Some(levels)) if min_level > 0.0 => {
-                ((height - roof.height_m.unwrap_or(0.0)) / levels).clamp(2.2, 6.0)
-            }
+            (Some(height), Some(levels)) if min_level > 0.0 => ((height - roof.height_m.unwrap_or(0.0)) / levels).clamp(2.2, 6.0),
             _ => STOREY_M,
         };
         let mut min_height_m =
@@ -74,7 +72,12 @@ impl TagReader<'_, '_> {
         let (key, text) = keys.iter().find_map(|k| self.tags.get(k).map(|v| (k, v)))?;
         let value = read(text);
         if value.is_none() {
-            self.log.tally(Severity::Note, self.id, self.pos, format!("{key}=\"{}\" is not understood: left to the style", short(text)));
+            self.log.tally(
+                Severity::Note,
+                self.id,
+                self.pos,
+                format!("{key}=\"{}\" is not understood: left to the style", short(text)),
+            );
         }
         value
     }
@@ -107,7 +110,8 @@ impl TagReader<'_, '_> {
         let across = self.tags.is("roof:orientation", "across") || self.tags.is("roof:direction", "across");
         let mut height_m = self.length(&["roof:height", "building:roof:height"]);
         if height_m.is_none()
-            && let Some(angle) = self.value(&["roof:angle"], |t| length::number(t.trim_end_matches('°')).filter(|a| (0.0..85.0).contains(a)))
+            && let Some(angle) =
+                self.value(&["roof:angle"], |t| length::number(t.trim_end_matches('°')).filter(|a| (0.0..85.0).contains(a)))
         {
             let run_m = slope_run_m(footprint, shape.unwrap_or_default(), direction_deg);
             height_m = Some(run_m * libm::tan(angle.to_radians())).filter(|h| *h <= TALLEST_M);
@@ -164,9 +168,14 @@ fn roof_shape(text: &str) -> (Option<RoofShape>, Option<String>) {
 
 fn nearest_roof(key: &str, text: &str) -> (Option<RoofShape>, Option<String>) {
     let near = match key {
-        "saltbox" | "double_saltbox" | "gabled_height_moved" | "gabled_row" | "crosspitched" | "cross_gabled" | "dutch" | "bellcast_gable" => {
-            RoofShape::Gabled
-        }
+        "saltbox"
+        | "double_saltbox"
+        | "gabled_height_moved"
+        | "gabled_row"
+        | "crosspitched"
+        | "cross_gabled"
+        | "dutch"
+        | "bellcast_gable" => RoofShape::Gabled,
         "quadruple_saltbox" | "side_hipped" | "hipped_and_gabled" | "bellcast_hip" => RoofShape::Hipped,
         "side_half_hipped" => RoofShape::HalfHipped,
         "flat_mansard" => RoofShape::Mansard,
@@ -248,14 +257,36 @@ mod tests {
     #[test]
     fn every_known_roof_has_a_shape_and_strange_ones_a_note() {
         for text in [
-            "flat", "gabled", "hipped", "half-hipped", "pyramidal", "skillion", "gambrel", "mansard", "round", "dome", "onion", "cone", "sawtooth",
+            "flat",
+            "gabled",
+            "hipped",
+            "half-hipped",
+            "pyramidal",
+            "skillion",
+            "gambrel",
+            "mansard",
+            "round",
+            "dome",
+            "onion",
+            "cone",
+            "sawtooth",
         ] {
             let (shape, note) = roof_shape(text);
             assert!(shape.is_some() && note.is_none(), "{text}: {shape:?} {note:?}");
         }
         for text in [
-            "flat_mansard", "saltbox", "double_saltbox", "quadruple_saltbox", "round_gabled", "side_hipped", "gabled_row",
-            "gabled_height_moved", "sawtoth", "frustrum", "side_half-hipped", "crosspitched",
+            "flat_mansard",
+            "saltbox",
+            "double_saltbox",
+            "quadruple_saltbox",
+            "round_gabled",
+            "side_hipped",
+            "gabled_row",
+            "gabled_height_moved",
+            "sawtoth",
+            "frustrum",
+            "side_half-hipped",
+            "crosspitched",
         ] {
             let (shape, note) = roof_shape(text);
             assert!(shape.is_some() && note.is_some(), "{text}: {shape:?} {note:?}");

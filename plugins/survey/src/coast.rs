@@ -11,6 +11,9 @@ use crate::log::Log;
 use crate::osm::OsmData;
 use crate::polygon::{Polygon, difference, even_odd, signed_area};
 
+/// An end this near to the border was meant to reach it, in metres.
+const SHORT_OF_BORDER_M: f64 = 150.0;
+
 /// A line whose ends lie on the border of the extent, the sea to its left.
 struct Shore {
     line: Vec<DVec2>,
@@ -26,19 +29,28 @@ pub(crate) fn sea(data: &OsmData, extent: &Extent, log: &mut Log) -> Vec<Block> 
     for chain in chains {
         let first = chain.first().copied();
         let is_closed = chain.len() > 3 && first == chain.last().copied();
-        let mut line: Vec<DVec2> = chain.iter().filter_map(|id| data.nodes.get(id)).map(|n| extent.plan_pos(n)).collect();
-        if line.len() < chain.len() {
-            log.note(Id::NONE, line.first().copied(), "part of a coastline is not in the file");
-        }
-        if is_closed && line.iter().all(|p| extent.contains(*p)) {
-            islands.push(line);
+        let runs = runs(&chain, data, extent);
+        if let [line] = runs.as_slice()
+            && is_closed
+            && line.len() == chain.len()
+            && line.iter().all(|p| extent.contains(*p))
+        {
+            islands.push(line.clone());
             continue;
         }
-        line.reverse();
-        for piece in inside(&line, extent, is_closed) {
-            match (border_place(piece.first(), extent), border_place(piece.last(), extent)) {
-                (Some(begins_at), Some(ends_at)) => shores.push(Shore { line: piece, begins_at, ends_at }),
-                _ => log.dropped(Id::NONE, piece.first().copied(), "a coastline ends inside the extent: its sea cannot be told from land"),
+        for mut line in runs {
+            let is_ring = is_closed && line.len() == chain.len();
+            line.reverse();
+            for mut piece in inside(&line, extent, is_ring) {
+                reach_border(&mut piece, extent);
+                match (border_place(piece.first(), extent), border_place(piece.last(), extent)) {
+                    (Some(begins_at), Some(ends_at)) => shores.push(Shore { line: piece, begins_at, ends_at }),
+                    _ => log.dropped(
+                        Id::NONE,
+                        piece.first().copied(),
+                        "a coastline ends inside the extent: its sea cannot be told from land",
+                    ),
+                }
             }
         }
     }
@@ -53,6 +65,32 @@ pub(crate) fn sea(data: &OsmData, extent: &Extent, log: &mut Log) -> Vec<Block> 
     }
     waters.extend(lakes.iter().flat_map(|r| even_odd(core::slice::from_ref(r)).0));
     waters.iter().map(|p| block(Id::NONE, BlockKind::Water, String::new(), p)).collect()
+}
+
+/// The pieces of a chain whose nodes the file holds.
+fn runs(chain: &[i64], data: &OsmData, extent: &Extent) -> Vec<Vec<DVec2>> {
+    let runs = chain.split(|id| !data.nodes.contains_key(id));
+    let plan = |run: &[i64]| -> Vec<DVec2> { run.iter().filter_map(|id| data.nodes.get(id)).map(|n| extent.plan_pos(n)).collect() };
+    runs.map(plan).filter(|line| line.len() > 1).collect()
+}
+
+/// Leads ends that stop short of the border (the next vertex is not in the file) straight to it.
+fn reach_border(piece: &mut Vec<DVec2>, extent: &Extent) {
+    let nearest = |p: DVec2| -> Option<DVec2> {
+        let sides = [
+            DVec2::new(extent.low.x, p.y),
+            DVec2::new(extent.high.x, p.y),
+            DVec2::new(p.x, extent.low.y),
+            DVec2::new(p.x, extent.high.y),
+        ];
+        sides.into_iter().filter(|s| s.distance(p) <= SHORT_OF_BORDER_M).min_by(|a, b| a.distance(p).total_cmp(&b.distance(p)))
+    };
+    if let Some(p) = piece.first().copied().and_then(nearest) {
+        piece.insert(0, p);
+    }
+    if let Some(p) = piece.last().copied().and_then(nearest) {
+        piece.push(p);
+    }
 }
 
 /// Ways of the coast joined end to beginning; their direction carries meaning and is kept.
@@ -104,13 +142,14 @@ fn inside(line: &[DVec2], extent: &Extent, is_closed: bool) -> Vec<Vec<DVec2>> {
         out.push(piece);
     }
     // A ring that begins inside is one piece across its beginning.
-    if is_closed && out.len() > 1 && line.first().is_some_and(|p| extent.contains(*p)) {
-        if let Some(mut last) = out.pop()
-            && let Some(first) = out.first_mut()
-        {
-            last.extend(first.iter().skip(1));
-            *first = last;
-        }
+    if is_closed
+        && out.len() > 1
+        && line.first().is_some_and(|p| extent.contains(*p))
+        && let Some(mut last) = out.pop()
+        && let Some(first) = out.first_mut()
+    {
+        last.extend(first.iter().skip(1));
+        *first = last;
     }
     out
 }
@@ -137,8 +176,10 @@ fn border_place(p: Option<&DVec2>, extent: &Extent) -> Option<f64> {
 fn closed_along_border(shores: &[Shore], extent: &Extent) -> Vec<Polygon> {
     let size = extent.high - extent.low;
     let around = 2.0 * (size.x + size.y);
-    let corners: Vec<(f64, DVec2)> =
-        [size.x, size.x + size.y, 2.0 * size.x + size.y, around].into_iter().zip(extent.ring().into_iter().cycle().skip(1)).collect();
+    let corners: Vec<(f64, DVec2)> = [size.x, size.x + size.y, 2.0 * size.x + size.y, around]
+        .into_iter()
+        .zip(extent.ring().into_iter().cycle().skip(1))
+        .collect();
     let ahead = |from: f64, to: f64| (to - from).rem_euclid(around);
     let mut used = vec![false; shores.len()];
     let mut rings: Vec<Ring> = Vec::new();
@@ -172,16 +213,16 @@ mod tests {
     use super::*;
     use crate::osm::{Bounds, Tags, Way};
 
-    /// Corners of a coast in thousandths of a degree around (0, 0); the extent reaches to ±1 and 50 m more.
+    /// Corners of a coast in hundredths of a degree around (0, 0); the extent reaches to ±1 and 50 m more.
     fn seas(coasts: &[&[(f64, f64)]]) -> (f64, f64) {
         let mut data =
-            OsmData { bounds: Some(Bounds { south: -0.001, west: -0.001, north: 0.001, east: 0.001 }), ..OsmData::default() };
+            OsmData { bounds: Some(Bounds { south: -0.01, west: -0.01, north: 0.01, east: 0.01 }), ..OsmData::default() };
         for (w, coast) in coasts.iter().enumerate() {
             let mut nodes = Vec::new();
             for (i, &(x, y)) in coast.iter().enumerate() {
                 let same = coast.iter().position(|&c| c == (x, y)).unwrap_or(i);
                 let id = (w * 100 + same) as i64;
-                data.add_node(id, y / 1000.0, x / 1000.0, Tags::default());
+                data.add_node(id, y / 100.0, x / 100.0, Tags::default());
                 nodes.push(id);
             }
             data.ways.insert(w as i64, Way { nodes, tags: [("natural", "coastline")].into_iter().collect() });
@@ -196,18 +237,20 @@ mod tests {
     #[test]
     fn the_sea_lies_right_of_the_coast() {
         // Northwards along x = 0.5: the east is sea.
-        let (sea, all) = seas(&[&[(0.5, -0.9), (0.5, 0.9)]]);
+        let (sea, all) = seas(&[&[(0.5, -0.0), (0.5, 0.1)]]);
         assert_eq!(sea, 0.0, "it does not reach the border");
+        let (short, _) = seas(&[&[(0.5, -0.95), (0.5, 0.95)]]);
+        assert!((short / all - 0.261).abs() < 0.01, "ends near the border are led to it: {}", short / all);
         let (sea, _) = seas(&[&[(0.5, -3.0), (0.5, 0.0), (0.5, 0.1), (0.5, 0.9), (0.5, 3.0)]]);
-        assert!((sea / all - 0.331).abs() < 0.01, "{}", sea / all);
+        assert!((sea / all - 0.261).abs() < 0.01, "{}", sea / all);
         let (sea, _) = seas(&[&[(0.5, 3.0), (0.5, 0.9), (0.5, 0.1), (0.5, 0.0), (0.5, -3.0)]]);
-        assert!((sea / all - 0.669).abs() < 0.01, "{}", sea / all);
+        assert!((sea / all - 0.739).abs() < 0.01, "{}", sea / all);
     }
 
     #[test]
     fn an_island_is_no_sea() {
         let (sea, all) = seas(&[&[(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5)]]);
-        let land = 111.32 * 110.574;
+        let land = 1113.2 * 1105.74;
         assert!(((all - sea) / land - 1.0).abs() < 0.01, "{} {land}", all - sea);
     }
 
@@ -216,6 +259,6 @@ mod tests {
         let east: &[(f64, f64)] = &[(0.5, 3.0), (0.5, 0.5), (0.5, 0.0), (0.5, -3.0)];
         let west: &[(f64, f64)] = &[(-0.5, -3.0), (-0.5, 0.0), (-0.5, 0.5), (-0.5, 3.0)];
         let (sea, all) = seas(&[east, west]);
-        assert!((sea / all - 0.339).abs() < 0.01, "{}", sea / all);
+        assert!((sea / all - 0.4785).abs() < 0.01, "{}", sea / all);
     }
 }

@@ -6,6 +6,10 @@ use crate::osm::{Bounds, Node, OsmData};
 
 /// How far beyond the bounds that a file states streets and houses are kept, in metres: houses on the border stay whole.
 const BEYOND_BOUNDS_M: f64 = 50.0;
+/// Nodes that fill less than this share of the stated bounds show that the bounds are not theirs.
+const PASSED_ON_SHARE: f64 = 0.1;
+/// So few nodes show nothing.
+const TELLING_NODES: usize = 20;
 /// Side of the largest extent that is taken as one city, in metres: beyond it the plan's tangent plane is no good.
 const LARGEST_M: f64 = 50_000.0;
 
@@ -34,11 +38,12 @@ impl Extent {
         vec![self.low, DVec2::new(self.high.x, self.low.y), self.high, DVec2::new(self.low.x, self.high.y)]
     }
 
-    /// The extent of a file: its stated bounds if they fit its nodes, otherwise where most nodes are. Outliers (the far ends
+    /// The extent of a file: its stated bounds if they fit its nodes, otherwise where most nodes of
+    /// streets and houses are. Outliers (the far ends
     /// of ferry lines, of motorways, of boundaries) do not stretch it.
     pub(crate) fn of(data: &OsmData, log: &mut Log) -> Option<Self> {
         let first = data.nodes.values().next()?;
-        let all: Vec<(f64, f64)> = data.nodes.values().map(|n| (n.lat, around(n.lon, first.lon))).collect();
+        let all = settled_positions(data, first.lon);
         if let Some(bounds) = data.bounds {
             match Self::of_bounds(bounds, &all, first.lon) {
                 Some(extent) => return Some(extent),
@@ -50,7 +55,7 @@ impl Extent {
                 )),
             }
         }
-        Self::of_positions(&all).or_else(|| Self::of_densest(&all, log))
+        Self::of_positions(&all).or_else(|| Self::of_densest(data, first.lon, log))
     }
 
     fn of_bounds(bounds: Bounds, all: &[(f64, f64)], reference: f64) -> Option<Self> {
@@ -59,8 +64,14 @@ impl Extent {
         if all.iter().filter(inside).count() * 5 < all.len() {
             return None;
         }
-        let box_ = Self::of_corners((bounds.south, west), (bounds.north, east));
-        box_.fits().then(|| Self { low: box_.low - BEYOND_BOUNDS_M, high: box_.high + BEYOND_BOUNDS_M, ..box_ })
+        let stated = Self::of_corners((bounds.south, west), (bounds.north, east));
+        // Tools that cut a small piece out of a large extract often pass the large one's bounds on.
+        let settled = Self::of_positions(all).unwrap_or(stated);
+        let size = |e: &Self| (e.high - e.low).element_product();
+        if all.len() >= TELLING_NODES && size(&settled) < PASSED_ON_SHARE * size(&stated) {
+            return Some(settled);
+        }
+        stated.fits().then(|| Self { low: stated.low - BEYOND_BOUNDS_M, high: stated.high + BEYOND_BOUNDS_M, ..stated })
     }
 
     /// The box of the middle nine tenths, widened, then shrunk to the nodes inside.
@@ -85,9 +96,15 @@ impl Extent {
         box_.fits().then(|| Self { low: box_.low - 1.0, high: box_.high + 1.0, ..box_ })
     }
 
-    /// Where the nodes are scattered over a country: the surroundings of the densest part.
-    fn of_densest(all: &[(f64, f64)], log: &mut Log) -> Option<Self> {
-        const BIN: f64 = 0.02;
+    /// Where things are scattered over a country: the surroundings of the densest part. Every way counts once, by its first
+    /// node, so that one intricate building does not outweigh a village.
+    fn of_densest(data: &OsmData, reference: f64, log: &mut Log) -> Option<Self> {
+        const BIN: f64 = 0.05;
+        let firsts = data.ways.values().filter_map(|w| w.nodes.iter().find_map(|id| data.nodes.get(id)));
+        let mut all: Vec<(f64, f64)> = firsts.map(|n| (n.lat, around(n.lon, reference))).collect();
+        if all.is_empty() {
+            all = data.nodes.values().map(|n| (n.lat, around(n.lon, reference))).collect();
+        }
         let bin = |&(lat, lon): &(f64, f64)| ((lat / BIN).floor() as i64, (lon / BIN).floor() as i64);
         let mut bins = std::collections::BTreeMap::<_, usize>::new();
         all.iter().for_each(|p| *bins.entry(bin(p)).or_default() += 1);
@@ -97,14 +114,15 @@ impl Extent {
         let densest = *bins.keys().max_by_key(|&b| (around_bin(b), core::cmp::Reverse(*b)))?;
         let near: Vec<_> =
             all.iter().copied().filter(|p| ((bin(p).0 - densest.0).abs() <= 1) && ((bin(p).1 - densest.1).abs() <= 1)).collect();
-        let extent = Self::of_positions(&near)?;
+        let box_ = Self::of_positions(&near)?;
+        let extent = Self { low: box_.low - BEYOND_BOUNDS_M, high: box_.high + BEYOND_BOUNDS_M, ..box_ };
         let far = all.len() - near.len();
         log.push(Finding::new(
             Severity::Dropped,
             Id::NONE,
             Some(DVec2::ZERO),
             format!(
-                "{far} of {} nodes lie scattered too far away for one city: only the surroundings of the densest part are kept",
+                "{far} of {} ways lie scattered too far away for one city: only the surroundings of the densest part are kept",
                 all.len()
             ),
         ));
@@ -120,6 +138,16 @@ impl Extent {
         let size = self.high - self.low;
         size.cmpge(DVec2::ZERO).all() && size.max_element() <= LARGEST_M
     }
+}
+
+/// Latitudes and longitudes of the nodes of streets and houses: coasts, ferries and boundaries reach far beyond a town and
+/// have many nodes. All nodes where there are neither.
+fn settled_positions(data: &OsmData, reference: f64) -> Vec<(f64, f64)> {
+    let settled = data.ways.values().filter(|w| w.tags.has("highway") || w.tags.has("building") || w.tags.has("building:part"));
+    let nodes = settled.flat_map(|w| &w.nodes).filter_map(|id| data.nodes.get(id));
+    let position = |n: &Node| (n.lat, around(n.lon, reference));
+    let out: Vec<(f64, f64)> = nodes.map(position).collect();
+    if out.is_empty() { data.nodes.values().map(position).collect() } else { out }
 }
 
 /// A longitude as the one within half a turn of another.
@@ -160,6 +188,9 @@ mod tests {
         data.bounds = Some(Bounds { south: 50.002, west: 14.002, north: 50.008, east: 14.008 });
         let extent = Extent::of(&data, &mut Log::default()).unwrap();
         assert_eq!((extent.anchor.lat * 1e6).round(), 50.005e6);
+        data.bounds = Some(Bounds { south: 49.5, west: 13.5, north: 50.1, east: 14.1 });
+        let extent = Extent::of(&data, &mut Log::default()).unwrap();
+        assert!((extent.high - extent.low).max_element() < 1500.0, "bounds of a larger extract were passed on: {extent:?}");
         data.bounds = Some(Bounds { south: 10.0, west: 10.0, north: 10.1, east: 10.1 });
         let mut log = Log::default();
         assert!((Extent::of(&data, &mut log).unwrap().anchor.lat - 50.0).abs() < 0.1);
@@ -173,7 +204,7 @@ mod tests {
         let mut log = Log::default();
         let extent = Extent::of(&data(&positions), &mut log).unwrap();
         assert!((extent.anchor.lat - 50.0).abs() < 0.1, "{extent:?}");
-        assert!(log.finish().iter().any(|f| f.message.contains("scattered")));
+        assert!(log.finish().iter().any(|f| f.message.contains("scattered")), "the finding names what is lost");
     }
 
     #[test]

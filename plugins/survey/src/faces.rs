@@ -68,11 +68,8 @@ pub(crate) fn faces(pieces: &[Piece]) -> Vec<Face> {
 
 /// Pieces cut wherever they cross or touch.
 fn cut_at_crossings(pieces: &[Piece]) -> Vec<(Spot, Spot, bool)> {
-    let lines: Vec<_> = pieces
-        .iter()
-        .enumerate()
-        .map(|(i, p)| GeomWithData::new(TreeLine::new(p.from.to_array(), p.to.to_array()), i))
-        .collect();
+    let lines: Vec<_> =
+        pieces.iter().enumerate().map(|(i, p)| GeomWithData::new(TreeLine::new(p.from.to_array(), p.to.to_array()), i)).collect();
     let tree = RTree::bulk_load(lines);
     let mut out = Vec::with_capacity(pieces.len());
     for piece in pieces {
@@ -183,7 +180,9 @@ fn with_islands(inner: Vec<(Vec<Spot>, Ring)>, outer: &[Ring], edges: &BTreeMap<
             .near(first, first)
             .into_iter()
             .filter_map(|i| whole.get(i).map(|p| (i, signed_area(&p.outer), p)))
-            .filter(|(_, area, p)| *area > size && !p.outer.contains(&first) && Polygon { outer: p.outer.clone(), holes: vec![] }.contains(first))
+            .filter(|(_, area, p)| {
+                *area > size && !p.outer.contains(&first) && Polygon { outer: p.outer.clone(), holes: vec![] }.contains(first)
+            })
             .min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((i, ..)) = home
             && let Some(polygon) = whole.get_mut(i)
@@ -235,7 +234,12 @@ mod tests {
 
     #[test]
     fn lines_that_cross_without_a_node_still_enclose() {
-        let pieces = [piece(-1.0, 0.0, 11.0, 0.0), piece(-1.0, 10.0, 11.0, 10.0), piece(0.0, -1.0, 0.0, 11.0), piece(10.0, -1.0, 10.0, 11.0)];
+        let pieces = [
+            piece(-1.0, 0.0, 11.0, 0.0),
+            piece(-1.0, 10.0, 11.0, 10.0),
+            piece(0.0, -1.0, 0.0, 11.0),
+            piece(10.0, -1.0, 10.0, 11.0),
+        ];
         assert_eq!(areas(&pieces), [100.0]);
     }
 

@@ -7,7 +7,7 @@ use veduta_city::{Block, BlockKind, Building, Id, LinkKind, Severity, Square, St
 
 use crate::buildings::{Index, footprint_of};
 use crate::faces::{Face, Piece, faces};
-use crate::lines::surfacing;
+use crate::lines::{Bounding, surfacing};
 use crate::log::Log;
 use crate::network::Network;
 use crate::polygon::{Polygon, intersection, perimeter_m};
@@ -25,7 +25,7 @@ const FREE_SHARE: f64 = 0.5;
 /// A face needs this much of its border on streets rather than paths.
 const STREET_SHARE: f64 = 0.4;
 /// Where this share of all faces have houses, a map shows all houses: its empty faces are empty in truth.
-const COMPLETE_SHARE: f64 = 0.35;
+const COMPLETE_SHARE: f64 = 0.45;
 
 /// Squares of the file.
 pub(crate) fn squares(areas: &[Area<'_>], log: &mut Log) -> Vec<Square> {
@@ -73,7 +73,12 @@ pub(crate) fn greens_and_waters(areas: &[Area<'_>], log: &mut Log) -> Vec<Block>
         }
         for (i, polygon) in area.polygons.iter().enumerate() {
             if out.iter().any(|b| b.kind == kind && b.outline == polygon.outer) {
-                log.tally(Severity::Dropped, area.id, Some(polygon.inner_pos()), "waters or greens have the very outline of another");
+                log.tally(
+                    Severity::Dropped,
+                    area.id,
+                    Some(polygon.inner_pos()),
+                    "waters or greens have the very outline of another",
+                );
                 continue;
             }
             let id = if i == 0 { area.id } else { Id::NONE };
@@ -89,13 +94,18 @@ pub(crate) fn block(id: Id, kind: BlockKind, name: String, polygon: &Polygon) ->
 
 /// Blocks to be built on: faces of the streets' plane graph with neither houses nor water, park or square on them. Rings run
 /// along the middle of the streets; growth takes the streets' own width off.
-pub(crate) fn built_blocks(network: &Network, buildings: &[Building], areas: &[Area<'_>], sea: &[Block], log: &mut Log) -> Vec<Block> {
+pub(crate) fn built_blocks(
+    network: &Network,
+    buildings: &[Building],
+    areas: &[Area<'_>],
+    sea: &[Block],
+    log: &mut Log,
+) -> Vec<Block> {
     let mut candidates: Vec<Face> = faces(&pieces(network));
     candidates.retain(|f| is_block(&f.polygon) && f.street_share >= STREET_SHARE);
     let built = built_shares(&candidates, buildings);
     let with_houses = built.iter().filter(|&&share| share >= BUILT_SHARE).count();
     let total = candidates.len();
-    if std::env::var_os("DBG").is_some() { eprintln!("DBG {with_houses}/{total}"); }
     if with_houses as f64 > COMPLETE_SHARE * total as f64 {
         return Vec::new();
     }
@@ -111,7 +121,10 @@ pub(crate) fn built_blocks(network: &Network, buildings: &[Building], areas: &[A
         let (low, high) = face.polygon.bounds();
         let near: Vec<&Polygon> = index.near(low, high).into_iter().filter_map(|i| free.get(i)).collect();
         let is_free = !near.is_empty() && {
-            let covered: f64 = intersection([&face.polygon], crate::polygon::union(near.iter().copied()).iter()).iter().map(Polygon::area_m2).sum();
+            let covered: f64 = intersection([&face.polygon], crate::polygon::union(near.iter().copied()).iter())
+                .iter()
+                .map(Polygon::area_m2)
+                .sum();
             covered > FREE_SHARE * face.polygon.area_m2()
         };
         if *built < BUILT_SHARE && !is_free {
@@ -132,8 +145,13 @@ pub(crate) fn built_blocks(network: &Network, buildings: &[Building], areas: &[A
 fn pieces(network: &Network) -> Vec<Piece> {
     let at: HashMap<Id, DVec2> = network.nodes.iter().map(|n| (n.id, n.pos)).collect();
     let mut out = Vec::new();
-    for (link, _) in network.links.iter().zip(&network.bounds_blocks).filter(|(_, bounds)| **bounds) {
-        let is_street = matches!(link.kind, LinkKind::Street(class) if class < StreetClass::Path);
+    for (link, bounds) in network.links.iter().zip(&network.bounds) {
+        // Houses stand around a roundabout, not in it.
+        let is_roundabout = *bounds == Bounding::Roundabout;
+        if *bounds == Bounding::Nothing {
+            continue;
+        }
+        let is_street = matches!(link.kind, LinkKind::Street(class) if class < StreetClass::Path) && !is_roundabout;
         if let (Some(&from), Some(&to)) = (at.get(&link.from), at.get(&link.to)) {
             let line: Vec<DVec2> = core::iter::once(from).chain(link.via.iter().copied()).chain([to]).collect();
             out.extend(line.windows(2).map(|w| Piece { from: w[0], to: w[1], is_street }));

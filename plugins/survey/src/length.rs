@@ -3,7 +3,7 @@
 /// Metres of a length: `12`, `12 m`, `12,5`, `~12`, `1 km`, `40'`, `40 ft`, `5'6"`, `3600"`; of a list (`12;14`) the first.
 /// `None` if it is no length.
 pub(crate) fn metres(text: &str) -> Option<f64> {
-    let text = text.split(';').next()?.trim().trim_start_matches(['~', '≈', '>', '<', '+']).trim_start();
+    let text = text.split(';').next()?.trim().trim_start_matches(['~', '≈', '>', '<', '+']).trim_end_matches('+').trim();
     let (number, unit) = leading_number(text)?;
     let metres = match unit.trim().to_lowercase().as_str() {
         "" | "m" | "m." | "mt" | "mtr" | "meter" | "metre" | "meters" | "metres" => number,
@@ -67,6 +67,7 @@ mod tests {
             ("12m", 12.0),
             ("12,5", 12.5),
             ("~7.5", 7.5),
+            ("4.6+", 4.6),
             ("0.1 km", 100.0),
             ("300'", 91.44),
             ("40 ft", 12.192),

@@ -15,8 +15,18 @@ pub(crate) struct Line {
     pub name: String,
     pub layer: i8,
     pub surfacing: Option<Surfacing>,
-    /// Whether houses may stand along it, so that it bounds blocks.
-    pub bounds_blocks: bool,
+    pub bounding: Bounding,
+}
+
+/// How a line bounds the blocks between streets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Bounding {
+    /// Houses may stand along it.
+    Block,
+    /// Houses stand on its outside alone.
+    Roundabout,
+    /// It runs beside or across a street, above or below the ground, or is no street.
+    Nothing,
 }
 
 /// Metres that a lane takes, and a pavement at each side of a carriageway.
@@ -49,7 +59,9 @@ fn street(highway: &str, tags: &Tags, id: Id, log: &mut Log) -> Option<Line> {
             return None;
         }
         // Drawn as lines but not ways: platforms, stops, lifts, rest areas.
-        "platform" | "bus_stop" | "elevator" | "rest_area" | "services" | "emergency_bay" | "street_lamp" | "crossing" => return None,
+        "platform" | "bus_stop" | "elevator" | "rest_area" | "services" | "emergency_bay" | "street_lamp" | "crossing" => {
+            return None;
+        }
         other => {
             log.tally(Severity::Dropped, id, None, format!("highway={} is not known here", short(other)));
             return None;
@@ -69,7 +81,11 @@ fn street(highway: &str, tags: &Tags, id: Id, log: &mut Log) -> Option<Line> {
         name: tags.text("name"),
         layer,
         surfacing: surfacing(tags, id, log),
-        bounds_blocks: layer == 0 && !is_beside_a_street,
+        bounding: match () {
+            () if layer != 0 || is_beside_a_street => Bounding::Nothing,
+            () if tags.is_any("junction", &["roundabout", "circular"]) => Bounding::Roundabout,
+            () => Bounding::Block,
+        },
     })
 }
 
@@ -122,8 +138,8 @@ pub(crate) fn surfacing(tags: &Tags, id: Id, log: &mut Log) -> Option<Surfacing>
         "paving_stones" | "concrete" | "flagstones" | "stone" | "granite" | "wood" | "stepping_stones" | "interlock" => {
             Surfacing::Flagstones
         }
-        "gravel" | "fine_gravel" | "compacted" | "unpaved" | "dirt" | "ground" | "earth" | "sand" | "pebblestone" | "mud" | "clay"
-        | "soil" | "woodchips" | "rock" | "shells" => Surfacing::Gravel,
+        "gravel" | "fine_gravel" | "compacted" | "unpaved" | "dirt" | "ground" | "earth" | "sand" | "pebblestone" | "mud"
+        | "clay" | "soil" | "woodchips" | "rock" | "shells" => Surfacing::Gravel,
         "grass" | "grass_paver" | "artificial_turf" => Surfacing::Grass,
         other => {
             log.tally(Severity::Note, id, None, format!("surface={} is not known here", short(other)));
@@ -149,7 +165,7 @@ fn railway_line(railway: &str, tags: &Tags, id: Id, log: &mut Log) -> Option<Lin
         name: tags.text("name"),
         layer: layer_of(tags, id, log),
         surfacing: None,
-        bounds_blocks: false,
+        bounding: Bounding::Nothing,
     })
 }
 
@@ -169,7 +185,7 @@ fn watercourse(waterway: &str, tags: &Tags) -> Option<Line> {
         name: tags.text("name"),
         layer: if is_covered { -1 } else { layer_of(tags, Id::NONE, &mut Log::default()) },
         surfacing: None,
-        bounds_blocks: false,
+        bounding: Bounding::Nothing,
     })
 }
 
@@ -255,7 +271,10 @@ mod tests {
 
     #[test]
     fn sidewalks_bound_no_blocks() {
-        assert!(!line(&[("highway", "footway"), ("footway", "sidewalk")]).unwrap().bounds_blocks);
-        assert!(line(&[("highway", "residential")]).unwrap().bounds_blocks);
+        let bounding = |pairs: &[(&str, &str)]| line(pairs).unwrap().bounding;
+        assert_eq!(bounding(&[("highway", "footway"), ("footway", "sidewalk")]), Bounding::Nothing);
+        assert_eq!(bounding(&[("highway", "residential")]), Bounding::Block);
+        assert_eq!(bounding(&[("highway", "residential"), ("junction", "roundabout")]), Bounding::Roundabout);
+        assert_eq!(bounding(&[("highway", "residential"), ("bridge", "yes")]), Bounding::Nothing);
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec2;
 use veduta_city::{Id, Link, LinkKind, Node, Severity};
 
 use crate::extent::Extent;
-use crate::lines::{Line, line_of};
+use crate::lines::{Bounding, Line, line_of};
 use crate::log::Log;
 use crate::osm::{OsmData, Way};
 use crate::shapes::{place_of, use_of};
@@ -14,12 +14,12 @@ use crate::shapes::{place_of, use_of};
 /// Vertices closer than this are one, in metres.
 const WELD_M: f64 = 0.01;
 
-/// Nodes and links of a city, and of every link whether it bounds blocks.
+/// Nodes and links of a city, and for every link how it bounds blocks.
 #[derive(Debug, Default)]
 pub(crate) struct Network {
     pub nodes: Vec<Node>,
     pub links: Vec<Link>,
-    pub bounds_blocks: Vec<bool>,
+    pub bounds: Vec<Bounding>,
 }
 
 /// A vertex of a way: a node of the file, or the point where the way leaves the extent.
@@ -74,7 +74,10 @@ pub(crate) fn network(data: &OsmData, extent: &Extent, log: &mut Log) -> Network
         let id = Id::from_source(2, *number as u64);
         let runs = runs(way, data, extent, id, log);
         if runs.is_empty() {
-            log.tally(Severity::Dropped, id, place_of(way, data, extent), "ways lie outside the extent or have no length");
+            // Ways that lost vertices are told one by one.
+            if way.nodes.iter().all(|n| data.nodes.contains_key(n)) {
+                log.tally(Severity::Dropped, id, place_of(way, data, extent), "ways lie outside the extent or have no length");
+            }
             continue;
         }
         let mut own = Some(id);
@@ -196,7 +199,7 @@ fn split(run: &[Vertex], splits: impl Fn(&Vertex) -> bool) -> Vec<Vec<Vertex>> {
 #[derive(Default)]
 struct Builder {
     nodes: BTreeMap<Id, DVec2>,
-    links: Vec<(Link, bool)>,
+    links: Vec<(Link, Bounding)>,
 }
 
 impl Builder {
@@ -226,14 +229,14 @@ impl Builder {
             layer: line.layer,
             surfacing: line.surfacing,
         };
-        self.links.push((link, line.bounds_blocks));
+        self.links.push((link, line.bounding));
     }
 
     fn network(self) -> Network {
         let used: std::collections::BTreeSet<Id> = self.links.iter().flat_map(|(l, _)| [l.from, l.to]).collect();
         let nodes = self.nodes.into_iter().filter(|(id, _)| used.contains(id)).map(|(id, pos)| Node { id, pos, z: 0.0 }).collect();
-        let (links, bounds_blocks) = self.links.into_iter().unzip();
-        Network { nodes, links, bounds_blocks }
+        let (links, bounds) = self.links.into_iter().unzip();
+        Network { nodes, links, bounds }
     }
 }
 
@@ -245,7 +248,9 @@ mod tests {
     /// A cross of two streets over nodes 1–5, 3 in the middle, with side streets as given.
     fn data(ways: &[(i64, &[i64], &[(&str, &str)])]) -> OsmData {
         let mut data = OsmData::default();
-        for (id, lat, lon) in [(1, 0.0, -0.001), (2, 0.0, -0.0005), (3, 0.0, 0.0), (4, 0.0, 0.001), (5, 0.001, 0.0), (6, -0.001, 0.0)] {
+        for (id, lat, lon) in
+            [(1, 0.0, -0.001), (2, 0.0, -0.0005), (3, 0.0, 0.0), (4, 0.0, 0.001), (5, 0.001, 0.0), (6, -0.001, 0.0)]
+        {
             data.add_node(id, lat, lon, Tags::default());
         }
         data.add_node(7, 0.0, 0.1, Tags::default());

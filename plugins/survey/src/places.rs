@@ -39,7 +39,19 @@ fn kind_of(tags: &Tags) -> Option<PlaceKind> {
         () if tags.has("shop") || tags.has("craft") || tags.has("office") => PlaceKind::Shop,
         () if tags.is_any(
             "amenity",
-            &["restaurant", "cafe", "bar", "pub", "fast_food", "ice_cream", "pharmacy", "bank", "post_office", "biergarten", "food_court"],
+            &[
+                "restaurant",
+                "cafe",
+                "bar",
+                "pub",
+                "fast_food",
+                "ice_cream",
+                "pharmacy",
+                "bank",
+                "post_office",
+                "biergarten",
+                "food_court",
+            ],
         ) || tags.is_any("tourism", &["hotel", "hostel", "guest_house", "information"]) =>
         {
             PlaceKind::Shop
@@ -120,12 +132,15 @@ pub(crate) fn settlement(data: &OsmData, extent: &Extent) -> Option<String> {
         }
     }
     let whole = best.as_ref().filter(|(rank, ..)| *rank < WHOLE_SETTLEMENTS).map(|b| b.2.clone());
-    whole.or_else(|| city_of_addresses(data)).or(best.map(|b| b.2)).filter(|name| !name.is_empty())
+    whole.or_else(|| city_of_addresses(data, extent)).or(best.map(|b| b.2)).filter(|name| !name.is_empty())
 }
 
 /// The city that most addresses name, if more than a few do.
-fn city_of_addresses(data: &OsmData) -> Option<String> {
-    let tags = data.nodes.values().map(|n| &n.tags).chain(data.ways.values().map(|w| &w.tags));
+fn city_of_addresses(data: &OsmData, extent: &Extent) -> Option<String> {
+    let is_here = |node: &crate::osm::Node| extent.contains(extent.plan_pos(node));
+    let nodes = data.nodes.values().filter(|n| !n.tags.is_empty() && is_here(n)).map(|n| &n.tags);
+    let ways = data.ways.values().filter(|w| w.nodes.first().and_then(|id| data.nodes.get(id)).is_some_and(is_here));
+    let tags = nodes.chain(ways.map(|w| &w.tags));
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     tags.filter(|t| t.has("addr:city")).for_each(|t| *counts.entry(t.text("addr:city")).or_default() += 1);
     let (name, times) = counts.into_iter().max_by(|a, b| a.1.cmp(&b.1).then_with(|| b.0.cmp(&a.0)))?;

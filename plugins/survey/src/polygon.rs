@@ -91,9 +91,7 @@ pub(crate) fn centroid(ring: &[DVec2]) -> DVec2 {
 }
 
 fn ring_contains(ring: &[DVec2], p: DVec2) -> bool {
-    let crosses = |&(a, b): &(DVec2, DVec2)| {
-        (a.y > p.y) != (b.y > p.y) && ((b - a).perp_dot(p - a) > 0.0) == (b.y > a.y)
-    };
+    let crosses = |&(a, b): &(DVec2, DVec2)| (a.y > p.y) != (b.y > p.y) && ((b - a).perp_dot(p - a) > 0.0) == (b.y > a.y);
     edges(ring).filter(crosses).count() % 2 == 1
 }
 

@@ -51,8 +51,18 @@ const PARK_LANDUSE: &[&str] =
     &["grass", "forest", "cemetery", "village_green", "recreation_ground", "meadow", "flowerbed", "orchard", "vineyard"];
 const PARK_NATURAL: &[&str] = &["wood", "scrub", "grassland", "heath", "shrubbery"];
 const OPEN_LANDUSE: &[&str] = &[
-    "farmland", "farmyard", "railway", "quarry", "allotments", "military", "construction", "brownfield", "greenfield", "landfill",
-    "plant_nursery", "greenhouse_horticulture",
+    "farmland",
+    "farmyard",
+    "railway",
+    "quarry",
+    "allotments",
+    "military",
+    "construction",
+    "brownfield",
+    "greenfield",
+    "landfill",
+    "plant_nursery",
+    "greenhouse_horticulture",
 ];
 
 /// What tags of an area say it is; `None` if nothing here takes it.
@@ -138,7 +148,7 @@ fn of_way<'a>(number: i64, way: &'a Way, data: &'a OsmData, extent: &Extent, log
         }
         return None;
     }
-    finish(id, use_, &way.tags, assembly, place_of(way, data, extent), extent, log)
+    finish(Drawn { id, use_, tags: &way.tags, assembly, gone: 0, pos: place_of(way, data, extent) }, extent, log)
 }
 
 fn of_relation<'a>(
@@ -165,12 +175,9 @@ fn of_relation<'a>(
     let gone = members().count() - there.len();
     let pos = there.first().and_then(|(_, way)| place_of(way, data, extent));
     let pieces: Vec<Piece<'_>> = there.iter().map(|(m, w)| Piece { nodes: &w.nodes, is_inner: &*m.role == "inner" }).collect();
-    let mut assembly = assemble(&pieces, data, extent);
-    if gone > 0 {
-        // Closed outer rings stand on their own; an outline with pieces missing does not.
-        assembly.missing += gone;
-    }
-    let area = finish(id, use_, tags, assembly, pos, extent, log)?;
+    let assembly = assemble(&pieces, data, extent);
+    let drawn = Drawn { id, use_, tags, assembly, gone, pos };
+    let area = finish(drawn, extent, log)?;
     for member in outers() {
         let is_same = data.ways.get(&member.id).is_some_and(|w| use_of(&w.tags) == Some(use_));
         if is_same && consumed.insert(member.id) && !core::ptr::eq(tags, &relation.tags) {
@@ -192,57 +199,82 @@ fn words(use_: Use) -> &'static str {
     }
 }
 
-/// Checks what was assembled, clips wide areas to the extent and tells what was mended or lost.
-fn finish<'a>(
+/// An area as it was drawn, before it is checked.
+struct Drawn<'a> {
     id: Id,
     use_: Use,
     tags: &'a Tags,
     assembly: Assembly,
+    /// Member ways that the file does not hold.
+    gone: usize,
     pos: Option<DVec2>,
-    extent: &Extent,
-    log: &mut Log,
-) -> Option<Area<'a>> {
-    let what = words(use_);
-    let is_minor = matches!(use_, Use::Open | Use::Thing);
-    let Assembly { mut polygons, is_mended, open, missing } = assembly;
-    if missing > 0 && (polygons.is_empty() || !matches!(use_, Use::Water | Use::Park | Use::Open)) {
-        match is_minor {
-            true => log.tally(Severity::Dropped, id, pos, "areas have part of their outline outside the file"),
-            false => log.dropped(id, pos, format!("{what} has {missing} pieces of its outline outside the file")),
-        }
-        return None;
-    }
-    if polygons.is_empty() {
-        match is_minor {
-            true => log.tally(Severity::Dropped, id, pos, "areas have outlines that enclose nothing"),
-            false => log.dropped(id, pos, format!("{what} has an outline that encloses nothing ({open} lines do not close)")),
-        }
-        return None;
-    }
-    polygons.retain(|p| p.outer.iter().any(|v| extent.contains(*v)) || p.contains((extent.low + extent.high) / 2.0));
+}
+
+/// Checks what was assembled, clips wide areas to the extent and tells what was mended or lost.
+fn finish<'a>(drawn: Drawn<'a>, extent: &Extent, log: &mut Log) -> Option<Area<'a>> {
+    tell_lost(&drawn, log)?;
+    let Drawn { id, use_, tags, assembly, gone, pos } = drawn;
+    let polygons = clipped(use_, assembly.polygons, extent, || {
+        log.tally(Severity::Repaired, id, pos, "water, parks and fields are cut off at the extent's border");
+    });
     if polygons.is_empty() {
         log.tally(Severity::Dropped, id, pos, "areas lie outside the extent");
         return None;
     }
+    let what = words(use_);
+    match () {
+        () if matches!(use_, Use::Open | Use::Thing) => {}
+        () if assembly.missing + gone > 0 => {
+            log.repaired(id, pos, format!("{what} has pieces outside the file: what closes without them is kept"));
+        }
+        () if assembly.open > 0 => {
+            log.repaired(id, pos, format!("{what} has {} lines that do not close: they are left out", assembly.open))
+        }
+        () if assembly.is_mended => {
+            log.repaired(id, pos, format!("{what} has an outline that crosses, touches or repeats itself: it was redrawn"));
+        }
+        () => {}
+    }
+    Some(Area { id, use_, tags, polygons })
+}
+
+/// Tells why an area cannot be kept; `Some` if it can. Rings that close without the ways that are gone are whole; a ring
+/// with vertices missing is good enough for water and greens, which the extent's border cuts anyway, but not for houses.
+fn tell_lost(drawn: &Drawn<'_>, log: &mut Log) -> Option<()> {
+    let Drawn { id, use_, assembly, gone, pos, .. } = drawn;
+    let (what, is_minor) = (words(*use_), matches!(use_, Use::Open | Use::Thing));
+    let is_wide = matches!(use_, Use::Water | Use::Park | Use::Open);
+    let is_torn = assembly.missing > 0 || (*gone > 0 && assembly.open > 0);
+    let lost = assembly.missing + gone;
+    match () {
+        () if assembly.is_tiny => log.tally(Severity::Dropped, *id, *pos, "outlines of less than a square metre are left out"),
+        () if (is_torn && !is_wide) || (lost > 0 && assembly.polygons.is_empty()) => match is_minor {
+            true => log.tally(Severity::Dropped, *id, *pos, "areas have part of their outline outside the file"),
+            false => log.dropped(*id, *pos, format!("{what} has part of its outline outside the file ({lost} vertices or ways)")),
+        },
+        () if assembly.polygons.is_empty() => match is_minor {
+            true => log.tally(Severity::Dropped, *id, *pos, "areas have outlines that enclose nothing"),
+            false => {
+                log.dropped(*id, *pos, format!("{what} has an outline that encloses nothing; {} lines do not close", assembly.open))
+            }
+        },
+        () => return Some(()),
+    }
+    None
+}
+
+/// The polygons as far as they belong to the extent: houses and squares whole or not at all, wide areas cut off.
+fn clipped(use_: Use, mut polygons: Vec<Polygon>, extent: &Extent, on_cut: impl FnOnce()) -> Vec<Polygon> {
     if matches!(use_, Use::Building | Use::Part | Use::Thing | Use::Square) {
         polygons.retain(|p| extent.contains(p.inner_pos()));
     } else if polygons.iter().any(|p| p.outer.iter().any(|v| !extent.contains(*v))) {
         let frame = Polygon { outer: extent.ring(), holes: Vec::new() };
         polygons = intersection(&polygons, [&frame]);
-        log.tally(Severity::Repaired, id, pos, "water, parks and fields are cut off at the extent's border");
+        if !polygons.is_empty() {
+            on_cut();
+        }
     }
-    if polygons.is_empty() {
-        log.tally(Severity::Dropped, id, pos, "areas lie outside the extent");
-        return None;
-    }
-    match () {
-        () if is_minor => {}
-        () if missing > 0 => log.repaired(id, pos, format!("{what} has pieces outside the file: what closes without them is kept")),
-        () if open > 0 => log.repaired(id, pos, format!("{what} has {open} lines that do not close: they are left out")),
-        () if is_mended => log.repaired(id, pos, format!("{what} has an outline that crosses, touches or repeats itself: it was redrawn")),
-        () => {}
-    }
-    Some(Area { id, use_, tags, polygons })
+    polygons
 }
 
 /// Plan position of the first vertex that the file holds.

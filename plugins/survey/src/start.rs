@@ -39,8 +39,7 @@ fn middlemost_node(graph: &CityGraph) -> Option<DVec2> {
         *ends.entry(link.from).or_default() += 1;
         *ends.entry(link.to).or_default() += 1;
     }
-    let streets: Vec<(DVec2, bool)> =
-        graph.nodes.iter().filter_map(|n| ends.get(&n.id).map(|&count| (n.pos, count > 2))).collect();
+    let streets: Vec<(DVec2, bool)> = graph.nodes.iter().filter_map(|n| ends.get(&n.id).map(|&count| (n.pos, count > 2))).collect();
     let middle = streets.iter().map(|s| s.0).sum::<DVec2>() / streets.len().max(1) as f64;
     let far = |s: &&(DVec2, bool)| (!s.1, s.0.distance_squared(middle));
     let nearest = streets.iter().min_by(|a, b| {

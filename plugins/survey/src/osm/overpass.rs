@@ -61,11 +61,9 @@ struct JsonMember {
 pub(crate) fn read(bytes: &[u8], name: &str) -> Result<OsmData, SurveyError> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let document: Document = serde_json::from_slice(bytes).map_err(|e| match e.classify() {
-        serde_json::error::Category::Eof => SurveyError::Cut {
-            name: name.to_owned(),
-            format: "JSON",
-            place: format!("at line {} column {}", e.line(), e.column()),
-        },
+        serde_json::error::Category::Eof => {
+            SurveyError::Cut { name: name.to_owned(), format: "JSON", place: format!("at line {} column {}", e.line(), e.column()) }
+        }
         _ => SurveyError::Broken { name: name.to_owned(), format: "Overpass JSON", detail: e.to_string() },
     })?;
     if let Some(remark) = document.remark.filter(|r| r.contains("error")) {

@@ -8,9 +8,9 @@ use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
+use super::MOST_BYTES;
 use super::elements::{Bounds, Member, MemberKind, OsmData, Relation, Tags, Way};
 use super::wire::{Value, Wire, WireFault, sums};
-use super::MOST_BYTES;
 use crate::SurveyError;
 
 /// Most bytes of a blob's header, and of its content, as the format lays down.

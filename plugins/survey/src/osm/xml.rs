@@ -94,16 +94,12 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<OsmData, SurveyError> {
 fn text_of<'b>(bytes: &'b [u8], name: &str) -> Result<&'b str, SurveyError> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     core::str::from_utf8(bytes).map_err(|e| match e.error_len() {
-        None => SurveyError::Cut {
-            name: name.to_owned(),
-            format: "XML",
-            place: format!("inside a letter at byte {}", e.valid_up_to()),
-        },
-        Some(_) => SurveyError::Broken {
-            name: name.to_owned(),
-            format: "XML",
-            detail: format!("byte {} is not UTF-8", e.valid_up_to()),
-        },
+        None => {
+            SurveyError::Cut { name: name.to_owned(), format: "XML", place: format!("inside a letter at byte {}", e.valid_up_to()) }
+        }
+        Some(_) => {
+            SurveyError::Broken { name: name.to_owned(), format: "XML", detail: format!("byte {} is not UTF-8", e.valid_up_to()) }
+        }
     })
 }
 
