@@ -1,0 +1,77 @@
+/// Why a map could not be surveyed. Every message names the file and what to do about it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SurveyError {
+    /// Not one of the formats read here.
+    #[error("{name} is neither OSM XML, PBF nor Overpass JSON (plain or gzip): export the area as .osm, .osm.gz or .osm.pbf")]
+    NotOsm {
+        /// The file.
+        name: String,
+    },
+    /// The file ends before its format does.
+    #[error("{name} is cut off: the {format} ends {place}; download or copy it again")]
+    Cut {
+        /// The file.
+        name: String,
+        /// Format as people call it.
+        format: &'static str,
+        /// Where it ends.
+        place: String,
+    },
+    /// The file breaks the rules of its format.
+    #[error("{name} is broken {format}: {detail}; download or export it again")]
+    Broken {
+        /// The file.
+        name: String,
+        /// Format as people call it.
+        format: &'static str,
+        /// What is wrong, and where.
+        detail: String,
+    },
+    /// Well-formed, but of a kind that is not read here.
+    #[error("{name} uses {feature}, which is not read here: {fix}")]
+    Unsupported {
+        /// The file.
+        name: String,
+        /// What it uses.
+        feature: String,
+        /// What to do.
+        fix: &'static str,
+    },
+    /// More than a survey takes in one piece.
+    #[error("{name} holds more than {limit} {what}: cut a smaller extract out of it (osmium extract, Overpass with a bbox)")]
+    TooLarge {
+        /// The file.
+        name: String,
+        /// Of what there is too much.
+        what: &'static str,
+        /// How much is taken.
+        limit: u64,
+    },
+    /// Overpass says itself that its answer is not whole.
+    #[error("{name} is not whole: Overpass remarked \"{remark}\"; ask for a smaller area or allow more time")]
+    Incomplete {
+        /// The file.
+        name: String,
+        /// Overpass' own words.
+        remark: String,
+    },
+    /// Nothing to walk between or along.
+    #[error("{name} has neither streets nor buildings inside its extent ({holds}){findings}: take a map of an inhabited place")]
+    Empty {
+        /// The file.
+        name: String,
+        /// What it has instead.
+        holds: String,
+        /// The first findings, each after a semicolon; may be empty.
+        findings: String,
+    },
+    /// The graph made of it breaks the model's rules.
+    #[error("{name} gives no valid city graph: {detail}")]
+    Graph {
+        /// The file.
+        name: String,
+        /// The first errors of the model's validation.
+        detail: String,
+    },
+}
