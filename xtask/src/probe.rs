@@ -130,7 +130,8 @@ mod tests {
 
     #[test]
     fn the_linkers_listing_is_read_by_whole_names() {
-        let listing = "2 libs found in cache\n\tlibvulkan.so.1 (libc6,x86-64) => /lib/libvulkan.so.1\n\tlibX11.so.6.4 (libc6) => /x\n";
+        let listing =
+            "2 libs found in cache\n\tlibvulkan.so.1 (libc6,x86-64) => /lib/libvulkan.so.1\n\tlibX11.so.6.4 (libc6) => /x\n";
         assert!(in_cache(listing, "libvulkan.so.1"));
         assert!(!in_cache(listing, "libvulkan.so"), "a development link alone does not run programs");
         assert!(!in_cache(listing, "libX11.so.6") && !in_cache("", "libvulkan.so.1"));

@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 
 /// Crates that know no engine, apart from the model and the pipeline.
-const CORE: [&str; 6] =
-    ["veduta-survey", "veduta-growth", "veduta-texture", "veduta-cells", "veduta-route", "veduta-store"];
+const CORE: [&str; 6] = ["veduta-survey", "veduta-growth", "veduta-texture", "veduta-cells", "veduta-route", "veduta-store"];
 /// Plugins, none of which knows another.
 const PLUGINS: [&str; 8] = [
     "veduta-streaming",
@@ -267,7 +266,8 @@ fn strange_hosts(text: &str) -> Vec<String> {
 
 /// Paths in a text that exist on one person's machine only.
 fn private_paths(text: &str) -> Vec<&str> {
-    let roots = [concat!("/ho", "me/"), concat!("/ro", "ot/"), concat!("/Us", "ers/"), concat!("\\Us", "ers\\"), concat!("/wo", "rk/")];
+    let roots =
+        [concat!("/ho", "me/"), concat!("/ro", "ot/"), concat!("/Us", "ers/"), concat!("\\Us", "ers\\"), concat!("/wo", "rk/")];
     let is_path_start = |at: usize| !text[..at].ends_with(|c: char| c.is_alphanumeric() || "._-~}".contains(c));
     roots.into_iter().filter(|root| text.match_indices(root).any(|(at, _)| is_path_start(at))).collect()
 }

@@ -1,3 +1,4 @@
+// Long because: one file format, whose types are read side by side, with its checks.
 use std::collections::{HashMap, HashSet};
 
 use glam::DVec2;
