@@ -124,7 +124,7 @@ fn grow_plot(graph: &CityGraph, plot: &Plot, obstacles: &Obstacles, book: &Style
             if site.area_m2() < LEAST_SITE_M2 {
                 continue;
             }
-            let style = book.choose(&plot.district, plot.id, outline, &mut Vec::new());
+            let style = book.of_district(&plot.district);
             let Some(look) = book.style(style) else { continue };
             let draw = Draw::new(graph.seed, Id::from_place("site", site.centroid()), "lots");
             out.extend(grow_site(&site, &houses, look, draw).into_iter().map(|lot| draft(graph, lot, style, look, draw)));
