@@ -132,7 +132,9 @@ mod tests {
     fn a_hole_that_touches_its_outer_ring_is_wound_as_a_hole() {
         let whole = rectangle(0, 0, 10, 10);
         let touching = vec![GridPos(0, 5120), GridPos(5120, 2000), GridPos(5120, 8000)];
-        for (inside, outside) in [split(&[&whole], &[&touching]), split(&[&whole], &[&touching.iter().rev().copied().collect::<Vec<_>>()])] {
+        for (inside, outside) in
+            [split(&[&whole], &[&touching]), split(&[&whole], &[&touching.iter().rev().copied().collect::<Vec<_>>()])]
+        {
             let area = |of: &[GridPolygon]| of.iter().map(GridPolygon::area_m2).sum::<f64>();
             assert!((area(&inside) + area(&outside) - 100.0).abs() < 1e-9);
             let (again, _) = split(&rings(&outside), &[&touching]);

@@ -40,7 +40,8 @@ impl Extent {
 /// outlier (a railway that leaves the map, a coast), is reported, and will be cut at the edge.
 pub(super) fn extent(graph: &CityGraph, findings: &mut Vec<Finding>) -> Extent {
     let points = Points::of(graph);
-    let margin = if graph.margin_m.is_finite() { graph.margin_m.clamp(0.0, WIDEST_MARGIN_M) } else { CityGraph::default_margin_m() };
+    let margin =
+        if graph.margin_m.is_finite() { graph.margin_m.clamp(0.0, WIDEST_MARGIN_M) } else { CityGraph::default_margin_m() };
     if margin != graph.margin_m {
         let message = format!("a margin of {} m is not within 0 to {WIDEST_MARGIN_M} m: {margin} m is taken", graph.margin_m);
         findings.push(Finding::new(Severity::Repaired, Id::NONE, None, message));

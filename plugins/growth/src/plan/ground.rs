@@ -12,7 +12,7 @@ use super::streets::Layer;
 /// Side of a tile, grid steps (64 m). Patches are cut along tiles so that no patch has thousands of vertices.
 const TILE: i32 = 64 * 1024;
 /// Most tiles; in larger cities tiles grow.
-const MOST_TILES: i64 = 1 << 16;
+const MOST_TILES: i64 = 1 << 14;
 /// Pieces smaller than this are dust of the grid; square metres.
 const DUST_M2: f64 = 0.05;
 
@@ -93,9 +93,9 @@ impl Tiles {
             let cell = |v: i32| ((i64::from(v) - i64::from(base)) / self.side).clamp(0, n - 1);
             cell(a)..cell(b) + 1
         };
-        let (columns, rows) = shape.bounds().map_or((0..0, 0..0), |(a, b)| {
-            (range(a.0, b.0, lo.0, hi.0, self.columns), range(a.1, b.1, lo.1, hi.1, self.rows))
-        });
+        let (columns, rows) = shape
+            .bounds()
+            .map_or((0..0, 0..0), |(a, b)| (range(a.0, b.0, lo.0, hi.0, self.columns), range(a.1, b.1, lo.1, hi.1, self.rows)));
         let width = self.columns;
         rows.flat_map(move |row| columns.clone().map(move |column| (row * width + column) as usize))
     }
@@ -159,7 +159,11 @@ mod tests {
         let extent = Extent { lo: GridPos(0, 0), hi: GridPos(200 * 1024, 100 * 1024) };
         let layers = [
             Layer { rank: Rank::Pavement, surface: SurfaceKind::Mosaic, shapes: vec![rectangle(-10, 40, 400, 10)] },
-            Layer { rank: Rank::Park, surface: SurfaceKind::Grass, shapes: vec![rectangle(50, 0, 50, 100), rectangle(60, 0, 50, 100)] },
+            Layer {
+                rank: Rank::Park,
+                surface: SurfaceKind::Grass,
+                shapes: vec![rectangle(50, 0, 50, 100), rectangle(60, 0, 50, 100)],
+            },
         ];
         let patches = partition(&extent, &layers);
         let area = |surface| patches.iter().filter(|p| p.surface == surface).map(|p| p.outline.area_m2()).sum::<f64>();

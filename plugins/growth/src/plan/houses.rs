@@ -111,7 +111,12 @@ fn sane(value: Option<f64>, most: f64, what: &str, id: Id, findings: &mut Vec<Fi
     if value.is_finite() && value > 0.0 && value <= most {
         return Some(value);
     }
-    findings.push(Finding::new(Severity::Repaired, id, None, format!("{what} of {value} left out: it needs to be within 0 to {most}")));
+    findings.push(Finding::new(
+        Severity::Repaired,
+        id,
+        None,
+        format!("{what} of {value} left out: it needs to be within 0 to {most}"),
+    ));
     None
 }
 
@@ -244,7 +249,8 @@ fn mark_covered(bodies: &mut [Body]) {
         let Some(top) = bodies[i].height_m else { continue };
         let over = |j: &usize| *j != i && bodies[*j].bottom_m > 0.0 && bodies[*j].bottom_m >= top - 1.0 && meet(i, *j);
         let half = bodies[i].footprint.area_m2() * 0.4;
-        let area: f64 = (0..bodies.len()).filter(over).map(|j| boolean::overlap_m2(&bodies[i].footprint, &bodies[j].footprint)).sum();
+        let area: f64 =
+            (0..bodies.len()).filter(over).map(|j| boolean::overlap_m2(&bodies[i].footprint, &bodies[j].footprint)).sum();
         bodies[i].is_covered = area > half;
     }
 }

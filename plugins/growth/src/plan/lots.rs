@@ -110,7 +110,13 @@ impl Obstacles {
     }
 }
 
-fn grow_plot(graph: &CityGraph, plot: &Plot, obstacles: &Obstacles, book: &StyleBook<'_>, findings: &mut Vec<Finding>) -> Vec<Draft> {
+fn grow_plot(
+    graph: &CityGraph,
+    plot: &Plot,
+    obstacles: &Obstacles,
+    book: &StyleBook<'_>,
+    findings: &mut Vec<Finding>,
+) -> Vec<Draft> {
     let mut out = Vec::new();
     for outline in &plot.outline {
         let houses: Vec<&GridPolygon> = obstacles.houses.near(outline, 0.0).into_iter().map(|(p, ())| p).collect();
@@ -182,15 +188,8 @@ fn draft(graph: &CityGraph, footprint: GridPolygon, style_index: usize, style: &
     let (low, high) = (usize::from(style.storeys.0), usize::from(style.storeys.1));
     let storeys = low + row.below("storeys", high.saturating_sub(low) + 1);
     let eaves_m = ground + (storeys.max(1) - 1) as f64 * upper;
-    let body = Body {
-        footprint,
-        bottom_m: 0.0,
-        height_m: None,
-        levels: None,
-        roof: RoofTags::default(),
-        colour: None,
-        is_covered: false,
-    };
+    let body =
+        Body { footprint, bottom_m: 0.0, height_m: None, levels: None, roof: RoofTags::default(), colour: None, is_covered: false };
     Draft {
         id,
         name: String::new(),
@@ -208,9 +207,10 @@ fn part_ways(drafts: Vec<Draft>, findings: &mut Vec<Finding>) -> Vec<Draft> {
     let mut stands = vec![true; drafts.len()];
     for (i, draft) in drafts.iter().enumerate() {
         let footprint = &draft.bodies[0].footprint;
-        let blocked = index.near(footprint, 0.0).into_iter().any(|(other, &j)| {
-            j < i && stands[j] && boolean::overlap_m2(footprint, other) > TOLERATED_M2
-        });
+        let blocked = index
+            .near(footprint, 0.0)
+            .into_iter()
+            .any(|(other, &j)| j < i && stands[j] && boolean::overlap_m2(footprint, other) > TOLERATED_M2);
         if blocked {
             stands[i] = false;
             let message = "grown house: blocks overlap here, and another house stands on its lot";

@@ -207,7 +207,11 @@ fn span_m(body: &Body, ridge: DVec2, bounds: &Box2, shape: RoofShape) -> f64 {
     let is_quad = body.footprint.outer.len() == 4 && body.footprint.holes.is_empty();
     match shape {
         RoofShape::Hipped | RoofShape::Pyramidal | RoofShape::Mansard | RoofShape::Cone | RoofShape::Dome | RoofShape::Onion => {
-            if is_quad { bounds.width_m } else { bounds.width_m.min(2.0 * wing) }
+            if is_quad {
+                bounds.width_m
+            } else {
+                bounds.width_m.min(2.0 * wing)
+            }
         }
         _ if is_quad => across,
         _ => across.min(2.0 * wing),

@@ -83,7 +83,8 @@ fn own_height_m(kind: ObjectKind, draw: Draw) -> f64 {
 
 fn placed(object: &StandingObject, seed: u64, site: &Site<'_>) -> PlanObject {
     let draw = Draw::new(seed, object.id, "object");
-    let height = if object.height_m > 0.0 && object.height_m <= TALLEST_M { object.height_m } else { own_height_m(object.kind, draw) };
+    let height =
+        if object.height_m > 0.0 && object.height_m <= TALLEST_M { object.height_m } else { own_height_m(object.kind, draw) };
     let heading = if object.heading_deg.is_finite() { object.heading_deg } else { 0.0 };
     PlanObject {
         id: object.id,
@@ -189,7 +190,11 @@ fn trees(graph: &CityGraph, areas: &[Area<'_>], site: &Site<'_>) -> Vec<Standing
                     let draw = Draw::new(graph.seed, Id::from_place("tree square", corner + 0.25), "trees");
                     let pos = corner + TREE_STEP_M * DVec2::new(draw.between("x", 0.15, 0.85), draw.between("y", 0.15, 0.85));
                     let on_lawn = || site.surface(pos).is_some_and(|(s, _)| s == SurfaceKind::Grass);
-                    if draw.chance("tree", 0.55) && area.holds(GridPos::from_metres(pos)) && on_lawn() && site.is_free_about(pos, 2.0) {
+                    if draw.chance("tree", 0.55)
+                        && area.holds(GridPos::from_metres(pos))
+                        && on_lawn()
+                        && site.is_free_about(pos, 2.0)
+                    {
                         let kind = if draw.chance("conifer", 0.12) { ObjectKind::Conifer } else { ObjectKind::Tree };
                         out.push(grown(kind, "grown tree", pos, draw.between("heading", 0.0, 360.0)));
                     }

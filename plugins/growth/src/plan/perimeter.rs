@@ -199,7 +199,9 @@ fn sides(ring: &[DVec2], is_short: &[bool], houses: &[&GridPolygon]) -> Vec<(Sid
         let chain = (0..=steps).map(|j| ring[(i + 1 + j) % n]).collect();
         let middle = (a + b) / 2.0;
         let is_beside = |h: &&GridPolygon| {
-            h.rings().flat_map(|r| outline::edges(r)).any(|(p, q)| outline::distance_to_edge(middle, p.to_metres(), q.to_metres()) < BESIDE_M)
+            h.rings()
+                .flat_map(|r| outline::edges(r))
+                .any(|(p, q)| outline::distance_to_edge(middle, p.to_metres(), q.to_metres()) < BESIDE_M)
         };
         let dir = (b - a).normalize_or(DVec2::X);
         (Side { a, dir, length: a.distance(b), is_frontage: !houses.iter().any(is_beside), chain }, i)

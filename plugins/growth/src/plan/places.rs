@@ -63,7 +63,8 @@ struct List {
 impl List {
     fn add(&mut self, mut place: Place) {
         while !place.id.is_given() || !self.ids.insert(place.id) {
-            place.id = if place.id.is_given() { Id(place.id.0.wrapping_add(1) | 1 << 63) } else { Id::from_place("place", place.pos) };
+            place.id =
+                if place.id.is_given() { Id(place.id.0.wrapping_add(1) | 1 << 63) } else { Id::from_place("place", place.pos) };
         }
         self.names.insert(place.name.clone());
         self.places.push(place);

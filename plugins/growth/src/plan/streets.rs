@@ -131,7 +131,12 @@ fn link_shapes(
                 LinkKind::Watercourse => "covered watercourse",
             };
             let place = at.get(&link.from).copied();
-            findings.push(Finding::new(Severity::Dropped, link.id, place, format!("{what}: not laid, for it lies below the ground")));
+            findings.push(Finding::new(
+                Severity::Dropped,
+                link.id,
+                place,
+                format!("{what}: not laid, for it lies below the ground"),
+            ));
             continue;
         }
         strips.extend(strips_of(graph, &at, link, areas));

@@ -80,7 +80,10 @@ pub(super) fn bays(length_m: f64, bay_m: f64) -> u8 {
 
 /// The wall that a house is known by: its longest that faces a street, else its longest.
 pub(super) fn main_edge(edges: &[Vec<Edge>]) -> Option<&Edge> {
-    edges.iter().flatten().max_by(|a, b| (a.is_public, a.length_m()).partial_cmp(&(b.is_public, b.length_m())).unwrap_or(core::cmp::Ordering::Equal))
+    edges
+        .iter()
+        .flatten()
+        .max_by(|a, b| (a.is_public, a.length_m()).partial_cmp(&(b.is_public, b.length_m())).unwrap_or(core::cmp::Ordering::Equal))
 }
 
 /// Whether two colours can hardly be told apart.
@@ -131,10 +134,7 @@ fn set_apart(mut look: Look, width: f64, near: &[(&Look, f64)], draft: &Draft, s
 
 /// Whether two houses are alike in colour, number of axes, main windows and ground floor together.
 fn are_twins(a: &Look, a_width: f64, b: &Look, b_width: f64) -> bool {
-    alike(a.painted(), b.painted())
-        && bays(a_width, a.bay_m) == bays(b_width, b.bay_m)
-        && a.main == b.main
-        && a.ground == b.ground
+    alike(a.painted(), b.painted()) && bays(a_width, a.bay_m) == bays(b_width, b.bay_m) && a.main == b.main && a.ground == b.ground
 }
 
 #[cfg(test)]

@@ -40,7 +40,9 @@ pub fn city(n: usize, seed: u64) -> CityGraph {
 
 fn link(from: Id, to: Id, seed: u64) -> Link {
     let draw = Draw::new(seed, Id(from.0 << 20 | to.0), "link");
-    let class = *draw.pick("class", &[StreetClass::Street, StreetClass::Lane, StreetClass::Main, StreetClass::Lane]).unwrap_or(&StreetClass::Lane);
+    let class = *draw
+        .pick("class", &[StreetClass::Street, StreetClass::Lane, StreetClass::Main, StreetClass::Lane])
+        .unwrap_or(&StreetClass::Lane);
     Link {
         id: Id::NONE,
         from,
@@ -57,7 +59,14 @@ fn link(from: Id, to: Id, seed: u64) -> Link {
 fn fill_block(graph: &mut CityGraph, corners: [DVec2; 4], i: usize, j: usize) {
     let middle = corners.iter().copied().sum::<DVec2>() / 4.0;
     let inset = corners.map(|c| c + (middle - c).normalize() * 11.0);
-    let area = |kind| Block { id: Id::NONE, kind, name: String::new(), district: String::new(), outline: inset.to_vec(), holes: Vec::new() };
+    let area = |kind| Block {
+        id: Id::NONE,
+        kind,
+        name: String::new(),
+        district: String::new(),
+        outline: inset.to_vec(),
+        holes: Vec::new(),
+    };
     match (i * 7 + j * 3) % 41 {
         0 => graph.blocks.push(area(BlockKind::Park)),
         1 => graph.blocks.push(area(BlockKind::Water)),
