@@ -261,6 +261,22 @@ fn streets_without_houses_are_built_up() {
 }
 
 #[test]
+fn a_district_that_streets_cut_is_built_up_beside_them() {
+    let mut graph = crossing();
+    let district =
+        parsed("(name: \"T\", anchor: (lat: 50, lon: 14), blocks: [(outline: [(-80, -70), (80, -70), (80, 70), (-80, 70)])])");
+    graph.blocks = district.blocks;
+    let plan = grown(&graph).plan;
+    assert!(plan.houses.len() > 40, "{} houses", plan.houses.len());
+    let centre = |h: &House| h.volumes[0].footprint.centroid();
+    assert!(
+        plan.houses.iter().all(|h| h.volumes[0].footprint.outer.iter().all(|v| v.to_metres().y.abs() > 5.9)),
+        "the street is free"
+    );
+    assert!(plan.houses.iter().any(|h| centre(h).x < 0.0) && plan.houses.iter().any(|h| centre(h).x > 0.0));
+}
+
+#[test]
 fn the_same_for_any_number_of_threads() {
     let graph = synthetic::city(3, 4);
     let run = |threads| {

@@ -59,7 +59,7 @@ fn wound(mut ring: Vec<GridPos>, counter_clockwise: bool) -> Vec<GridPos> {
     ring
 }
 
-fn first<'a>(rings: &[&'a [GridPos]]) -> Option<GridPos> {
+fn first(rings: &[&[GridPos]]) -> Option<GridPos> {
     rings.iter().find_map(|ring| ring.first().copied())
 }
 
