@@ -4,9 +4,10 @@ use veduta_city::{
     VolumeShell,
 };
 
-use crate::free::free_space_again;
+use crate::free::free_space;
 use crate::locate::Locator;
 use crate::overlay::{OverlayRule, combine, turned_rings};
+use crate::partition::PartitionSettings;
 use crate::patches::Patches;
 
 /// Pieces of free space smaller than this are leavings of the grid, square metres.
@@ -61,7 +62,7 @@ fn moved(polygon: &GridPolygon, origin: GridPos) -> GridPolygon {
 
 /// Free space outside of all cells, by the cell nearest to it.
 fn yards(plan: &CityPlan, cells: &Cells, patches: &Patches<'_>) -> Vec<Vec<GridPolygon>> {
-    let free = free_space_again(plan, patches);
+    let free = free_space(plan, patches, &PartitionSettings::default(), &mut Vec::new());
     let inside = cells.cells.iter().flat_map(|cell| turned_rings(&cell.outline));
     let outside = combine(OverlayRule::Difference, free.iter().flat_map(turned_rings), inside, false);
     let locator = Locator::new(&cells.cells);
