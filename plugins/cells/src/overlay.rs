@@ -62,7 +62,10 @@ pub(crate) fn combine(
         .filter_map(|shape| {
             let mut rings = shape.into_iter().map(|ring| ring.into_iter().map(|p| GridPos(p.x, p.y)).collect::<GridRing>());
             let outer = rings.next().filter(|ring| ring.len() > 2)?;
-            Some(GridPolygon { outer, holes: rings.filter(|ring| ring.len() > 2).collect() })
+            let polygon = GridPolygon { outer, holes: rings.filter(|ring| ring.len() > 2).collect() };
+            // Holes that touch the outer ring may come out the wrong way round.
+            let mut turned = turned_rings(&polygon);
+            Some(GridPolygon { outer: turned.next()?, holes: turned.collect() })
         })
         .collect()
 }
@@ -148,6 +151,15 @@ mod tests {
         let bounds = window.bounds().unwrap();
         assert_eq!(clip_patch(&rect(0, 0, 100, 100), &window, bounds), core::slice::from_ref(&window));
         assert!(clip_patch(&rect(200, 0, 100, 100), &window, bounds).is_empty());
+    }
+
+    #[test]
+    fn a_hole_that_touches_the_outer_ring_still_runs_clockwise() {
+        let square = rect(0, 0, 120, 120);
+        let houses = [rect(35, 61, 14, 5), rect(49, 66, 3, 11), rect(16, 97, 35, 23), rect(15, 67, 34, 30)];
+        let free = combine(OverlayRule::Difference, turned_rings(&square), houses.iter().flat_map(turned_rings), true);
+        let area: i64 = free.iter().flat_map(GridPolygon::rings).map(|ring| ring_area_2(ring)).sum();
+        assert_eq!(area / 2, 120 * 120 - 14 * 5 - 3 * 11 - 35 * 23 - 34 * 30);
     }
 
     proptest! {

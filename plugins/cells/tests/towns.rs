@@ -111,7 +111,7 @@ fn cast_rays(plan: &CityPlan, cells: &Cells, starts: &[(f64, f64, f64)]) -> Resu
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(120))]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
 
     #[test]
     fn cells_tile_the_reachable_free_space(houses in upright()) {
