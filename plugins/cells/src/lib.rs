@@ -1,9 +1,9 @@
 //! Partition of a city's free space into cells and portals, what belongs to each cell, and what can be seen from it.
 //!
 //! ```text
-//!  CityPlan ─ free space ─► shapes ─ triangulate, reach ─► triangles ─ merge ─► cells, portals ─┬─ assign ─► walls, roofs, objects
-//!             extent less           constrained                 cut at                   └─ visible sets, skyline
-//!             houses                Delaunay                    narrow places
+//!  CityPlan ─ free space ─► shapes ─ triangulate ─► triangles ─ reach, merge ─► cells, portals ─┬─ assign ─► walls, roofs,
+//!             extent less           constrained                 cut at                          │            objects
+//!             houses                Delaunay                    narrow places                   └─ visible sets, skyline
 //!
 //!  CityPlan + Cells ─► cell_shells (level-1 packets) · facade_sheets (level-2 packets) · check (invariants)
 //! ```

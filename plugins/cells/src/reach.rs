@@ -14,8 +14,8 @@ use crate::triangulate::Triangle;
 /// Pieces up to this size beside reachable space belong to it however narrow their mouth: niches of façades. Square metres.
 const NICHE_M2: f64 = 4.0;
 
-/// The triangles that can be reached. Slits too narrow to walk through join nothing, but stay where they begin at reachable space, since
-/// one looks through them. Falls back to the largest piece where there is no public ground.
+/// The triangles that can be reached. Slits too narrow to walk through join nothing, but stay where they begin at
+/// reachable space, since one looks through them. Falls back to the largest piece where there is no public ground.
 pub(crate) fn reachable(
     triangles: &[Triangle],
     plan: &CityPlan,

@@ -13,8 +13,8 @@ use crate::patches::Patches;
 /// Pieces of free space smaller than this are leavings of the grid, square metres.
 const LEAVINGS_M2: f64 = 0.01;
 
-/// Content of every cell's level-1 packet: ground, houses, objects and blind portals, relative to the packet's origin. Free space that is in no
-/// cell (enclosed courtyards) comes with the nearest one, so that nothing is missing from above; ground under houses is left out.
+/// Content of every cell's level-1 packet: ground, houses, objects and blind portals, relative to the packet's origin. Free space
+/// that is in no cell (enclosed courtyards) comes with the nearest one, so that nothing is missing from above; ground under houses is left out.
 #[must_use]
 pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
     let patches = Patches::new(&plan.ground);

@@ -292,5 +292,8 @@ fn check_names_what_was_broken() {
     assert!(broken(|c| c.portals[0].ends.0.0 += 5).iter().any(|e| matches!(e, CellsError::PortalOffOutline { portal: 0, .. })));
     assert!(broken(|c| c.visible[0].clear()).iter().any(|e| matches!(e, CellsError::NotSeen { lacks: 0, .. })));
     assert!(broken(|c| c.cells[1].id = c.cells[0].id).iter().any(|e| matches!(e, CellsError::DuplicateId { .. })));
+    let mut swollen = plan.clone();
+    swollen.houses[1].volumes[0].footprint = rect(10.0, 18.0, 200.0, 40.0);
+    assert!(matches!(check(&swollen, &good).as_slice(), [CellsError::NotFree { m2 }] if (m2 - 380.0).abs() < 1e-6));
     assert!(broken(|c| c.skyline = vec![99_999]).iter().any(|e| matches!(e, CellsError::Unknown { .. })));
 }

@@ -173,6 +173,7 @@ fn rays_through_a_town_find_only_visible_cells() {
 fn visible_sets_are_not_much_larger_than_what_rays_find() {
     let plan = common::town(3);
     let cells = partition(&plan, &PartitionSettings::default()).cells;
+    assert_eq!(check(&plan, &cells), []);
     let mut found: BTreeSet<(u32, u32)> = (0..cells.cells.len() as u32).map(|i| (i, i)).collect();
     for i in 0..20_000 {
         let draw = veduta_city::draw::Draw::new(4, veduta_city::Id(i), "ray");
