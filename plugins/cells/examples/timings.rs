@@ -1,4 +1,4 @@
-//! Times each stage on a synthetic town: `cargo run --release -p veduta-cells --example timings [BLOCKS A SIDE]`.
+//! Times each stage on a synthetic town: `cargo run --release -p veduta-cells --example timings [town|suburb] [SIDE]`.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -8,8 +8,10 @@ use std::time::Instant;
 use veduta_cells::{PartitionSettings, cell_shells, check, facade_sheets, partition};
 
 fn main() {
-    let side = std::env::args().nth(1).and_then(|n| n.parse().ok()).unwrap_or(16);
-    let plan = common::town(side);
+    let mut arguments = std::env::args().skip(1);
+    let is_open = arguments.next().is_some_and(|kind| kind == "suburb");
+    let side = arguments.next().and_then(|n| n.parse().ok());
+    let plan = if is_open { common::suburb(side.unwrap_or(54)) } else { common::town(side.unwrap_or(16)) };
     let start = Instant::now();
     let made = partition(&plan, &PartitionSettings::default());
     let cells = &made.cells;

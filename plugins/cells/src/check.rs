@@ -2,7 +2,10 @@ use std::collections::HashSet;
 
 use veduta_city::{Cell, Cells, CityPlan, GridPolygon, GridPos, Id, PortalSide};
 
+use crate::free::free_space;
 use crate::overlay::{OverlayRule, combine, edges, ring_area_2, total_m2, turned_rings};
+use crate::partition::PartitionSettings;
+use crate::patches::Patches;
 
 /// What is wrong with a city's cells, naming the cell by id and the rest by index.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -28,6 +31,12 @@ pub enum CellsError {
     /// Cells that lie over each other.
     #[error("the cells overlap on {m2:.3} m²")]
     Overlap {
+        /// How much, square metres.
+        m2: f64,
+    },
+    /// Cells that reach into houses or beyond the extent.
+    #[error("the cells reach into houses or beyond the extent on {m2:.3} m²")]
+    NotFree {
         /// How much, square metres.
         m2: f64,
     },
@@ -93,13 +102,15 @@ pub enum CellsError {
     },
 }
 
-/// Everything wrong with the cells of a plan, in order: outlines are proper and do not overlap, portals lie on the outlines of both their cells,
-/// every wall, roof and object belongs to exactly one cell, visible sets hold at least the neighbours, all lists ascend. Empty for what
-/// [`crate::partition`] made, unless the plan has no free space (then nothing has a cell).
+/// Everything wrong with the cells of a plan, in order: outlines are proper, do not overlap and
+/// stay out of houses (with the default clearance), portals lie on the outlines of both their cells,
+/// every wall, roof and object belongs to exactly one cell, visible sets hold at least the neighbours, all lists ascend. Empty for
+/// what [`crate::partition`] made, unless the plan has no free space (then nothing has a cell).
 #[must_use]
 pub fn check(plan: &CityPlan, cells: &Cells) -> Vec<CellsError> {
     let mut errors = Vec::new();
     check_outlines(cells, &mut errors);
+    check_free(plan, cells, &mut errors);
     check_lists(plan, cells, &mut errors);
     check_portals(cells, &mut errors);
     check_owners(plan, cells, &mut errors);
@@ -125,6 +136,24 @@ fn check_outlines(cells: &Cells, errors: &mut Vec<CellsError>) {
     let overlap_m2 = sum - total_m2(&combine(OverlayRule::Subject, rings, [], false));
     if overlap_m2 > 1e-6 * sum {
         errors.push(CellsError::Overlap { m2: overlap_m2 });
+    }
+}
+
+/// Mean width up to which a piece is a leaving of the grid, metres.
+const SLIVER_M: f64 = 0.005;
+
+/// Cells may reach under long walls by a grid step, where these were cut.
+fn check_free(plan: &CityPlan, cells: &Cells, errors: &mut Vec<CellsError>) {
+    let free = free_space(plan, &Patches::new(&plan.ground), &PartitionSettings::default(), &mut Vec::new());
+    let rings = cells.cells.iter().flat_map(|cell| turned_rings(&cell.outline));
+    let mut beyond = combine(OverlayRule::Difference, rings, free.iter().flat_map(turned_rings), false);
+    beyond.retain(|piece| {
+        let perimeter_m: f64 =
+            piece.rings().flat_map(|ring| edges(ring)).map(|(a, b)| (b.to_metres() - a.to_metres()).length()).sum();
+        2.0 * piece.area_m2() > SLIVER_M * perimeter_m
+    });
+    if !beyond.is_empty() {
+        errors.push(CellsError::NotFree { m2: total_m2(&beyond) });
     }
 }
 

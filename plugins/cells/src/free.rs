@@ -3,7 +3,7 @@
 use glam::DVec2;
 use veduta_city::{CityPlan, Finding, GRID_PER_METRE, GridPolygon, GridPos, GridRing, House, Id, Severity, Volume};
 
-use crate::overlay::{Bounds, OverlayRule, combine, edges, ring_area_2, total_m2, touch, turned_rings};
+use crate::overlay::{Bounds, OverlayRule, combine, edges, ring_area_2, turned_rings};
 use crate::partition::PartitionSettings;
 use crate::patches::Patches;
 
@@ -11,8 +11,8 @@ use crate::patches::Patches;
 const FARTHEST: i32 = 1 << 30;
 /// Longest side of the extent's bounds, grid steps: products of two such lengths fit 64 bits with room to spare.
 const WIDEST: i32 = 1 << 28;
-/// The connected pieces of free space that hold public ground. Falls back to the largest piece where none does.
-pub(crate) fn reachable(
+/// All free space, courtyards included: connected polygons.
+pub(crate) fn free_space(
     plan: &CityPlan,
     patches: &Patches<'_>,
     settings: &PartitionSettings,
@@ -27,42 +27,6 @@ pub(crate) fn reachable(
         ));
         return Vec::new();
     };
-    let shapes = free_space(plan, patches, bounds, settings, findings);
-    let mut kept: Vec<GridPolygon> = shapes
-        .iter()
-        .filter(|shape| public_m2(shape, patches, settings.min_public_m2) >= settings.min_public_m2)
-        .cloned()
-        .collect();
-    if kept.is_empty() {
-        let largest = shapes.iter().max_by(|a, b| a.area_m2().total_cmp(&b.area_m2()));
-        if let Some(largest) = largest {
-            let message = format!(
-                "no piece of free space holds {} m² of public ground: the largest piece, {:.0} m², became the city",
-                settings.min_public_m2,
-                largest.area_m2()
-            );
-            findings.push(Finding::new(Severity::Repaired, Id::NONE, Some(largest.centroid()), message));
-            kept.push(largest.clone());
-        }
-    }
-    kept
-}
-
-fn usable_bounds(extent: &GridPolygon) -> Option<Bounds> {
-    let (lo, hi) = extent.bounds()?;
-    let is_near = [lo, hi].iter().all(|p| p.0.unsigned_abs() < FARTHEST as u32 && p.1.unsigned_abs() < FARTHEST as u32);
-    let is_small = is_near && hi.0 - lo.0 < WIDEST && hi.1 - lo.1 < WIDEST;
-    (is_small && ring_area_2(&extent.outer) != 0).then_some((lo, hi))
-}
-
-/// All free space, courtyards included.
-pub(crate) fn free_space(
-    plan: &CityPlan,
-    patches: &Patches<'_>,
-    bounds: Bounds,
-    settings: &PartitionSettings,
-    findings: &mut Vec<Finding>,
-) -> Vec<GridPolygon> {
     let mut obstacles: Vec<GridRing> = Vec::new();
     for house in &plan.houses {
         for volume in &house.volumes {
@@ -77,10 +41,11 @@ pub(crate) fn free_space(
     combine(OverlayRule::Difference, turned_rings(&plan.extent), obstacles, true)
 }
 
-/// [`free_space`] for what has been partitioned before: nothing if the extent is unusable.
-pub(crate) fn free_space_again(plan: &CityPlan, patches: &Patches<'_>) -> Vec<GridPolygon> {
-    let Some(bounds) = usable_bounds(&plan.extent) else { return Vec::new() };
-    free_space(plan, patches, bounds, &PartitionSettings::default(), &mut Vec::new())
+fn usable_bounds(extent: &GridPolygon) -> Option<Bounds> {
+    let (lo, hi) = extent.bounds()?;
+    let is_near = [lo, hi].iter().all(|p| p.0.unsigned_abs() < FARTHEST as u32 && p.1.unsigned_abs() < FARTHEST as u32);
+    let is_small = is_near && hi.0 - lo.0 < WIDEST && hi.1 - lo.1 < WIDEST;
+    (is_small && ring_area_2(&extent.outer) != 0).then_some((lo, hi))
 }
 
 /// Whether a footprint is a polygon near enough for products of coordinates to be safe.
@@ -118,19 +83,4 @@ pub(crate) fn beside(a: GridPos, b: GridPos, share: f64, distance_m: f64) -> Gri
     let length = libm::sqrt(along.length_squared());
     let outward = if length > 0.0 { DVec2::new(along.y, -along.x) / length } else { DVec2::ZERO };
     GridPos::from_metres(from + along * share + outward * distance_m)
-}
-
-/// Square metres of public ground in a shape; may stop counting beyond `enough`.
-fn public_m2(shape: &GridPolygon, patches: &Patches<'_>, enough: f64) -> f64 {
-    let Some(bounds) = shape.bounds() else { return 0.0 };
-    if shape.area_m2() < enough {
-        return 0.0;
-    }
-    let mut sum = 0.0;
-    for patch in patches.near(bounds) {
-        if patch.surface.is_public() && patch.outline.bounds().is_some_and(|b| touch(b, bounds)) && sum < enough {
-            sum += total_m2(&crate::overlay::clip_patch(&patch.outline, shape, bounds));
-        }
-    }
-    sum
 }

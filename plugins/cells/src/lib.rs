@@ -1,9 +1,9 @@
 //! Partition of a city's free space into cells and portals, what belongs to each cell, and what can be seen from it.
 //!
 //! ```text
-//!  CityPlan ─ free space ─► shapes ─ triangulate ─► triangles ─ merge ─► cells, portals ─┬─ assign ─► walls, roofs, objects
-//!             extent less           constrained                 cut at                   └─ visible sets, skyline
-//!             houses                Delaunay                    narrow places
+//!  CityPlan ─ free space ─► shapes ─ triangulate ─► triangles ─ reach, merge ─► cells, portals ─┬─ assign ─► walls, roofs,
+//!             extent less           constrained                 cut at                          │            objects
+//!             houses                Delaunay                    narrow places                   └─ visible sets, skyline
 //!
 //!  CityPlan + Cells ─► cell_shells (level-1 packets) · facade_sheets (level-2 packets) · check (invariants)
 //! ```
@@ -32,11 +32,11 @@
 //! ```
 //!
 //! # Method
-//! * Free space is the extent less the footprints of all volumes that stand on the ground, on the integer grid. Pieces without
-//!   public ground (enclosed courtyards) are left out of the cells; their ground goes to the nearest cell's packet.
+//! * Free space is the extent less the footprints of all volumes that stand on the ground, on the integer grid.
 //! * It is triangulated (constrained Delaunay; a sparse lattice of points keeps triangles in the open small) and the triangles
 //!   are joined across their longest edges first while the union stays small and nearly convex, so that the short edges, the
-//!   narrow places, are left as portals.
+//!   narrow places, are left as portals. Pieces without public ground that is wide enough to walk to (courtyards behind a slit
+//!   between houses, too) are left out of the cells; their ground goes to the nearest cell's packet.
 //! * Visible sets follow Teller and Séquin, *Visibility preprocessing for interactive walkthroughs* (1991), in plan: a cell is
 //!   visible if some straight line stabs a sequence of portals that leads to it. The set of stabbing lines is kept as a convex
 //!   polygon in the dual plane, where each portal's end is one half-plane; see [`PartitionSettings::line_sets`].
@@ -68,6 +68,7 @@ mod outline;
 mod overlay;
 mod partition;
 mod patches;
+mod reach;
 mod sheet;
 mod shell;
 mod skyline;

@@ -16,9 +16,14 @@ pub(crate) fn merge(triangles: &[Triangle], settings: &PartitionSettings) -> Vec
     for door in doors {
         groups.try_join(door.left, door.right, &Limits::of(settings, 1.0));
     }
-    for _ in 0..8 {
-        if !join_rests(triangles, &mut groups, settings) {
-            break;
+    // Small rests first ask for a union that is nearly convex; what is left (slits, corners behind corners) takes any.
+    let small = (settings.min_area_m2, Limits::of(settings, 1.5));
+    let tiny = (settings.min_area_m2 / 4.0, Limits { convexity: 0.0, ..Limits::of(settings, 1.5) });
+    for (area_m2, limits) in [small, tiny] {
+        for _ in 0..8 {
+            if !join_rests(triangles, &mut groups, area_m2, &limits) {
+                break;
+            }
         }
     }
     numbered(triangles, &mut groups)
@@ -131,10 +136,10 @@ impl Groups {
     }
 }
 
-/// Lets each small group join the neighbour with which it shares the longest border; whether any did.
-fn join_rests(triangles: &[Triangle], groups: &mut Groups, settings: &PartitionSettings) -> bool {
+/// Lets each group smaller than an area join the neighbour with which it shares the longest border; whether any did.
+fn join_rests(triangles: &[Triangle], groups: &mut Groups, area_m2: f64, limits: &Limits) -> bool {
     let step = f64::from(GRID_PER_METRE);
-    let small_2 = (settings.min_area_m2 * 2.0 * step * step) as i64;
+    let small_2 = (area_m2 * 2.0 * step * step) as i64;
     let mut borders: BTreeMap<(u32, u32), f64> = BTreeMap::new();
     for door in doors(triangles) {
         let (a, b) = (groups.root(door.left), groups.root(door.right));
@@ -149,12 +154,11 @@ fn join_rests(triangles: &[Triangle], groups: &mut Groups, settings: &PartitionS
         .filter(|&(area_2, ..)| area_2 < small_2)
         .collect();
     wishes.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)).then(a.3.cmp(&b.3)));
-    let limits = Limits::of(settings, 1.5);
     let mut has_joined = false;
     for (_, from, _, to) in wishes {
         let root = groups.root(from);
         if groups.area_2[root as usize] < small_2 {
-            has_joined |= groups.try_join(from, to, &limits);
+            has_joined |= groups.try_join(from, to, limits);
         }
     }
     has_joined

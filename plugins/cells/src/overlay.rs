@@ -40,11 +40,6 @@ pub(crate) fn turned_rings(polygon: &GridPolygon) -> impl Iterator<Item = GridRi
     })
 }
 
-/// Whether two boxes have a point in common.
-pub(crate) fn touch(a: Bounds, b: Bounds) -> bool {
-    a.0.0 <= b.1.0 && b.0.0 <= a.1.0 && a.0.1 <= b.1.1 && b.0.1 <= a.1.1
-}
-
 /// Combines two sets of rings, each filled where it winds around. Results are valid polygons: outer rings counter-clockwise, holes
 /// clockwise, interiors connected. `keep_collinear` keeps vertices in the middle of straight lines.
 pub(crate) fn combine(
@@ -67,7 +62,10 @@ pub(crate) fn combine(
         .filter_map(|shape| {
             let mut rings = shape.into_iter().map(|ring| ring.into_iter().map(|p| GridPos(p.x, p.y)).collect::<GridRing>());
             let outer = rings.next().filter(|ring| ring.len() > 2)?;
-            Some(GridPolygon { outer, holes: rings.filter(|ring| ring.len() > 2).collect() })
+            let polygon = GridPolygon { outer, holes: rings.filter(|ring| ring.len() > 2).collect() };
+            // Holes that touch the outer ring may come out the wrong way round.
+            let mut turned = turned_rings(&polygon);
+            Some(GridPolygon { outer: turned.next()?, holes: turned.collect() })
         })
         .collect()
 }
@@ -151,8 +149,17 @@ mod tests {
     fn a_window_inside_a_patch_is_the_whole_window() {
         let window = GridPolygon::simple(vec![GridPos(10, 10), GridPos(30, 12), GridPos(20, 40)]);
         let bounds = window.bounds().unwrap();
-        assert_eq!(clip_patch(&rect(0, 0, 100, 100), &window, bounds), [window.clone()]);
+        assert_eq!(clip_patch(&rect(0, 0, 100, 100), &window, bounds), core::slice::from_ref(&window));
         assert!(clip_patch(&rect(200, 0, 100, 100), &window, bounds).is_empty());
+    }
+
+    #[test]
+    fn a_hole_that_touches_the_outer_ring_still_runs_clockwise() {
+        let square = rect(0, 0, 120, 120);
+        let houses = [rect(35, 61, 14, 5), rect(49, 66, 3, 11), rect(16, 97, 35, 23), rect(15, 67, 34, 30)];
+        let free = combine(OverlayRule::Difference, turned_rings(&square), houses.iter().flat_map(turned_rings), true);
+        let area: i64 = free.iter().flat_map(GridPolygon::rings).map(|ring| ring_area_2(ring)).sum();
+        assert_eq!(area / 2, 120 * 120 - 14 * 5 - 3 * 11 - 35 * 23 - 34 * 30);
     }
 
     proptest! {

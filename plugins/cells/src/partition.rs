@@ -1,6 +1,6 @@
 use veduta_city::{Cell, Cells, CityPlan, Finding, Id, Severity};
 
-use crate::{assign, free, merge, name, outline, patches::Patches, skyline, triangulate, visible};
+use crate::{assign, free, merge, name, outline, patches::Patches, reach, skyline, triangulate, visible};
 
 /// How free space is cut.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +16,8 @@ pub struct PartitionSettings {
     pub min_convexity: f64,
     /// Least public ground of a piece of free space that is kept, square metres: enclosed courtyards have none.
     pub min_public_m2: f64,
+    /// Least width of a gap that joins two pieces of free space, metres. One looks through narrower ones but does not walk there.
+    pub min_passage_m: f64,
     /// Clear height above the ground under which a volume is an obstacle; above it hangs over a passage. Metres.
     pub clearance_m: f64,
     /// How many sets of lines are told apart at one portal from one other. More: tighter visible sets, more work.
@@ -30,6 +32,7 @@ impl Default for PartitionSettings {
             min_area_m2: 80.0,
             min_convexity: 0.6,
             min_public_m2: 200.0,
+            min_passage_m: 0.6,
             clearance_m: 2.2,
             line_sets: 6,
         }
@@ -51,8 +54,9 @@ pub struct Partition {
 pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     let mut findings = Vec::new();
     let patches = Patches::new(&plan.ground);
-    let shapes = free::reachable(plan, &patches, settings, &mut findings);
+    let shapes = free::free_space(plan, &patches, settings, &mut findings);
     let mesh = triangulate::triangulate(&shapes, settings, &mut findings);
+    let mesh = reach::reachable(&mesh, plan, &patches, settings, &mut findings);
     let label = merge::merge(&mesh, settings);
     let (outlines, portals) = outline::outlines(&mesh, &label, &plan.extent);
     let mut cells = Cells { portals, ..Cells::default() };

@@ -4,16 +4,17 @@ use veduta_city::{
     VolumeShell,
 };
 
-use crate::free::free_space_again;
+use crate::free::free_space;
 use crate::locate::Locator;
 use crate::overlay::{OverlayRule, combine, turned_rings};
+use crate::partition::PartitionSettings;
 use crate::patches::Patches;
 
 /// Pieces of free space smaller than this are leavings of the grid, square metres.
 const LEAVINGS_M2: f64 = 0.01;
 
-/// Content of every cell's level-1 packet: ground, houses, objects and blind portals, relative to the packet's origin. Free space that is in no
-/// cell (enclosed courtyards) comes with the nearest one, so that nothing is missing from above; ground under houses is left out.
+/// Content of every cell's level-1 packet: ground, houses, objects and blind portals, relative to the packet's origin. Free space
+/// that is in no cell (enclosed courtyards) comes with the nearest one, so that nothing is missing from above; ground under houses is left out.
 #[must_use]
 pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
     let patches = Patches::new(&plan.ground);
@@ -61,7 +62,7 @@ fn moved(polygon: &GridPolygon, origin: GridPos) -> GridPolygon {
 
 /// Free space outside of all cells, by the cell nearest to it.
 fn yards(plan: &CityPlan, cells: &Cells, patches: &Patches<'_>) -> Vec<Vec<GridPolygon>> {
-    let free = free_space_again(plan, patches);
+    let free = free_space(plan, patches, &PartitionSettings::default(), &mut Vec::new());
     let inside = cells.cells.iter().flat_map(|cell| turned_rings(&cell.outline));
     let outside = combine(OverlayRule::Difference, free.iter().flat_map(turned_rings), inside, false);
     let locator = Locator::new(&cells.cells);

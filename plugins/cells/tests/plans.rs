@@ -110,6 +110,46 @@ fn an_enclosed_courtyard_is_no_cell_but_its_ground_is_told() {
 }
 
 #[test]
+fn a_courtyard_behind_a_slit_is_no_cell_and_one_behind_an_alley_is() {
+    // Two halves of a block around a courtyard of 20 m × 20 m, with a gap between them to the south.
+    let halves = |gap_m: f64| {
+        let (west, east) = (50.0 - gap_m / 2.0, 50.0 + gap_m / 2.0);
+        let left = vec![
+            at(20.0, 20.0),
+            at(west, 20.0),
+            at(west, 40.0),
+            at(40.0, 40.0),
+            at(40.0, 60.0),
+            at(50.0, 60.0),
+            at(50.0, 80.0),
+            at(20.0, 80.0),
+        ];
+        let right = vec![
+            at(50.0, 80.0),
+            at(50.0, 60.0),
+            at(60.0, 60.0),
+            at(60.0, 40.0),
+            at(east, 40.0),
+            at(east, 20.0),
+            at(80.0, 20.0),
+            at(80.0, 80.0),
+        ];
+        let mut plan = plan(rect(0.0, 0.0, 100.0, 100.0), [left, right].map(GridPolygon::simple));
+        plan.ground = vec![
+            patch(SurfaceKind::Cobbles, with_hole(rect(0.0, 0.0, 100.0, 100.0), &rect(20.0, 20.0, 80.0, 80.0))),
+            patch(SurfaceKind::Yard, rect(20.0, 20.0, 80.0, 80.0)),
+        ];
+        cut(&plan).cells
+    };
+    for gap_m in [0.002, 0.1, 0.5] {
+        let cells = halves(gap_m);
+        assert_eq!(cells.locate(at(50.0, 50.0)), None, "a gap of {gap_m} m is no way");
+        assert!(gap_m < 0.1 || cells.locate(at(50.0, 30.0)).is_some(), "one looks into a gap of {gap_m} m");
+    }
+    assert!(halves(1.2).locate(at(50.0, 50.0)).is_some());
+}
+
+#[test]
 fn a_passage_under_a_hanging_volume_opens_the_courtyard() {
     let parts = |bottom_m| {
         let mut house = house(1, rect(20.0, 20.0, 45.0, 40.0));
@@ -252,5 +292,8 @@ fn check_names_what_was_broken() {
     assert!(broken(|c| c.portals[0].ends.0.0 += 5).iter().any(|e| matches!(e, CellsError::PortalOffOutline { portal: 0, .. })));
     assert!(broken(|c| c.visible[0].clear()).iter().any(|e| matches!(e, CellsError::NotSeen { lacks: 0, .. })));
     assert!(broken(|c| c.cells[1].id = c.cells[0].id).iter().any(|e| matches!(e, CellsError::DuplicateId { .. })));
+    let mut swollen = plan.clone();
+    swollen.houses[1].volumes[0].footprint = rect(10.0, 18.0, 200.0, 40.0);
+    assert!(matches!(check(&swollen, &good).as_slice(), [CellsError::NotFree { m2 }] if (m2 - 380.0).abs() < 1e-6));
     assert!(broken(|c| c.skyline = vec![99_999]).iter().any(|e| matches!(e, CellsError::Unknown { .. })));
 }

@@ -146,8 +146,9 @@ fn ring_contains(ring: &[GridPos], p: GridPos) -> bool {
     let mut inside = false;
     for (a, b) in edges(ring) {
         if (a.1 > p.1) != (b.1 > p.1) {
-            let left = a.cross(b, p) > 0;
-            if left == (b.1 > a.1) {
+            // Taken upwards whichever way the ring runs: of two rings that share an edge, one has the positions on it.
+            let (low, high) = if a.1 < b.1 { (a, b) } else { (b, a) };
+            if low.cross(high, p) > 0 {
                 inside = !inside;
             }
         }
@@ -172,6 +173,16 @@ mod tests {
         assert!(frame.contains(GridPos(512, 512)));
         assert!(!frame.contains(GridPos(1500, 1500)), "the hole is outside");
         assert!(!frame.contains(GridPos(-1, 5)));
+    }
+
+    #[test]
+    fn a_position_on_a_shared_edge_lies_in_exactly_one_of_its_two_polygons() {
+        let (a, b, c, d) = (GridPos(0, 0), GridPos(100, 0), GridPos(100, 100), GridPos(0, 100));
+        let (below, above) = (GridPolygon::simple(vec![a, b, c]), GridPolygon::simple(vec![a, c, d]));
+        for i in 1..100 {
+            let p = GridPos(i, i);
+            assert!(below.contains(p) != above.contains(p), "{p:?}");
+        }
     }
 
     #[test]

@@ -1,4 +1,8 @@
 //! City graph to plan, and plan to meshes.
+//!
+//! [`plan`] makes every choice that looks at neighbours: street surfaces, lots, houses, roofs, walls and their openings,
+//! objects and places, on the grid, the same bytes for any number of threads. Start with [`plan::grow`] and
+//! [`plan::stock_styles`].
 
 pub mod mesh;
 pub mod plan;

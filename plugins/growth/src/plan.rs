@@ -11,6 +11,23 @@
 //! Every stage is a function of the graph, the styles and the seed; each draw is keyed by seed, id and question. Geometry
 //! that ends in the plan is computed on the grid of 1/1024 m, in integers.
 //!
+//! ```
+//! use veduta_city::{CityGraph, file};
+//! use veduta_growth::plan::{grow, stock_styles};
+//!
+//! let graph: CityGraph = file::parse(
+//!     r#"(name: "A lane", anchor: (lat: 50.09, lon: 14.42), seed: 1,
+//!         nodes: [(id: 1, pos: (0, 0)), (id: 2, pos: (80, 0))],
+//!         links: [(from: 1, to: 2, kind: Street(Lane), name: "Long Lane")],
+//!         blocks: [(outline: [(5, 3.5), (75, 3.5), (75, 50), (5, 50)])])"#,
+//!     "lane.graph.ron",
+//! )?;
+//! let growth = grow(&graph, &stock_styles())?;
+//! assert!(growth.plan.houses.len() > 10, "the empty block has been built up");
+//! assert!(growth.findings.is_empty());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Limits
 //! The ground is flat: elevations of nodes are not followed yet, bridges lie on the ground (over water or railways), and
 //! what lies below the ground is left out with a finding. Arcades are openings, not rooms.

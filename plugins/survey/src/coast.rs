@@ -12,7 +12,7 @@ use crate::osm::OsmData;
 use crate::polygon::{Polygon, difference, even_odd, signed_area};
 
 /// An end this near to the border was meant to reach it, in metres.
-const SHORT_OF_BORDER_M: f64 = 150.0;
+const SHORT_OF_BORDER_M: f64 = 300.0;
 
 /// A line whose ends lie on the border of the extent, the sea to its left.
 struct Shore {

@@ -4,7 +4,8 @@ use veduta_city::{Anchor, Finding, Id, Severity};
 use crate::log::Log;
 use crate::osm::{Bounds, Node, OsmData};
 
-/// How far beyond the bounds that a file states streets and houses are kept, in metres: houses on the border stay whole.
+/// How far beyond the bounds that a file states, or that its streets and houses fill, things are kept, in metres: houses and
+/// trees on the border stay whole.
 const BEYOND_BOUNDS_M: f64 = 50.0;
 /// Nodes that fill less than this share of the stated bounds show that the bounds are not theirs.
 const PASSED_ON_SHARE: f64 = 0.1;
@@ -93,7 +94,7 @@ impl Extent {
         };
         let ((south, north), (west, east)) = (span(&lats)?, span(&lons)?);
         let box_ = Self::of_corners((south, west), (north, east));
-        box_.fits().then(|| Self { low: box_.low - 1.0, high: box_.high + 1.0, ..box_ })
+        box_.fits().then(|| Self { low: box_.low - BEYOND_BOUNDS_M, high: box_.high + BEYOND_BOUNDS_M, ..box_ })
     }
 
     /// Where things are scattered over a country: the surroundings of the densest part. Every way counts once, by its first
@@ -114,8 +115,7 @@ impl Extent {
         let densest = *bins.keys().max_by_key(|&b| (around_bin(b), core::cmp::Reverse(*b)))?;
         let near: Vec<_> =
             all.iter().copied().filter(|p| ((bin(p).0 - densest.0).abs() <= 1) && ((bin(p).1 - densest.1).abs() <= 1)).collect();
-        let box_ = Self::of_positions(&near)?;
-        let extent = Self { low: box_.low - BEYOND_BOUNDS_M, high: box_.high + BEYOND_BOUNDS_M, ..box_ };
+        let extent = Self::of_positions(&near)?;
         let far = all.len() - near.len();
         log.push(Finding::new(
             Severity::Dropped,
@@ -141,13 +141,13 @@ impl Extent {
 }
 
 /// Latitudes and longitudes of the nodes of streets and houses: coasts, ferries and boundaries reach far beyond a town and
-/// have many nodes. All nodes where there are neither.
+/// have many nodes. All nodes where there are next to none of either.
 fn settled_positions(data: &OsmData, reference: f64) -> Vec<(f64, f64)> {
     let settled = data.ways.values().filter(|w| w.tags.has("highway") || w.tags.has("building") || w.tags.has("building:part"));
     let nodes = settled.flat_map(|w| &w.nodes).filter_map(|id| data.nodes.get(id));
     let position = |n: &Node| (n.lat, around(n.lon, reference));
     let out: Vec<(f64, f64)> = nodes.map(position).collect();
-    if out.is_empty() { data.nodes.values().map(position).collect() } else { out }
+    if out.len() < TELLING_NODES { data.nodes.values().map(position).collect() } else { out }
 }
 
 /// A longitude as the one within half a turn of another.

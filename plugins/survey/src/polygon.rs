@@ -1,5 +1,6 @@
 //! Polygons in plan metres: outer ring counter-clockwise, holes clockwise, simple, no vertex repeated.
 
+use geo::bool_ops::FillRule;
 use geo::{BooleanOps, Coord, LineString, MultiPolygon};
 use glam::DVec2;
 use veduta_city::Ring;
@@ -165,14 +166,15 @@ pub(crate) fn union<'a>(all: impl IntoIterator<Item = &'a Polygon>) -> Vec<Polyg
 
 /// What two sets share.
 pub(crate) fn intersection<'a>(a: impl IntoIterator<Item = &'a Polygon>, b: impl IntoIterator<Item = &'a Polygon>) -> Vec<Polygon> {
-    polygons(&many(a).intersection(&many(b)))
+    polygons(&many(a).intersection_with_fill_rule(&many(b), FillRule::NonZero))
 }
 
 /// The first set without the second.
 pub(crate) fn difference<'a>(a: impl IntoIterator<Item = &'a Polygon>, b: impl IntoIterator<Item = &'a Polygon>) -> Vec<Polygon> {
-    polygons(&many(a).difference(&many(b)))
+    polygons(&many(a).difference_with_fill_rule(&many(b), FillRule::NonZero))
 }
 
+/// Polygons of a set may overlap: holes run against their outlines, so that what is covered at all winds other than to nought.
 fn many<'a>(all: impl IntoIterator<Item = &'a Polygon>) -> MultiPolygon {
     MultiPolygon(all.into_iter().map(to_geo).collect())
 }
@@ -263,6 +265,15 @@ mod tests {
         assert_eq!(polygons.iter().map(|p| p.holes.len()).collect::<Vec<_>>(), [1, 0]);
         assert!((polygons[0].area_m2() - 32.0).abs() < 1e-6);
         assert!(signed_area(&polygons[0].holes[0]) < 0.0);
+    }
+
+    #[test]
+    fn a_set_that_overlaps_itself_covers_what_any_of_it_covers() {
+        let polygon = |x, side| Polygon { outer: square(x, 0.0, side), holes: Vec::new() };
+        let (whole, parts) = ([polygon(0.0, 10.0)], [polygon(0.0, 10.0), polygon(2.0, 6.0)]);
+        assert_eq!(difference(&whole, &parts), []);
+        let shared: f64 = intersection(&whole, &parts).iter().map(Polygon::area_m2).sum();
+        assert!((shared - 100.0).abs() < 1e-6, "{shared}");
     }
 
     #[test]

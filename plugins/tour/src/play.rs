@@ -274,9 +274,10 @@ pub(crate) fn play(
         TourState::Returning => {
             let Some((leg, t)) = &mut player.leg else { return };
             *t += dt;
-            let (pose, there) = (leg.pose(*t), *t >= leg.duration_s());
+            let (pose, there, resumes_at_s) = (leg.pose(*t), *t >= leg.duration_s(), leg.resumes_at_s());
             if there {
                 player.leg = None;
+                player.t_s = resumes_at_s;
                 player.state = TourState::Playing;
             }
             Some(pose)

@@ -76,18 +76,18 @@ pub(crate) fn start(mut commands: Commands, mut ready: MessageReader<CellReady>,
 fn colliders(shell: &CellShell) -> Vec<(Vec3, Collider)> {
     let solid = collision(shell);
     let mut shapes = Vec::new();
-    for (vertices, triangles) in [solid.walls, solid.ground] {
-        if triangles.is_empty() {
+    for mesh in [solid.walls, solid.ground] {
+        if mesh.triangles.is_empty() {
             continue;
         }
-        match Collider::trimesh(vertices.into_iter().map(Vec3::from).collect(), triangles) {
+        match Collider::trimesh(mesh.positions.into_iter().map(Vec3::from).collect(), mesh.triangles) {
             Ok(collider) => shapes.push((Vec3::ZERO, collider)),
             Err(error) => error!("a cell's walls are no collider: {error}"),
         }
     }
-    for (foot, radius, height) in solid.objects {
-        let half = (height / 2.0).max(0.05);
-        shapes.push((Vec3::from(foot) + Vec3::Y * half, Collider::cylinder(half, radius)));
+    for pillar in solid.objects {
+        let half = (pillar.height_m / 2.0).max(0.05);
+        shapes.push((Vec3::from(pillar.foot) + Vec3::Y * half, Collider::cylinder(half, pillar.radius_m)));
     }
     shapes
 }

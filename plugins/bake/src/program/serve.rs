@@ -48,7 +48,7 @@ fn answer(reader: &DirReader, request: Request) {
             finish(request.respond(response));
         }
         Err(error) => {
-            let code = if matches!(error, ReadError::Missing { .. }) { 404 } else { 400 };
+            let code = if matches!(error, ReadError::NotFound { .. }) { 404 } else { 400 };
             finish(request.respond(Response::from_string(error.to_string()).with_status_code(code)));
         }
     }

@@ -114,3 +114,15 @@ pub fn town(side: usize) -> CityPlan {
     }
     plan
 }
+
+/// Detached houses on open ground, `side` × `side` of them, every 25 m, each turned its own way: one sees far between them.
+pub fn suburb(side: usize) -> CityPlan {
+    let footprints = (0..side * side).map(|i| {
+        let draw = Draw::new(9, Id(i as u64 + 1), "house");
+        let grid = DVec2::new((i % side) as f64, (i / side) as f64) * 25.0;
+        let centre = grid + DVec2::new(draw.between("x", -4.0, 4.0), draw.between("y", -4.0, 4.0));
+        turned(centre, DVec2::new(draw.between("w", 8.0, 14.0), draw.between("d", 8.0, 12.0)), draw.between("angle", 0.0, 1.6))
+    });
+    let end = side as f64 * 25.0;
+    plan(rect(-30.0, -30.0, end, end), footprints)
+}

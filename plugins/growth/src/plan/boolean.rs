@@ -41,15 +41,25 @@ impl Frame {
         let ring = |contour: Vec<IntPoint>| -> Vec<GridPos> {
             contour.into_iter().map(|p| GridPos(p.x.saturating_add(self.origin.0), p.y.saturating_add(self.origin.1))).collect()
         };
+        // Holes that touch their outer ring may come wound either way: each ring is turned here.
         let polygon = |shape: Vec<Vec<IntPoint>>| {
             let mut rings = shape.into_iter().map(ring);
-            rings.next().map(|outer| GridPolygon { outer, holes: rings.collect() })
+            let outer = wound(rings.next()?, true);
+            Some(GridPolygon { outer, holes: rings.map(|hole| wound(hole, false)).collect() })
         };
         shapes.into_iter().filter_map(polygon).collect()
     }
 }
 
-fn first<'a>(rings: &[&'a [GridPos]]) -> Option<GridPos> {
+/// The ring wound counter-clockwise, or clockwise.
+fn wound(mut ring: Vec<GridPos>, counter_clockwise: bool) -> Vec<GridPos> {
+    if (super::outline::twice_area(&ring) > 0) != counter_clockwise {
+        ring.reverse();
+    }
+    ring
+}
+
+fn first(rings: &[&[GridPos]]) -> Option<GridPos> {
     rings.iter().find_map(|ring| ring.first().copied())
 }
 
@@ -116,6 +126,20 @@ mod tests {
         let area = |of: &[GridPolygon]| of.iter().map(GridPolygon::area_m2).sum::<f64>();
         assert!((area(&inside) + area(&outside) - 100.0).abs() < 1e-9);
         assert!(inside.iter().all(|i| outside.iter().all(|o| overlap_m2(i, o) == 0.0)));
+    }
+
+    #[test]
+    fn a_hole_that_touches_its_outer_ring_is_wound_as_a_hole() {
+        let whole = rectangle(0, 0, 10, 10);
+        let touching = vec![GridPos(0, 5120), GridPos(5120, 2000), GridPos(5120, 8000)];
+        for (inside, outside) in
+            [split(&[&whole], &[&touching]), split(&[&whole], &[&touching.iter().rev().copied().collect::<Vec<_>>()])]
+        {
+            let area = |of: &[GridPolygon]| of.iter().map(GridPolygon::area_m2).sum::<f64>();
+            assert!((area(&inside) + area(&outside) - 100.0).abs() < 1e-9);
+            let (again, _) = split(&rings(&outside), &[&touching]);
+            assert_eq!(area(&again), 0.0, "what was taken is gone");
+        }
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::streets::Layer;
 /// Side of a tile, grid steps (64 m). Patches are cut along tiles so that no patch has thousands of vertices.
 const TILE: i32 = 64 * 1024;
 /// Most tiles; in larger cities tiles grow.
-const MOST_TILES: i64 = 1 << 16;
+const MOST_TILES: i64 = 1 << 14;
 /// Pieces smaller than this are dust of the grid; square metres.
 const DUST_M2: f64 = 0.05;
 

@@ -90,6 +90,11 @@ impl<'a> StyleBook<'a> {
         if footprint.area_m2() > LARGE_M2 { self.large } else { 0 }
     }
 
+    /// Style of what grows on a block: its district's, else the first.
+    pub fn of_district(&self, name: &str) -> usize {
+        self.styles.find(name).unwrap_or(0)
+    }
+
     /// The style itself.
     pub fn style(&self, index: usize) -> Option<&'a Style> {
         self.styles.0.get(index)

@@ -23,10 +23,11 @@ const LEAST_SITE_M2: f64 = 25.0;
 const LEAST_LOT_M2: f64 = 12.0;
 /// Lots narrower than this are not built on; metres.
 const LEAST_WIDTH_M: f64 = 2.0;
-/// Larger gaps between streets are not built over, square metres: they are country.
-const LARGEST_FOUND_BLOCK_M2: f64 = 60_000.0;
-/// Share of a street's width that is cut out of a block drawn over it. Less than the whole, since blocks are drawn to their
-/// building line, and widths of streets are round numbers.
+/// Larger pieces are not built on, square metres: they are country.
+const LARGEST_SITE_M2: f64 = 100_000.0;
+/// Share of a street's width that is cut out of a block drawn along it. Less than the whole, since blocks are drawn to their
+/// building line, and widths of streets are round numbers. Where streets cut a block into pieces, it was not drawn to a
+/// building line, and the whole width is cut out.
 const CORE: f64 = 0.7;
 /// Bodies may overlap by this much before one is cut; square metres.
 const TOLERATED_M2: f64 = 0.05;
@@ -54,7 +55,12 @@ pub(super) fn grow_lots(
     let plots: Vec<Plot> = if built.is_empty() && given.len() * 2 < streets {
         found_plots(layers, extent)
     } else {
-        let plot = |a: &&Area<'_>| Plot { id: a.block.id, district: a.block.district.clone(), outline: a.polygons.clone() };
+        let whole = extent.polygon();
+        let within = |p: &GridPolygon| boolean::intersection(&boolean::rings([p]), &boolean::rings([&whole]));
+        let plot = |a: &&Area<'_>| {
+            let outline = a.polygons.iter().flat_map(within).collect();
+            Plot { id: a.block.id, district: a.block.district.clone(), outline }
+        };
         built.iter().map(plot).collect()
     };
     let obstacles = Obstacles::new(graph, layers, given);
@@ -80,7 +86,7 @@ fn found_plots(layers: &[Layer], extent: &Extent) -> Vec<Plot> {
     let free = boolean::difference(&boolean::rings([&whole]), &taken);
     let inner = |p: &GridPolygon| {
         let on_edge = |v: &GridPos| v.0 == extent.lo.0 || v.0 == extent.hi.0 || v.1 == extent.lo.1 || v.1 == extent.hi.1;
-        p.area_m2() <= LARGEST_FOUND_BLOCK_M2 && !p.outer.iter().any(on_edge)
+        p.area_m2() <= LARGEST_SITE_M2 && !p.outer.iter().any(on_edge)
     };
     let plot = |p: GridPolygon| Plot { id: Id::from_place("block", p.centroid()), district: String::new(), outline: vec![p] };
     free.into_iter().filter(inner).map(plot).collect()
@@ -90,23 +96,44 @@ fn found_plots(layers: &[Layer], extent: &Extent) -> Vec<Plot> {
 struct Obstacles {
     /// Given houses.
     houses: Index<()>,
-    /// Squares, water, parks, monuments, rails, and the cores of streets.
+    /// Squares, water, parks, monuments, rails.
     open: Index<()>,
+    /// Straight pieces of streets: their cores, and their whole widths.
+    streets: [Index<()>; 2],
 }
 
 impl Obstacles {
     fn new(graph: &CityGraph, layers: &[Layer], given: &[Draft]) -> Self {
         let footprints = given.iter().flat_map(|d| &d.bodies).map(|b| (b.footprint.clone(), ()));
         let is_open = |l: &&Layer| matches!(l.rank, Rank::Square | Rank::Rails | Rank::Monument | Rank::Water | Rank::Park);
-        let mut open: Vec<(GridPolygon, ())> =
-            layers.iter().filter(is_open).flat_map(|l| &l.shapes).map(|s| (s.clone(), ())).collect();
+        let open = layers.iter().filter(is_open).flat_map(|l| &l.shapes).map(|s| (s.clone(), ())).collect();
         let at: HashMap<Id, DVec2> = graph.node_positions();
-        for link in graph.links.iter().filter(|l| l.layer >= 0 && matches!(l.kind, LinkKind::Street(_))) {
-            let half = streets::width_m(link) / 2.0 * CORE;
-            let line = graph.polyline(link, &at).unwrap_or_default();
-            open.extend(line.windows(2).filter_map(|e| quad(e[0], e[1], half)).map(|q| (q, ())));
-        }
-        Self { houses: Index::new(footprints.collect()), open: Index::new(open) }
+        let pieces = |share: f64| {
+            let mut out = Vec::new();
+            for link in graph.links.iter().filter(|l| l.layer >= 0 && matches!(l.kind, LinkKind::Street(_))) {
+                let half = streets::width_m(link) / 2.0 * share;
+                let line = graph.polyline(link, &at).unwrap_or_default();
+                out.extend(line.windows(2).filter_map(|e| quad(e[0], e[1], half)).map(|q| (q, ())));
+            }
+            Index::new(out)
+        };
+        Self { houses: Index::new(footprints.collect()), open: Index::new(open), streets: [pieces(CORE), pieces(1.0)] }
+    }
+
+    /// What may be built on of a block.
+    fn sites(&self, outline: &GridPolygon, houses: &[&GridPolygon]) -> Vec<GridPolygon> {
+        let polygons =
+            |of: &'_ Index<()>| -> Vec<GridPolygon> { of.near(outline, 0.0).into_iter().map(|(p, ())| p.clone()).collect() };
+        let open = polygons(&self.open);
+        let carve = |streets: &Index<()>| {
+            let streets = polygons(streets);
+            let taken = boolean::rings(houses.iter().copied().chain(&open).chain(&streets));
+            let mut sites = boolean::difference(&boolean::rings([outline]), &taken);
+            sites.retain(|site| site.area_m2() >= LEAST_SITE_M2);
+            sites
+        };
+        let sites = carve(&self.streets[0]);
+        if sites.len() > 1 { carve(&self.streets[1]) } else { sites }
     }
 }
 
@@ -124,13 +151,13 @@ fn grow_plot(
         if covered > outline.area_m2() * MOST_COVERED {
             continue;
         }
-        let open: Vec<&GridPolygon> = obstacles.open.near(outline, 0.0).into_iter().map(|(p, ())| p).collect();
-        let taken = boolean::rings(houses.iter().chain(&open).copied());
-        for site in boolean::difference(&boolean::rings([outline]), &taken) {
-            if site.area_m2() < LEAST_SITE_M2 {
+        for site in obstacles.sites(outline, &houses) {
+            if site.area_m2() > LARGEST_SITE_M2 {
+                let message = format!("block: {:.0} m² without a street are not built on", site.area_m2());
+                findings.push(Finding::new(Severity::Dropped, plot.id, Some(site.centroid()), message));
                 continue;
             }
-            let style = book.choose(&plot.district, plot.id, outline, &mut Vec::new());
+            let style = book.of_district(&plot.district);
             let Some(look) = book.style(style) else { continue };
             let draw = Draw::new(graph.seed, Id::from_place("site", site.centroid()), "lots");
             out.extend(grow_site(&site, &houses, look, draw).into_iter().map(|lot| draft(graph, lot, style, look, draw)));

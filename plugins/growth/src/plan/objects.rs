@@ -152,7 +152,7 @@ fn lamps(graph: &CityGraph, site: &Site<'_>) -> Vec<StandingObject> {
         let line = graph.polyline(link, &at).unwrap_or_default();
         let offset = (width / 2.0 - if streets::pavement_m(class, width) > 0.0 { 0.7 } else { 0.45 }).max(0.5);
         let count = (streets::length_m(&line) / LAMP_STEP_M) as usize;
-        for i in 0..count {
+        for i in 0..count.min(MOST_GROWN) {
             let Some((p, dir)) = streets::along(&line, (i as f64 + 0.5) * LAMP_STEP_M) else { continue };
             let side = if i % 2 == 0 { dir.perp() } else { -dir.perp() };
             // Nearer to the middle where a house stands in the way, and a little along where a door does.

@@ -14,7 +14,7 @@ pub(super) fn edges(ring: &[GridPos]) -> impl Iterator<Item = (GridPos, GridPos)
 }
 
 /// Twice the signed area of a ring in grid steps squared.
-fn twice_area(ring: &[GridPos]) -> i64 {
+pub(super) fn twice_area(ring: &[GridPos]) -> i64 {
     ring.first().map_or(0, |&o| edges(ring).map(|(a, b)| o.cross(a, b)).sum())
 }
 
