@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use veduta::city::{Tour, file};
+use veduta::facade::FadeSettings;
 use veduta::prelude::*;
 
 use crate::encode::Encoder;
@@ -118,7 +119,10 @@ fn begin(studio: &mut Studio, tour: Tour, order: &FilmOrder) -> Result<f64, Fail
         studio.world().write_message(TourCommand::Seek(order.from_s));
     }
     studio.advance(Duration::ZERO);
+    // The first picture has no before: its levels stand at once. Those that come into sight later fade in.
+    let fading = core::mem::replace(&mut studio.world().resource_mut::<FadeSettings>().seconds, 0.0);
     studio.settle();
     studio.warm_up();
+    studio.world().resource_mut::<FadeSettings>().seconds = fading;
     Ok(duration_s)
 }

@@ -4,6 +4,7 @@ use core::str::FromStr;
 use std::path::PathBuf;
 
 use bevy::math::DVec2;
+use veduta::facade::FadeSettings;
 use veduta::prelude::*;
 
 use crate::Failure;
@@ -63,12 +64,13 @@ pub fn shot(order: &ShotOrder) -> Result<(), Failure> {
     let At { plan_pos, eye_m, heading_deg, pitch_deg } = order.at;
     studio.set_eye(Eye { plan_pos, eye_m, heading_deg, pitch_deg, fov_deg: order.fov_deg, ..Eye::default() });
     studio.world().resource_mut::<CityClock>().hour = order.hour;
-    studio.advance(core::time::Duration::from_secs(2));
+    // A picture has no before: levels stand at once.
+    studio.world().resource_mut::<FadeSettings>().seconds = 0.0;
+    studio.advance(core::time::Duration::ZERO);
     let missing = studio.settle();
     if !missing.is_empty() {
         return Err(format!("{}: cells {missing:?} are in sight but could not be loaded", order.city).into());
     }
-    studio.advance(core::time::Duration::from_secs(2));
     studio.warm_up();
     studio.shoot()?.save(&order.out).map_err(|e| format!("{}: {e}", order.out.display()))?;
     println!("{}", order.out.display());

@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use bevy::mesh::MeshTag;
 use bevy::prelude::*;
 use veduta_city::{CellShell, FacadeSheet, GridPos, Level, Levels};
 
@@ -30,8 +31,10 @@ pub enum CellMeshKind {
     Walls(Level),
 }
 
-/// A mesh of a cell; a child of its [`Cell`]. Whoever provides materials answers its arrival.
+/// A mesh of a cell; a child of its [`Cell`]. Whoever provides materials answers its arrival, and hands the cell's fades to
+/// the shader in the mesh's tag.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
+#[require(MeshTag)]
 pub struct CellMesh {
     /// Index of the cell.
     pub cell: u32,

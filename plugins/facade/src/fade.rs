@@ -79,7 +79,7 @@ mod tests {
         app.insert_resource(FadeSettings { seconds: 0.5 });
         let cell = app.world_mut().spawn((Cell(0), LevelFade::default())).id();
         let kind = CellMeshKind::Walls(Level::Two);
-        let mesh = app.world_mut().spawn((CellMesh { cell: 0, kind }, MeshTag::default(), ChildOf(cell))).id();
+        let mesh = app.world_mut().spawn((CellMesh { cell: 0, kind }, ChildOf(cell))).id();
         app.update();
         for level in [Level::One, Level::Two] {
             app.world_mut().write_message(CellStands { entity: cell, cell: 0, level });
@@ -93,5 +93,18 @@ mod tests {
         }
         assert_eq!(fade(&app)[1], 1.0);
         assert_eq!(app.world().get::<MeshTag>(mesh).expect("spawned above").0, 0x0000_FFFF);
+    }
+
+    #[test]
+    fn a_mesh_that_arrives_with_its_level_is_shown_at_once() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, crate::FacadePlugin::default()));
+        app.insert_resource(FadeSettings { seconds: 0.0 });
+        let cell = app.world_mut().spawn((Cell(0), LevelFade::default())).id();
+        let kind = CellMeshKind::Walls(Level::Two);
+        let mesh = app.world_mut().spawn((CellMesh { cell: 0, kind }, ChildOf(cell))).id();
+        app.world_mut().write_message(CellStands { entity: cell, cell: 0, level: Level::Two });
+        app.update();
+        assert_eq!(app.world().get::<MeshTag>(mesh).expect("spawned above").0, 0x0000_FF00, "no later change will tag it");
     }
 }

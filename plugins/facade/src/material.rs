@@ -1,7 +1,6 @@
 use bevy::asset::{RenderAssetUsages, embedded_asset};
 use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::light::NotShadowCaster;
-use bevy::mesh::MeshTag;
 use bevy::pbr::{ExtendedMaterial, MaterialExtension};
 use bevy::prelude::*;
 use bevy::render::render_resource::{
@@ -183,7 +182,6 @@ fn dress_meshes(mut commands: Commands, in_use: Option<Res<CityMaterials>>, new:
             CellMeshKind::Base => entity.insert(MeshMaterial3d(in_use.base.clone())),
             CellMeshKind::Walls(level) => entity.insert(MeshMaterial3d(in_use.walls[level.index()].clone())),
         };
-        entity.insert_if_new(MeshTag::default());
         if matches!(mesh.kind, CellMeshKind::Walls(level) if level != Level::One) {
             entity.insert(NotShadowCaster);
         }

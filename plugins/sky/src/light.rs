@@ -26,7 +26,7 @@ pub struct SkySettings {
 
 impl Default for SkySettings {
     fn default() -> Self {
-        Self { shadows: true, shadow_m: 220.0, cascades: 3, shadow_map: 2048, visibility_m: 2_600.0, lat_deg: 50.0 }
+        Self { shadows: true, shadow_m: 220.0, cascades: 3, shadow_map: 2048, visibility_m: 3_200.0, lat_deg: 50.0 }
     }
 }
 
@@ -110,7 +110,7 @@ pub(crate) fn dress_viewers(
     for (viewer, fill) in &viewers {
         let mut viewer = commands.entity(viewer);
         viewer.insert(Exposure { ev100: p.ev100 }).insert(DistanceFog {
-            color: colour(p.horizon * 0.92 * p.sky * Exposure { ev100: p.ev100 }.exposure()),
+            color: colour(p.horizon * 0.8 * p.sky * Exposure { ev100: p.ev100 }.exposure()),
             directional_light_color: colour(p.key * 0.25),
             directional_light_exponent: 18.0,
             falloff: FogFalloff::from_visibility_squared(settings.visibility_m),

@@ -47,7 +47,7 @@ const STOPS: [(f32, Palette); 6] = [
             key: Vec3::new(0.60, 0.62, 0.95),
             key_lux: 70.0,
             bounce: Vec3::new(0.16, 0.13, 0.14),
-            fill: 420.0,
+            fill: 300.0,
             sky: 420.0,
             ev100: 7.4,
             night: 0.9,
@@ -61,7 +61,7 @@ const STOPS: [(f32, Palette); 6] = [
             key: Vec3::new(1.0, 0.42, 0.18),
             key_lux: 900.0,
             bounce: Vec3::new(0.30, 0.22, 0.18),
-            fill: 750.0,
+            fill: 420.0,
             sky: 900.0,
             ev100: 8.3,
             night: 0.55,
@@ -73,10 +73,10 @@ const STOPS: [(f32, Palette); 6] = [
             zenith: Vec3::new(0.14, 0.27, 0.56),
             horizon: Vec3::new(0.86, 0.68, 0.50),
             key: Vec3::new(1.0, 0.70, 0.42),
-            key_lux: 7_500.0,
+            key_lux: 8_500.0,
             bounce: Vec3::new(0.42, 0.34, 0.27),
-            fill: 1_150.0,
-            sky: 2_200.0,
+            fill: 520.0,
+            sky: 1_900.0,
             ev100: 9.5,
             night: 0.0,
         },
@@ -87,10 +87,10 @@ const STOPS: [(f32, Palette); 6] = [
             zenith: Vec3::new(0.13, 0.29, 0.62),
             horizon: Vec3::new(0.66, 0.74, 0.82),
             key: Vec3::new(1.0, 0.88, 0.70),
-            key_lux: 11_500.0,
+            key_lux: 12_500.0,
             bounce: Vec3::new(0.46, 0.40, 0.33),
-            fill: 1_500.0,
-            sky: 3_000.0,
+            fill: 640.0,
+            sky: 2_500.0,
             ev100: 9.9,
             night: 0.0,
         },
@@ -103,8 +103,8 @@ const STOPS: [(f32, Palette); 6] = [
             key: Vec3::new(1.0, 0.94, 0.82),
             key_lux: 13_000.0,
             bounce: Vec3::new(0.48, 0.43, 0.36),
-            fill: 1_650.0,
-            sky: 3_300.0,
+            fill: 700.0,
+            sky: 2_600.0,
             ev100: 10.1,
             night: 0.0,
         },
@@ -157,6 +157,6 @@ mod tests {
     fn fill_is_a_fifth_to_a_third_of_the_key_by_day() {
         let noon = Palette::for_altitude(45.0);
         let ratio = noon.fill * core::f32::consts::PI / noon.key_lux;
-        assert!((0.2..0.45).contains(&ratio), "{ratio}");
+        assert!((0.15..0.34).contains(&ratio), "{ratio}");
     }
 }

@@ -71,11 +71,6 @@ impl Store {
             Fetcher::Threads { answers, .. } => answers.get_mut().unwrap_or_else(PoisonError::into_inner).try_recv().ok(),
         }
     }
-
-    /// Whether asking answers at once.
-    pub fn is_inline(&self) -> bool {
-        matches!(self.fetcher, Fetcher::Inline { .. })
-    }
 }
 
 fn spawn_threads(reader: &Arc<dyn Reader>, threads: usize) -> Fetcher {

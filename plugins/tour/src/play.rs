@@ -245,7 +245,7 @@ pub(crate) fn compile_tour(
 pub(crate) fn play(
     time: Res<Time>,
     mut player: ResMut<TourPlayer>,
-    mut steering: ResMut<Steering>,
+    steering: Res<Steering>,
     mut clock: ResMut<CityClock>,
     mut viewers: Query<&mut Eye, With<Viewer>>,
     mut ended: MessageWriter<TourEnded>,
