@@ -1,1 +1,91 @@
-//! Tests that cross crates.
+//! Tests that cross crates: what they share.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use bevy::asset::AssetPlugin;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use veduta::buildings::{Building, BuildingsPlugin};
+use veduta::prelude::*;
+use veduta::streaming::Fetching;
+use veduta_bake::{BakeSettings, Input, bake, plan};
+use veduta_city::CityPlan;
+
+/// The project's folder.
+#[must_use]
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The sample city's scene folder.
+#[must_use]
+pub fn scene() -> PathBuf {
+    root().join("scenes/old_prague")
+}
+
+/// A folder of this test run's own, removed and made anew.
+///
+/// # Panics
+/// If the folder cannot be made.
+#[must_use]
+pub fn workplace(name: &str) -> PathBuf {
+    let dir = std::env::temp_dir().join(format!("veduta-tests-{}-{name}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&dir);
+    std::fs::create_dir_all(&dir).unwrap_or_else(|e| panic!("{}: {e}", dir.display()));
+    dir
+}
+
+/// The sample city, baked once a run.
+///
+/// # Panics
+/// If it cannot be baked.
+#[must_use]
+pub fn sample_city() -> &'static Path {
+    static CITY: OnceLock<PathBuf> = OnceLock::new();
+    CITY.get_or_init(|| {
+        let city = workplace("sample").join("old_prague.city");
+        bake(&scene(), &city, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
+        city
+    })
+}
+
+/// The sample city's plan, grown once a run.
+///
+/// # Panics
+/// If it cannot be grown.
+#[must_use]
+pub fn sample_plan() -> &'static CityPlan {
+    static PLAN: OnceLock<CityPlan> = OnceLock::new();
+    PLAN.get_or_init(|| {
+        let input = Input::of(&scene()).unwrap_or_else(|e| panic!("{e}"));
+        plan(&input, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).plan
+    })
+}
+
+/// An app with all of streaming and building, nothing drawn, time by hand: `step` a frame.
+pub fn quiet_app(city: &str, fetching: Fetching, step: Duration) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin))
+        .init_asset::<Mesh>()
+        .add_plugins((veduta::ecs::EcsPlugin, StreamingPlugin { fetching }, BuildingsPlugin { building: Building::Inline }))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(step))
+        .insert_resource(OpenCity(city.to_owned()));
+    app
+}
+
+/// Updates until a condition holds.
+///
+/// # Panics
+/// If it does not hold after `updates`.
+pub fn update_until(app: &mut App, updates: usize, what: &str, mut holds: impl FnMut(&mut World) -> bool) {
+    for _ in 0..updates {
+        app.update();
+        if holds(app.world_mut()) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    panic!("after {updates} updates still not: {what}");
+}

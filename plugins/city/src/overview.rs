@@ -41,7 +41,8 @@ impl Overview {
         };
         for house in &plan.houses {
             let first = overview.houses.len();
-            if !house.volumes.is_empty() && !(house.name.is_empty() && house.number.is_empty()) {
+            let is_called = !house.name.is_empty() || !house.number.is_empty();
+            if is_called && !house.volumes.is_empty() {
                 let (name, number) = (house.name.clone(), house.number.clone());
                 overview.names.push(HouseName { house: first as u32, name, number });
             }

@@ -131,18 +131,12 @@ fn title(painter: &Painter, rect: Rect, name: &str, attribution: &str) {
 fn paint(painter: &Painter, map: &Projection, city: &City, tiles: &MapTiles, eye: &Eye, text: f32) {
     painter.rect_filled(map.rect, 4.0, PAPER);
     for tile in tiles.near(map.middle().as_vec2(), map.reach_m()) {
-        let mut mesh = egui::Mesh::default();
-        mesh.vertices = tile
-            .points
-            .iter()
-            .zip(&tile.colours)
-            .map(|(&[x, y], &color)| egui::epaint::Vertex {
-                pos: map.screen(DVec2::new(f64::from(x), f64::from(y))),
-                uv: egui::epaint::WHITE_UV,
-                color,
-            })
-            .collect();
-        mesh.indices.extend_from_slice(&tile.indices);
+        let vertices = tile.points.iter().zip(&tile.colours).map(|(&[x, y], &color)| egui::epaint::Vertex {
+            pos: map.screen(DVec2::new(f64::from(x), f64::from(y))),
+            uv: egui::epaint::WHITE_UV,
+            color,
+        });
+        let mesh = egui::Mesh { vertices: vertices.collect(), indices: tile.indices.clone(), ..egui::Mesh::default() };
         painter.add(Shape::mesh(mesh));
     }
     if let Some(overview) = tiles.overview() {

@@ -55,7 +55,7 @@ pub(crate) fn build(app: &mut App) {
 }
 
 fn raise(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<SkyMaterial>>) {
-    let inside_out = Mesh::from(Sphere::new(RADIUS_M).mesh().uv(32, 18)).with_inverted_winding();
+    let inside_out = Sphere::new(RADIUS_M).mesh().uv(32, 18).with_inverted_winding();
     let Ok(mesh) = inside_out else { return };
     commands.spawn((
         Dome,

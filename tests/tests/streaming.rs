@@ -1,0 +1,225 @@
+//! Streaming from disk and over HTTP on the loopback address, with faults: the walk goes on with what is there.
+
+use std::io::{BufRead, BufReader, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Duration;
+
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use veduta::ecs::StandingCells;
+use veduta::prelude::*;
+use veduta::streaming::{Fetching, StreamingStats, Wanted};
+use veduta_city::Level;
+use veduta_store::{INDEX_NAME, decode_index};
+use veduta_tests::{quiet_app, sample_city, update_until, workplace};
+
+/// A plain file server on the loopback address; it can be told to die.
+struct Server {
+    address: String,
+    dead: Arc<AtomicBool>,
+    served: Arc<AtomicUsize>,
+}
+
+impl Server {
+    fn of(dir: &Path) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a free port on the loopback address");
+        let address = format!("http://{}", listener.local_addr().expect("it is bound"));
+        let (dead, served) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicUsize::new(0)));
+        let (dir, flag, count) = (dir.to_owned(), Arc::clone(&dead), Arc::clone(&served));
+        std::thread::spawn(move || {
+            for stream in listener.incoming().flatten() {
+                if !flag.load(Ordering::SeqCst) {
+                    answer(&dir, stream, &count);
+                }
+            }
+        });
+        Self { address, dead, served }
+    }
+}
+
+fn answer(dir: &Path, mut stream: TcpStream, count: &AtomicUsize) {
+    let mut line = String::new();
+    let mut reader = BufReader::new(&stream);
+    if reader.read_line(&mut line).is_err() {
+        return;
+    }
+    let mut header = String::new();
+    while reader.read_line(&mut header).is_ok_and(|n| n > 2) {
+        header.clear();
+    }
+    let path = line.split(' ').nth(1).unwrap_or("/").trim_start_matches('/').to_owned();
+    let reply = match std::fs::read(dir.join(path)) {
+        Ok(bytes) => {
+            count.fetch_add(1, Ordering::SeqCst);
+            let mut reply = format!("HTTP/1.1 200 OK\r\nContent-Length: {}\r\nConnection: close\r\n\r\n", bytes.len()).into_bytes();
+            reply.extend(bytes);
+            reply
+        }
+        Err(_) => b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\nConnection: close\r\n\r\n".to_vec(),
+    };
+    // A client that has hung up is no concern of the server's.
+    let _ = stream.write_all(&reply);
+}
+
+/// Spawns a viewer at the city's start once it is open, and waits until all in sight stands.
+fn stand(app: &mut App) -> Entity {
+    update_until(app, 8_000, "the city is open", |world| world.contains_resource::<City>());
+    let start = app.world().resource::<City>().start;
+    let viewer = app.world_mut().spawn((Viewer, Eye::at(start), Transform::default())).id();
+    viewer_sees(app);
+    viewer
+}
+
+fn viewer_sees(app: &mut App) {
+    update_until(app, 8_000, "all in sight stands", |world| {
+        let wanted = world.resource::<Wanted>();
+        let standing = world.resource::<StandingCells>();
+        !wanted.in_sight.is_empty() && wanted.in_sight.iter().all(|&cell| standing.levels(cell).has(Level::One))
+    });
+}
+
+fn failures(app: &App) -> Vec<String> {
+    app.world().resource::<Messages<CityFailed>>().iter_current_update_messages().map(|f| f.message.clone()).collect()
+}
+
+fn copy_of_the_sample(name: &str) -> PathBuf {
+    fn copy(from: &Path, to: &Path) {
+        std::fs::create_dir_all(to).expect("a folder of our own");
+        for entry in std::fs::read_dir(from).expect("the baked city").flatten() {
+            let target = to.join(entry.file_name());
+            if entry.path().is_dir() {
+                copy(&entry.path(), &target)
+            } else {
+                drop(std::fs::copy(entry.path(), target).expect("room"))
+            }
+        }
+    }
+    let to = workplace(name).join("copy.city");
+    copy(sample_city(), &to);
+    to
+}
+
+#[test]
+fn a_walk_over_http_sees_the_same_cells_as_one_from_disk() {
+    let server = Server::of(sample_city());
+    let standing = |place: &str, fetching| {
+        let mut app = quiet_app(place, fetching, Duration::from_millis(10));
+        let viewer = stand(&mut app);
+        app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos += DVec2::new(-60.0, -30.0);
+        app.update();
+        viewer_sees(&mut app);
+        app.world().resource::<Wanted>().in_sight.clone()
+    };
+    let near = standing(&sample_city().display().to_string(), Fetching::Inline);
+    let far = standing(&server.address, Fetching::Threads(4));
+    assert_eq!(near, far);
+    assert!(server.served.load(Ordering::SeqCst) > near.len() / 2);
+}
+
+#[test]
+fn levels_come_in_order_and_cells_are_released_behind_the_walker() {
+    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+    let viewer = stand(&mut app);
+    app.world_mut().resource_mut::<StreamingSettings>().keep_s = 1.0;
+    let first: Vec<u32> = app.world().resource::<StandingCells>().iter().map(|(cell, ..)| cell).collect();
+    let far = app.world().resource::<City>().extent.outer.iter().map(|p| p.to_metres()).max_by(|a, b| a.x.total_cmp(&b.x));
+    let far = far.expect("the city has an extent");
+    app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos = DVec2::new(far.x - 60.0, -10.0);
+    for _ in 0..60 {
+        app.update();
+        for (cell, levels, _) in app.world().resource::<StandingCells>().iter() {
+            assert!(levels.has(Level::One), "cell {cell} has a finer level without level 1");
+        }
+    }
+    let now: Vec<u32> = app.world().resource::<StandingCells>().iter().map(|(cell, ..)| cell).collect();
+    let stayed = first.iter().filter(|cell| now.contains(cell)).count();
+    assert!(stayed < first.len() / 2, "{stayed} of {} cells are still there, 400 m away", first.len());
+    let entities = app.world_mut().query::<&veduta::ecs::Cell>().iter(app.world()).count();
+    assert_eq!(entities, now.len(), "each standing cell is one entity");
+}
+
+#[test]
+fn the_memory_cap_holds() {
+    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+    let cap = 20_000;
+    app.world_mut().resource_mut::<StreamingSettings>().memory_cap_bytes = cap;
+    update_until(&mut app, 2_000, "the city is open", |world| world.contains_resource::<City>());
+    let start = app.world().resource::<City>().start;
+    let viewer = app.world_mut().spawn((Viewer, Eye::at(start), Transform::default())).id();
+    for i in 0..120 {
+        app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos.x += f64::from(i % 7);
+        app.update();
+        let loaded = app.world().resource::<StreamingStats>().bytes_loaded;
+        assert!(loaded <= cap, "{loaded} bytes are loaded of {cap} allowed");
+    }
+    assert!(!app.world().resource::<StandingCells>().is_empty(), "what fits under the cap stands");
+}
+
+#[test]
+fn a_missing_and_a_damaged_packet_are_told_and_the_walk_goes_on() {
+    let city = copy_of_the_sample("damage");
+    let index = decode_index(&std::fs::read(city.join(INDEX_NAME)).expect("an index")).expect("a whole index");
+    let start = index.locate(veduta_city::GridPos::from_metres(index.start.pos)).expect("the start lies in a cell") as usize;
+    let seen: Vec<u32> = index.cells[start].visible.iter().copied().filter(|&c| c as usize != start).take(2).collect();
+    let path = |cell: u32| city.join(index.cells[cell as usize].packets[0].as_ref().expect("every cell has a level 1").path());
+    std::fs::remove_file(path(seen[0])).expect("it was there");
+    let mut bytes = std::fs::read(path(seen[1])).expect("it is there");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 0x20;
+    std::fs::write(path(seen[1]), bytes).expect("our own copy");
+
+    let mut app = quiet_app(&city.display().to_string(), Fetching::Inline, Duration::from_millis(50));
+    update_until(&mut app, 2_000, "the city is open", |world| world.contains_resource::<City>());
+    let at = app.world().resource::<City>().start;
+    app.world_mut().spawn((Viewer, Eye::at(at), Transform::default()));
+    let mut told = Vec::new();
+    for _ in 0..120 {
+        app.update();
+        told.extend(failures(&app));
+    }
+    for cell in &seen {
+        assert!(told.iter().any(|m| m.contains(&format!("cell {cell},"))), "nothing is said of cell {cell}: {told:?}");
+    }
+    let standing = app.world().resource::<StandingCells>();
+    let wanted = app.world().resource::<Wanted>();
+    let holes: Vec<u32> = wanted.in_sight.iter().copied().filter(|&c| standing.levels(c).finest().is_none()).collect();
+    let mut expected = seen.clone();
+    expected.sort_unstable();
+    let mut holes = holes;
+    holes.sort_unstable();
+    assert_eq!(holes, expected, "all but the damaged cells stand");
+}
+
+#[test]
+fn a_server_that_dies_and_returns_is_survived() {
+    let server = Server::of(sample_city());
+    let mut app = quiet_app(&server.address, Fetching::Threads(2), Duration::from_millis(100));
+    let viewer = stand(&mut app);
+    let before = app.world().resource::<StandingCells>().len();
+    server.dead.store(true, Ordering::SeqCst);
+    app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos = DVec2::new(300.0, -27.0);
+    let mut told = Vec::new();
+    update_until(&mut app, 8_000, "a failure is told", |world| {
+        told.extend(world.resource::<Messages<CityFailed>>().iter_current_update_messages().map(|f| f.will_retry));
+        !told.is_empty()
+    });
+    assert!(told.iter().all(|retry| *retry), "a dead server is tried again");
+    assert!(!app.world().resource::<StandingCells>().is_empty() && before > 0, "what was there stays for a while");
+    server.dead.store(false, Ordering::SeqCst);
+    viewer_sees(&mut app);
+}
+
+#[test]
+fn a_city_that_is_not_there_is_a_message_with_the_fix() {
+    let mut app = quiet_app("/no/such/place.city", Fetching::Inline, Duration::from_millis(10));
+    let mut told = Vec::new();
+    for _ in 0..5 {
+        app.update();
+        told.extend(failures(&app));
+    }
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(told[0].contains("/no/such/place.city"), "{told:?}");
+}
