@@ -105,6 +105,13 @@ impl StandingCells {
         entry.0 = entry.0.with(level);
     }
 
+    /// A level of a cell is gone; the cell stands on with the others.
+    pub fn remove_level(&mut self, cell: u32, level: Level) {
+        if let Some(entry) = self.cells.get_mut(&cell) {
+            entry.0 = entry.0.without(level);
+        }
+    }
+
     /// A cell is gone.
     pub fn remove(&mut self, cell: u32) {
         self.cells.remove(&cell);

@@ -3,7 +3,10 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use veduta_city::{GridPos, Level};
-use veduta_ecs::{Cell, CellContent, CellReady, CellReleased, City, CityFailed, CityOpened, LevelFade, StandingCells, WorldOrigin};
+use veduta_ecs::{
+    Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellReleased, City, CityFailed, CityOpened, LevelFade, StandingCells,
+    WorldOrigin,
+};
 use veduta_store::{CityIndex, ClientEvent, Packet, sheet_fits};
 
 use crate::fetch::Store;
@@ -32,9 +35,15 @@ struct LoadedCells {
 
 struct LoadedCell {
     entity: Entity,
-    bytes: u64,
-    levels: Vec<Level>,
+    /// Bytes as sent of each level that is here, coarsest first.
+    levels: Vec<(Level, u64)>,
     wanted_at_s: f64,
+}
+
+impl LoadedCell {
+    fn bytes(&self) -> u64 {
+        self.levels.iter().map(|(_, bytes)| bytes).sum()
+    }
 }
 
 /// Takes what has arrived, within the frame's budget, and asks for what is wanted.
@@ -141,9 +150,8 @@ fn arrive(world: &mut World, store: &Store, cell: u32, level: Level, packet: Pac
         (Packet::Shell(_), Some(_)) | (Packet::Facades(_), None) => return,
     };
     let mut loaded = world.resource_mut::<LoadedCells>();
-    let entry = loaded.cells.entry(cell).or_insert(LoadedCell { entity, bytes: 0, levels: Vec::new(), wanted_at_s: now_s });
-    entry.bytes += bytes;
-    entry.levels.push(level);
+    let entry = loaded.cells.entry(cell).or_insert(LoadedCell { entity, levels: Vec::new(), wanted_at_s: now_s });
+    entry.levels.push((level, bytes));
     let mut stats = world.resource_mut::<StreamingStats>();
     stats.bytes_received[level.index()] += bytes;
     stats.bytes_loaded += bytes;
@@ -170,15 +178,16 @@ pub(crate) fn release_cells(world: &mut World) {
         leaving.extend(over_the_cap(&loaded, &wanted, &leaving, settings.memory_cap_bytes));
         for cell in leaving {
             let Some(entry) = loaded.cells.remove(&cell) else { continue };
-            for level in entry.levels {
+            for (level, _) in entry.levels {
                 store.client.forget(cell, level);
             }
             world.despawn(entry.entity);
             world.resource_mut::<StandingCells>().remove(cell);
             world.write_message(CellReleased { cell });
         }
+        drop_levels(world, &mut store, &mut loaded, &wanted, settings.memory_cap_bytes);
         let mut stats = world.resource_mut::<StreamingStats>();
-        stats.bytes_loaded = loaded.cells.values().map(|c| c.bytes).sum();
+        stats.bytes_loaded = loaded.cells.values().map(LoadedCell::bytes).sum();
         stats.cells = loaded.cells.len();
     });
     world.insert_resource(loaded);
@@ -189,9 +198,9 @@ pub(crate) fn release_cells(world: &mut World) {
 /// return, longest unwanted first.
 fn over_the_cap(loaded: &LoadedCells, wanted: &Wanted, leaving: &[u32], cap: u64) -> Vec<u32> {
     let staying = || loaded.cells.iter().filter(|(cell, _)| !leaving.contains(cell));
-    let mut bytes: u64 = staying().map(|(_, c)| c.bytes).sum();
+    let mut bytes: u64 = staying().map(|(_, c)| c.bytes()).sum();
     let mut idle: Vec<(f64, u32, u64)> =
-        staying().filter(|&(&cell, _)| !wanted.wants(cell)).map(|(&cell, c)| (c.wanted_at_s, cell, c.bytes)).collect();
+        staying().filter(|&(&cell, _)| !wanted.wants(cell)).map(|(&cell, c)| (c.wanted_at_s, cell, c.bytes())).collect();
     idle.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut going = Vec::new();
     for (_, cell, size) in idle {
@@ -202,4 +211,46 @@ fn over_the_cap(loaded: &LoadedCells, wanted: &Wanted, leaving: &[u32], cap: u64
         going.push(cell);
     }
     going
+}
+
+/// Where memory still runs over, cells keep standing but lose the finer levels that are no longer wanted of them.
+fn drop_levels(world: &mut World, store: &mut Store, loaded: &mut LoadedCells, wanted: &Wanted, cap: u64) {
+    let mut bytes: u64 = loaded.cells.values().map(LoadedCell::bytes).sum();
+    if bytes <= cap {
+        return;
+    }
+    for (&cell, entry) in loaded.cells.iter_mut().rev() {
+        while let Some(&(level, size)) = entry.levels.last()
+            && bytes > cap
+            && level > Level::One
+            && !wanted.order.contains(&(cell, level))
+        {
+            entry.levels.pop();
+            bytes -= size;
+            store.client.forget(cell, level);
+            forget_level(world, cell, entry.entity, level);
+        }
+    }
+}
+
+/// Takes a level's meshes, content and fade from a cell that goes on standing.
+fn forget_level(world: &mut World, cell: u32, entity: Entity, level: Level) {
+    let mut meshes = world.query::<(Entity, &CellMesh)>();
+    let gone: Vec<Entity> = meshes
+        .iter(world)
+        .filter(|(_, mesh)| mesh.cell == cell && mesh.kind == CellMeshKind::Walls(level))
+        .map(|(entity, _)| entity)
+        .collect();
+    for mesh in gone {
+        world.despawn(mesh);
+    }
+    if let Some(mut content) = world.get_mut::<CellContent>(entity)
+        && level == Level::Two
+    {
+        content.sheet = None;
+    }
+    if let Some(mut fade) = world.get_mut::<LevelFade>(entity) {
+        fade.0[level.index()] = 0.0;
+    }
+    world.resource_mut::<StandingCells>().remove_level(cell, level);
 }

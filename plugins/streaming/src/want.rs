@@ -126,14 +126,18 @@ fn ranked(index: &CityIndex, needs: &BTreeMap<u32, Need>, settings: &StreamingSe
     let bytes = |cell: u32, level: Level| {
         index.cells.get(cell as usize).and_then(|c| c.packets[level.index()].as_ref()).map(|blob| u64::from(blob.bytes))
     };
-    let (mut order, mut sum) = (Vec::new(), 0);
+    let (mut order, mut sum, mut reached) = (Vec::new(), 0, BTreeMap::new());
     for rank in [0, 1] {
         for level in Level::ALL {
             for (cell, need) in cells.iter().filter(|(_, need)| need.rank == rank) {
                 let allowed = level == Level::One || (rank == 0 && level <= need.finest && level as u8 <= settings.finest);
                 let Some(size) = bytes(*cell, level).filter(|_| allowed) else { continue };
-                if sum + size <= settings.memory_cap_bytes {
+                // A finer level without the one before it is of no use.
+                let stands =
+                    level == Level::One || reached.get(cell).is_some_and(|&last: &Level| last.index() + 1 == level.index());
+                if stands && sum + size <= settings.memory_cap_bytes {
                     sum += size;
+                    reached.insert(*cell, level);
                     order.push((*cell, level));
                 }
             }
