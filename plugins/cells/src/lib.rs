@@ -58,6 +58,7 @@
 
 mod assign;
 mod check;
+mod directions;
 mod free;
 mod hull;
 mod lines;

@@ -7,9 +7,9 @@
 use veduta_city::{GridPos, metres};
 
 /// Lines that pass a portal's end this far on the wrong side still count: touching is seeing, and rounding loses nothing. Metres.
-const SLACK_M: f64 = 1e-3;
+pub(crate) const SLACK_M: f64 = 1e-3;
 /// Steepest slope: a line this close to the portal's own direction is off by less than the slack within a kilometre.
-const STEEPEST: f64 = 1e6;
+pub(crate) const STEEPEST: f64 = 1e6;
 
 /// The frame of a portal that is crossed forward.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +26,11 @@ impl Frame {
         let (x, y) = offset(right, left);
         let width_m = libm::sqrt(x * x + y * y);
         (width_m > 0.0).then(|| Self { origin: right, left: (x / width_m, y / width_m), width_m })
+    }
+
+    /// Distance between the portal's ends.
+    pub(crate) const fn width_m(&self) -> f64 {
+        self.width_m
     }
 
     /// Metres forward of the portal and to the left of its right end.

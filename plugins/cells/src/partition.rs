@@ -22,6 +22,12 @@ pub struct PartitionSettings {
     pub clearance_m: f64,
     /// How many sets of lines are told apart at one portal from one other. More: tighter visible sets, more work.
     pub line_sets: usize,
+    /// How far one sees: whatever is farther lies in haze, and only the skyline tells of it. Metres.
+    pub sight_m: f64,
+    /// How many steps from portal to portal the lines through one portal are followed with care. Where there are more (gardens with
+    /// houses strewn over them, where one sees a little of everything), only the lines' directions are told apart: visible sets
+    /// may then hold more than can be seen, and lack nothing.
+    pub sight_steps: usize,
 }
 
 impl Default for PartitionSettings {
@@ -35,6 +41,8 @@ impl Default for PartitionSettings {
             min_passage_m: 0.6,
             clearance_m: 2.2,
             line_sets: 6,
+            sight_m: 600.0,
+            sight_steps: 3_000,
         }
     }
 }
@@ -70,7 +78,7 @@ pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     name::name_cells(plan, &mut cells);
     assign::assign(plan, &mut cells, &mut findings);
     assign::floors(&patches, &mut cells);
-    cells.visible = visible::visible_sets(&cells, settings);
+    cells.visible = visible::visible_sets(&cells, settings, &mut findings);
     cells.skyline = skyline::skyline(plan, &cells);
     Partition { cells, findings }
 }

@@ -3,24 +3,36 @@
 use std::collections::VecDeque;
 
 use rayon::prelude::*;
-use veduta_city::{Cells, GridPos, PortalSide};
+use veduta_city::{Cells, Finding, GridPos, Id, PortalSide, Severity};
 
+use crate::directions::Directions;
 use crate::lines::{Frame, Lines};
 use crate::partition::PartitionSettings;
 
 /// After how many merges at one portal all lines through it are let pass.
 const MOST_MERGES: u8 = 24;
+/// After how many growths of the directions at one portal all directions are let pass.
+const MOST_GROWTHS: u8 = 4;
 
-/// Visible set of every cell. Sound: no cell that can be seen is missing (within the plan's one floor). A cell is kept only if each
-/// sees the other, which drops much of what merging has added on one side.
-pub(crate) fn visible_sets(cells: &Cells, settings: &PartitionSettings) -> Vec<Vec<u32>> {
+/// Visible set of every cell. Sound: no cell that can be seen within the settings' sight is missing (within the plan's one floor).
+/// A cell is kept only if each sees the other, which drops much of what merging has added on one side.
+pub(crate) fn visible_sets(cells: &Cells, settings: &PartitionSettings, findings: &mut Vec<Finding>) -> Vec<Vec<u32>> {
     let web = Web::new(cells);
-    let seen: Vec<Vec<u32>> = (0..cells.cells.len() as u32)
+    let seen: Vec<(Vec<u32>, bool)> = (0..cells.cells.len() as u32)
         .into_par_iter()
-        .map_init(|| Search::new(&web, settings.line_sets), |search, cell| search.seen_from(cell))
+        .map_init(|| Search::new(&web, settings), |search, cell| search.seen_from(cell))
         .collect();
-    let sees = |from: u32, to: u32| seen[from as usize].binary_search(&to).is_ok();
-    (0..).zip(&seen).map(|(a, set)| set.iter().copied().filter(|&b| sees(b, a)).collect()).collect()
+    let coarse = seen.iter().filter(|(_, is_coarse)| *is_coarse).count();
+    if coarse > 0 {
+        let message = format!(
+            "{coarse} of {} cells lie on ground so open that what is seen from them was told by direction alone; \
+             their visible sets may hold more than can be seen",
+            cells.cells.len()
+        );
+        findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
+    }
+    let sees = |from: u32, to: u32| seen[from as usize].0.binary_search(&to).is_ok();
+    (0..).zip(&seen).map(|(a, (set, _))| set.iter().copied().filter(|&b| sees(b, a)).collect()).collect()
 }
 
 /// A way through a portal.
@@ -61,64 +73,147 @@ impl Web {
 struct Reached {
     sets: Vec<Lines>,
     merges: u8,
+    /// In the coarse search: the lines' directions.
+    slopes: Option<Directions>,
 }
+
+/// Lines were followed for more steps than the settings allow.
+struct TooMany;
 
 struct Search<'a> {
     web: &'a Web,
     most_sets: usize,
+    most_steps: usize,
+    sight_m: f64,
     reached: Vec<Reached>,
     touched: Vec<u32>,
     is_seen: Vec<bool>,
 }
 
 impl<'a> Search<'a> {
-    fn new(web: &'a Web, most_sets: usize) -> Self {
-        let reached = web.crossings.iter().map(|_| Reached::default()).collect();
-        Self { web, most_sets: most_sets.max(1), reached, touched: Vec::new(), is_seen: vec![false; web.out.len()] }
+    fn new(web: &'a Web, settings: &PartitionSettings) -> Self {
+        Self {
+            web,
+            most_sets: settings.line_sets.max(1),
+            most_steps: settings.sight_steps,
+            sight_m: settings.sight_m,
+            reached: web.crossings.iter().map(|_| Reached::default()).collect(),
+            touched: Vec::new(),
+            is_seen: vec![false; web.out.len()],
+        }
     }
 
-    /// Cells seen from a cell, ascending.
-    fn seen_from(&mut self, cell: u32) -> Vec<u32> {
+    /// Cells seen from a cell, ascending, and whether the coarse search was needed.
+    fn seen_from(&mut self, cell: u32) -> (Vec<u32>, bool) {
         let mut seen = vec![cell];
+        let mut is_coarse = false;
         self.is_seen[cell as usize] = true;
         for &first in &self.web.out[cell as usize] {
-            self.follow(cell, first, &mut seen);
+            let start = &self.web.crossings[first as usize];
+            let Some(frame) = Frame::new(start.left, start.right) else { continue };
+            if self.follow(cell, first, &frame, &mut seen).is_err() {
+                is_coarse = true;
+                self.follow_directions(cell, first, &frame, &mut seen);
+            }
         }
         for &cell in &seen {
             self.is_seen[cell as usize] = false;
         }
         seen.sort_unstable();
-        seen
+        (seen, is_coarse)
     }
 
     /// Follows all lines that leave a cell by one crossing. A line that comes back into a cell need not be followed there: it
     /// reaches whatever comes after by the shorter way, without the loop.
-    fn follow(&mut self, source: u32, first: u32, seen: &mut Vec<u32>) {
+    fn follow(&mut self, source: u32, first: u32, frame: &Frame, seen: &mut Vec<u32>) -> Result<(), TooMany> {
         let web = self.web;
-        let start = &web.crossings[first as usize];
-        let Some(frame) = Frame::new(start.left, start.right) else { return };
-        let mut queue = VecDeque::from([(first, source, Lines::all(&frame))]);
+        let mut queue = VecDeque::from([(first, source, Lines::all(frame))]);
+        let mut steps = 0;
         while let Some((crossing, from, lines)) = queue.pop_front() {
             let here = web.crossings[crossing as usize].into;
-            if !core::mem::replace(&mut self.is_seen[here as usize], true) {
-                seen.push(here);
+            self.see(here, seen);
+            if steps > self.most_steps {
+                self.forget();
+                return Err(TooMany);
             }
             for &next in &web.out[here as usize] {
-                let Crossing { left, right, into } = web.crossings[next as usize];
-                if into == from || into == source {
-                    continue;
-                }
-                let ends = (frame.local(left), frame.local(right));
+                let Some(ends) = self.onward(frame, next, from, source) else { continue };
+                steps += 1;
                 if let Some(lines) = lines.through(ends.0, ends.1)
-                    && let Some(lines) = self.add(next, lines, || Lines::all(&frame).through(ends.0, ends.1))
+                    && let Some(lines) = self.add(next, lines, || Lines::all(frame).through(ends.0, ends.1))
                 {
                     queue.push_back((next, here, lines));
                 }
             }
         }
+        self.forget();
+        Ok(())
+    }
+
+    /// As [`Self::follow`], but keeps one interval of directions a crossing, which grows a few times at most.
+    fn follow_directions(&mut self, source: u32, first: u32, frame: &Frame, seen: &mut Vec<u32>) {
+        let web = self.web;
+        let mut queue = VecDeque::from([(first, source, Directions::ALL)]);
+        while let Some((crossing, from, slopes)) = queue.pop_front() {
+            let here = web.crossings[crossing as usize].into;
+            self.see(here, seen);
+            // What has grown since is followed from its own place in the queue.
+            if self.reached[crossing as usize].slopes.is_some_and(|now| now != slopes) {
+                continue;
+            }
+            for &next in &web.out[here as usize] {
+                let Some(ends) = self.onward(frame, next, from, source) else { continue };
+                let Some(all) = Directions::between(frame, ends.0, ends.1) else { continue };
+                let Some(slopes) = slopes.both(all) else { continue };
+                if let Some(slopes) = self.add_directions(next, slopes, all) {
+                    queue.push_back((next, here, slopes));
+                }
+            }
+        }
+        self.forget();
+    }
+
+    fn see(&mut self, cell: u32, seen: &mut Vec<u32>) {
+        if !core::mem::replace(&mut self.is_seen[cell as usize], true) {
+            seen.push(cell);
+        }
+    }
+
+    /// The ends of a crossing, left and right, in the frame of the first, if it leads on and lies within sight.
+    fn onward(&self, frame: &Frame, crossing: u32, from: u32, source: u32) -> Option<((f64, f64), (f64, f64))> {
+        let Crossing { left, right, into } = self.web.crossings[crossing as usize];
+        if into == from || into == source {
+            return None;
+        }
+        let (left, right) = (frame.local(left), frame.local(right));
+        let middle = (0.5 * (left.0 + right.0), 0.5 * (left.1 + right.1 - frame.width_m()));
+        let reach_m = self.sight_m + 0.5 * (frame.width_m() + libm::hypot(left.0 - right.0, left.1 - right.1));
+        (middle.0 * middle.0 + middle.1 * middle.1 <= reach_m * reach_m).then_some((left, right))
+    }
+
+    fn forget(&mut self) {
         for crossing in self.touched.drain(..) {
             self.reached[crossing as usize] = Reached::default();
         }
+    }
+
+    /// Notes directions that reach a crossing, which lines of `all` could; returns those to follow from there, if any are new.
+    fn add_directions(&mut self, crossing: u32, slopes: Directions, all: Directions) -> Option<Directions> {
+        let reached = &mut self.reached[crossing as usize];
+        let slopes = match reached.slopes {
+            Some(known) if known.contains(slopes) => return None,
+            Some(_) if reached.merges >= MOST_GROWTHS => all,
+            Some(known) => {
+                reached.merges += 1;
+                known.hull(slopes)
+            }
+            None => {
+                self.touched.push(crossing);
+                slopes
+            }
+        };
+        reached.slopes = Some(slopes);
+        Some(slopes)
     }
 
     /// Notes lines that reach a crossing; returns the set to follow from there, if it is new. A few sets are told apart, further
