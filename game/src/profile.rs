@@ -5,6 +5,7 @@ use bevy::anti_alias::smaa::Smaa;
 use bevy::prelude::*;
 use bevy::render::render_resource::WgpuAdapterInfo;
 use bevy::render::renderer::RenderAdapterInfo;
+use veduta::facade::TileQuality;
 use veduta::prelude::*;
 
 /// How much the picture may cost.
@@ -24,8 +25,6 @@ impl Profile {
     /// The profile for an adapter.
     #[must_use]
     pub fn for_adapter(info: &WgpuAdapterInfo) -> Self {
-        use bevy::render::settings::WgpuSettings;
-        let _ = WgpuSettings::default;
         match format!("{:?}", info.device_type).as_str() {
             "DiscreteGpu" => Self::High,
             "IntegratedGpu" | "VirtualGpu" => Self::Medium,
@@ -33,14 +32,16 @@ impl Profile {
         }
     }
 
-    /// Edge of a tile in texels.
+    /// How finely tiles are painted and sampled.
     #[must_use]
-    pub const fn tile_size(self) -> u32 {
-        match self {
-            Self::Low => 128,
-            Self::Medium => 256,
-            Self::High | Self::Ultra => 512,
-        }
+    pub const fn tiles(self) -> TileQuality {
+        let (texels, anisotropy) = match self {
+            Self::Low => (128, 1),
+            Self::Medium => (256, 1),
+            Self::High => (512, 8),
+            Self::Ultra => (512, 16),
+        };
+        TileQuality { texels, anisotropy }
     }
 
     /// Sky and shadows.

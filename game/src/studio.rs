@@ -18,7 +18,7 @@ use bevy::winit::WinitPlugin;
 use image::RgbaImage;
 use veduta::buildings::{Building, BuildingsPlugin};
 use veduta::ecs::StandingCells;
-use veduta::facade::{FacadePlugin, TileSize};
+use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
 use veduta::streaming::{Fetching, Wanted};
 
@@ -46,7 +46,7 @@ impl FromStr for Size {
 }
 
 /// Frames rendered until the shaders of a first picture are surely compiled and its textures uploaded.
-const WARM_UP: usize = 12;
+const WARM_UP: usize = 4;
 /// Updates in which a city must have opened and what is in sight must stand.
 const PATIENCE: usize = 4_000;
 
@@ -81,7 +81,7 @@ impl Studio {
             veduta::ecs::EcsPlugin,
             StreamingPlugin { fetching: Fetching::Inline },
             BuildingsPlugin { building: Building::Inline },
-            FacadePlugin { tiles: TileSize(profile.tile_size()) },
+            FacadePlugin { tiles: profile.tiles() },
             SkyPlugin,
             TourPlugin::default(),
         ))
@@ -103,6 +103,7 @@ impl Studio {
         app.finish();
         app.cleanup();
         let mut studio = Self { app, target, viewer, captured: Captured::default() };
+        studio.look(false);
         studio.await_city(city)?;
         Ok(studio)
     }
@@ -169,8 +170,17 @@ impl Studio {
 
     /// Renders until nothing changes any more: for the first picture.
     pub fn warm_up(&mut self) {
+        self.look(true);
         for _ in 0..WARM_UP {
             self.app.update();
+        }
+        self.look(false);
+    }
+
+    /// Whether updates draw: only those do that end in a picture.
+    fn look(&mut self, open: bool) {
+        if let Some(mut camera) = self.app.world_mut().get_mut::<Camera>(self.viewer) {
+            camera.is_active = open;
         }
     }
 
@@ -184,8 +194,10 @@ impl Studio {
             let picture = shot.image.clone().try_into_dynamic().map(|p| p.to_rgba8()).ok();
             *captured.lock().unwrap_or_else(PoisonError::into_inner) = picture;
         });
+        self.look(true);
         for _ in 0..PATIENCE {
             self.app.update();
+            self.look(false);
             if let Some(picture) = self.captured.lock().unwrap_or_else(PoisonError::into_inner).take() {
                 return Ok(picture);
             }

@@ -5,7 +5,7 @@ use std::path::Path;
 use bevy::asset::io::AssetSourceBuilder;
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
-use veduta::facade::{FacadePlugin, TileSize};
+use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
 
 use crate::profile::Profile;
@@ -48,7 +48,7 @@ pub fn walk(city: &str, chosen: Option<Profile>, tour: Option<&Path>) -> Result<
         veduta::ecs::EcsPlugin,
         StreamingPlugin::default(),
         BuildingsPlugin::default(),
-        FacadePlugin { tiles: TileSize(start.tile_size().max(256)) },
+        FacadePlugin { tiles: start.tiles() },
         SkyPlugin,
         WalkerPlugin::default(),
         TourPlugin::default(),

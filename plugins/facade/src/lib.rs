@@ -47,13 +47,13 @@ use bevy::prelude::*;
 use veduta_ecs::{CellMesh, MaterialsProvided, VedutaSystems};
 
 pub use fade::FadeSettings;
-pub use material::{CityMaterial, CityMaterials, FacadeExtension, LevelDistances, TileSize};
+pub use material::{CityMaterial, CityMaterials, FacadeExtension, LevelDistances, TileQuality};
 
 /// Gives cell meshes their material and switches levels per façade.
 #[derive(Debug, Clone, Default)]
 pub struct FacadePlugin {
-    /// Edge of a tile of the texture array in texels.
-    pub tiles: TileSize,
+    /// How finely tiles are painted and sampled.
+    pub tiles: TileQuality,
 }
 
 impl Plugin for FacadePlugin {

@@ -16,16 +16,18 @@ use crate::NewCellMesh;
 /// The material of everything in a cell.
 pub type CityMaterial = ExtendedMaterial<StandardMaterial, FacadeExtension>;
 
-/// Edge of a tile in texels: a power of two from 32 to 1024.
+/// How finely tiles are painted and sampled. Read once, when the materials are made.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Eq)]
-pub struct TileSize(
-    /// Texels.
-    pub u32,
-);
+pub struct TileQuality {
+    /// Edge of a tile in texels: a power of two from 32 to 1024.
+    pub texels: u32,
+    /// Anisotropic samples, 1 to 16. Software renderers pay dearly for more than one.
+    pub anisotropy: u16,
+}
 
-impl Default for TileSize {
+impl Default for TileQuality {
     fn default() -> Self {
-        Self(256)
+        Self { texels: 256, anisotropy: 4 }
     }
 }
 
@@ -119,12 +121,12 @@ const WORKSHOP_SEED: u64 = 1;
 
 fn paint(
     mut commands: Commands,
-    size: Res<TileSize>,
+    quality: Res<TileQuality>,
     distances: Res<LevelDistances>,
     mut images: ResMut<Assets<Image>>,
     mut materials: ResMut<Assets<CityMaterial>>,
 ) {
-    let tiles = paint_tiles(size.0, WORKSHOP_SEED);
+    let tiles = paint_tiles(quality.texels, WORKSHOP_SEED);
     let mut array = |data: Vec<u8>, format| {
         let extent = Extent3d { width: tiles.size, height: tiles.size, depth_or_array_layers: tiles.layers };
         let mut image = Image::new_uninit(extent, TextureDimension::D2, format, RenderAssetUsages::RENDER_WORLD);
@@ -138,7 +140,7 @@ fn paint(
             mag_filter: ImageFilterMode::Linear,
             min_filter: ImageFilterMode::Linear,
             mipmap_filter: ImageFilterMode::Linear,
-            anisotropy_clamp: 4,
+            anisotropy_clamp: quality.anisotropy.clamp(1, 16),
             ..ImageSamplerDescriptor::linear()
         });
         images.add(image)
