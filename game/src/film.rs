@@ -108,6 +108,8 @@ pub fn film(order: &FilmOrder) -> Result<(), Failure> {
 
 /// Starts the tour, stands at its first moment, and warms up there. Gives its length in seconds.
 fn begin(studio: &mut Studio, tour: Tour, order: &FilmOrder) -> Result<f64, Failure> {
+    // The first picture has no before: its levels stand at once. Those that come into sight later fade in.
+    let fading = core::mem::replace(&mut studio.world().resource_mut::<FadeSettings>().seconds, 0.0);
     studio.world().write_message(TourCommand::Give(Box::new(tour)));
     studio.advance(Duration::ZERO);
     studio.advance(Duration::ZERO);
@@ -119,8 +121,6 @@ fn begin(studio: &mut Studio, tour: Tour, order: &FilmOrder) -> Result<f64, Fail
         studio.world().write_message(TourCommand::Seek(order.from_s));
     }
     studio.advance(Duration::ZERO);
-    // The first picture has no before: its levels stand at once. Those that come into sight later fade in.
-    let fading = core::mem::replace(&mut studio.world().resource_mut::<FadeSettings>().seconds, 0.0);
     studio.settle();
     studio.warm_up();
     studio.world().resource_mut::<FadeSettings>().seconds = fading;

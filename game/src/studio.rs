@@ -75,7 +75,8 @@ impl Studio {
                 .disable::<WinitPlugin>()
                 .disable::<PipelinedRenderingPlugin>(),
         )
-        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO))
+        .insert_resource(Time::<Virtual>::from_max_delta(Duration::from_secs(3_600)));
         profile.apply(&mut app);
         app.add_plugins((
             veduta::ecs::EcsPlugin,

@@ -91,9 +91,9 @@ fn copy_of_the_sample(name: &str) -> PathBuf {
         for entry in std::fs::read_dir(from).expect("the baked city").flatten() {
             let target = to.join(entry.file_name());
             if entry.path().is_dir() {
-                copy(&entry.path(), &target)
+                copy(&entry.path(), &target);
             } else {
-                drop(std::fs::copy(entry.path(), target).expect("room"))
+                std::fs::copy(entry.path(), target).expect("room");
             }
         }
     }
