@@ -28,7 +28,7 @@ const STAY_S: f64 = 8.0;
 
 const HELP: [(&str, &str); 12] = [
     ("W A S D", "walk"),
-    ("right mouse button", "look around (or ← →)"),
+    ("right mouse button", "look around (or arrow left, right)"),
     ("Shift", "run"),
     ("F", "fly; Space and C rise and sink"),
     ("1 2 3", "field of view"),
