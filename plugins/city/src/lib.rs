@@ -5,7 +5,7 @@
 //!  (metres)            (grid)                  (grid)          (grid, relative to a cell)
 //! ```
 //!
-//! Values only: no engine, no threads, no clock. Reading and writing of files is confined to [`file`].
+//! Values only: no engine, no threads, no clock. Reading and writing of files is confined to [`mod@file`].
 //!
 //! # Spaces
 //! *Plan* coordinates are metres from the city's [`Anchor`]: x east, y north, z elevation. From the plan on they lie on a

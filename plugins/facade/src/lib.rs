@@ -28,7 +28,7 @@
 //!     .insert_resource(LevelDistances::uniform(60.0))
 //!     .run();
 //! ```
-//! Then spawn meshes with a [`CellMesh`](veduta_ecs::CellMesh) and, on their parent, a [`LevelFade`](veduta_ecs::LevelFade). A
+//! Then spawn meshes with a [`CellMesh`] and, on their parent, a [`LevelFade`](veduta_ecs::LevelFade). A
 //! mesh carries in its second UV set the centre of its façade (x, z, in the mesh's own space) and in its colour's alpha the
 //! layer of the texture array (`veduta_city::Tile::index`).
 //!

@@ -39,7 +39,7 @@
 //! |---|---|
 //! | T | play, pause, resume after wandering off |
 //! | , and . | ten seconds back, ahead |
-//! | [ and ] | slower, faster |
+//! | `[` and `]` | slower, faster |
 //!
 //! # Limits
 //! Walked steps need streets: they wait until the city's overview has arrived.
