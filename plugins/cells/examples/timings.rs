@@ -1,4 +1,5 @@
-//! Times each stage on a synthetic town: `cargo run --release -p veduta-cells --example timings [town|suburb] [SIDE]`.
+//! Times each stage on a synthetic town: `cargo run --release -p veduta-cells --example timings [town|suburb] [SIDE]`, or on a
+//! plan of your own: `… --example timings X.plan.ron`.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -9,9 +10,16 @@ use veduta_cells::{PartitionSettings, cell_shells, check, facade_sheets, partiti
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let is_open = arguments.next().is_some_and(|kind| kind == "suburb");
+    let kind = arguments.next().unwrap_or_default();
     let side = arguments.next().and_then(|n| n.parse().ok());
-    let plan = if is_open { common::suburb(side.unwrap_or(54)) } else { common::town(side.unwrap_or(16)) };
+    let plan = match kind.as_str() {
+        path if path.ends_with(".plan.ron") => match veduta_city::file::read(path.as_ref()) {
+            Ok(plan) => plan,
+            Err(error) => return eprintln!("{error}"),
+        },
+        "suburb" => common::suburb(side.unwrap_or(54)),
+        _ => common::town(side.unwrap_or(16)),
+    };
     let start = Instant::now();
     let made = partition(&plan, &PartitionSettings::default());
     let cells = &made.cells;

@@ -6,11 +6,12 @@ use veduta_city::{GRID_PER_METRE, GridPos};
 
 use crate::hull::{Hull, distance_2};
 use crate::partition::PartitionSettings;
+use crate::patches::Patches;
 use crate::triangulate::Triangle;
 
 /// Cell of each triangle, numbered densely from 0.
-pub(crate) fn merge(triangles: &[Triangle], settings: &PartitionSettings) -> Vec<u32> {
-    let mut groups = Groups::new(triangles);
+pub(crate) fn merge(triangles: &[Triangle], patches: &Patches<'_>, settings: &PartitionSettings) -> Vec<u32> {
+    let mut groups = Groups::new(triangles, patches);
     let mut doors = doors(triangles);
     doors.sort_unstable();
     for door in doors {
@@ -70,33 +71,50 @@ fn doors(triangles: &[Triangle]) -> Vec<Door> {
 
 /// What a union must stay within, grid steps.
 struct Limits {
+    close: Size,
+    /// Where neither side has public ground.
+    open: Size,
+    convexity: f64,
+}
+
+/// Twice an area, and a distance squared.
+struct Size {
     area_2: i64,
     diameter_2: i64,
-    convexity: f64,
+}
+
+impl Size {
+    fn of(area_m2: f64, diameter_m: f64, slack: f64) -> Self {
+        let step = f64::from(GRID_PER_METRE);
+        let diameter = diameter_m * slack * step;
+        Self { area_2: (area_m2 * slack * 2.0 * step * step) as i64, diameter_2: (diameter * diameter) as i64 }
+    }
 }
 
 impl Limits {
     fn of(settings: &PartitionSettings, slack: f64) -> Self {
-        let step = f64::from(GRID_PER_METRE);
-        let diameter = settings.max_diameter_m * slack * step;
+        let close = Size::of(settings.max_area_m2, settings.max_diameter_m, slack);
+        let open = Size::of(settings.open_area_m2, settings.open_diameter_m, slack);
         Self {
-            area_2: (settings.max_area_m2 * slack * 2.0 * step * step) as i64,
-            diameter_2: (diameter * diameter) as i64,
+            open: Size { area_2: open.area_2.max(close.area_2), diameter_2: open.diameter_2.max(close.diameter_2) },
+            close,
             convexity: settings.min_convexity / slack,
         }
     }
 }
 
-/// Union–find over triangles; roots carry hull and area.
+/// Union–find over triangles; roots carry hull, area and whether there is no public ground.
 struct Groups {
     parent: Vec<u32>,
     area_2: Vec<i64>,
     hull: Vec<Hull>,
+    is_open: Vec<bool>,
 }
 
 impl Groups {
-    fn new(triangles: &[Triangle]) -> Self {
+    fn new(triangles: &[Triangle], patches: &Patches<'_>) -> Self {
         Self {
+            is_open: triangles.iter().map(|t| !patches.is_public_at(t.middle())).collect(),
             parent: (0..triangles.len() as u32).collect(),
             area_2: triangles.iter().map(Triangle::area_2).collect(),
             hull: triangles.iter().map(|t| Hull::of(t.corners.to_vec())).collect(),
@@ -119,17 +137,20 @@ impl Groups {
         let (low, high) = (a.min(b) as usize, a.max(b) as usize);
         let area_2 = self.area_2[low] + self.area_2[high];
         let longest_2 = self.hull[low].diameter_2.max(self.hull[high].diameter_2);
-        if a == b || area_2 > limits.area_2 {
+        let is_open = self.is_open[low] && self.is_open[high];
+        let size = if is_open { &limits.open } else { &limits.close };
+        if a == b || area_2 > size.area_2 {
             return false;
         }
         let hull = self.hull[low].with(&self.hull[high]);
-        if hull.diameter_2 > limits.diameter_2.max(longest_2 + longest_2 / 16)
+        if hull.diameter_2 > size.diameter_2.max(longest_2 + longest_2 / 16)
             || (area_2 as f64) < limits.convexity * hull.area_2 as f64
         {
             return false;
         }
         self.parent[high] = low as u32;
         self.area_2[low] = area_2;
+        self.is_open[low] = is_open;
         self.hull[low] = hull;
         self.hull[high] = Hull::default();
         true

@@ -4,7 +4,7 @@ use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
 pub(crate) use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
-use veduta_city::{GridPolygon, GridPos, GridRing};
+use veduta_city::{GridPolygon, GridPos, GridRing, connected_faces};
 
 /// Least and greatest corner.
 pub(crate) type Bounds = (GridPos, GridPos);
@@ -48,8 +48,8 @@ pub(crate) fn combine(
     clip: impl IntoIterator<Item = GridRing>,
     keep_collinear: bool,
 ) -> Vec<GridPolygon> {
-    let options = if keep_collinear { IntOverlayOptions::keep_all_points() } else { IntOverlayOptions::default() };
-    let mut overlay = Overlay::new_custom(64, IntOverlayOptions { ogc: true, ..options }, Default::default());
+    // The engine's own way to connected interiors (`ogc`) may go in circles for ever where many rings touch.
+    let mut overlay = Overlay::new_custom(64, IntOverlayOptions::keep_all_points(), Default::default());
     for ring in subject {
         overlay.add_path_iter(ring.into_iter().map(to_int), ShapeType::Subject);
     }
@@ -57,16 +57,10 @@ pub(crate) fn combine(
         overlay.add_path_iter(ring.into_iter().map(to_int), ShapeType::Clip);
     }
     let shapes = overlay.overlay(rule, FillRule::NonZero);
+    let ring = |ring: Vec<IntPoint>| ring.into_iter().map(|p| GridPos(p.x, p.y)).collect::<GridRing>();
     shapes
         .into_iter()
-        .filter_map(|shape| {
-            let mut rings = shape.into_iter().map(|ring| ring.into_iter().map(|p| GridPos(p.x, p.y)).collect::<GridRing>());
-            let outer = rings.next().filter(|ring| ring.len() > 2)?;
-            let polygon = GridPolygon { outer, holes: rings.filter(|ring| ring.len() > 2).collect() };
-            // Holes that touch the outer ring may come out the wrong way round.
-            let mut turned = turned_rings(&polygon);
-            Some(GridPolygon { outer: turned.next()?, holes: turned.collect() })
-        })
+        .flat_map(|shape| connected_faces(&shape.into_iter().map(ring).collect::<Vec<_>>(), keep_collinear))
         .collect()
 }
 

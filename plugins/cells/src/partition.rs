@@ -10,6 +10,10 @@ pub struct PartitionSettings {
     /// Greatest distance between two points of a cell, metres; half as much again for small rests, and beyond where a single wall
     /// is longer.
     pub max_diameter_m: f64,
+    /// Greatest area of a cell without any public ground (gardens, fields, water), square metres.
+    pub open_area_m2: f64,
+    /// Greatest distance between two points of such a cell, metres.
+    pub open_diameter_m: f64,
     /// Cells smaller than this join a neighbour, square metres.
     pub min_area_m2: f64,
     /// Least share of a cell in its convex hull, 0 to 1.
@@ -35,6 +39,8 @@ impl Default for PartitionSettings {
         Self {
             max_area_m2: 2_500.0,
             max_diameter_m: 70.0,
+            open_area_m2: 10_000.0,
+            open_diameter_m: 150.0,
             min_area_m2: 80.0,
             min_convexity: 0.6,
             min_public_m2: 200.0,
@@ -65,7 +71,7 @@ pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     let shapes = free::free_space(plan, &patches, settings, &mut findings);
     let mesh = triangulate::triangulate(&shapes, settings, &mut findings);
     let mesh = reach::reachable(&mesh, plan, &patches, settings, &mut findings);
-    let label = merge::merge(&mesh, settings);
+    let label = merge::merge(&mesh, &patches, settings);
     let (outlines, portals) = outline::outlines(&mesh, &label, &plan.extent);
     let mut cells = Cells { portals, ..Cells::default() };
     cells.cells = outlines.into_iter().map(|outline| Cell { outline, ..Cell::default() }).collect();

@@ -40,6 +40,11 @@ impl<'a> Patches<'a> {
         self.near((pos, pos)).into_iter().find(|patch| patch.outline.contains(pos)).map(|patch| patch.z)
     }
 
+    /// Whether a position lies on public ground.
+    pub(crate) fn is_public_at(&self, pos: GridPos) -> bool {
+        self.near((pos, pos)).into_iter().any(|patch| patch.surface.is_public() && patch.outline.contains(pos))
+    }
+
     /// The pieces of ground within a window: (patch, piece).
     pub(crate) fn clipped(&self, window: &GridPolygon) -> Vec<(&'a GroundPatch, GridPolygon)> {
         let Some(bounds) = window.bounds() else { return Vec::new() };

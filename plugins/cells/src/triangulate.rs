@@ -23,6 +23,12 @@ impl Triangle {
         (self.corners[i], self.corners[(i + 1) % 3])
     }
 
+    /// Its centroid, to the grid step below.
+    pub(crate) fn middle(&self) -> GridPos {
+        let mean = |of: fn(&GridPos) -> i32| self.corners.iter().map(|p| i64::from(of(p))).sum::<i64>().div_euclid(3) as i32;
+        GridPos(mean(|p| p.0), mean(|p| p.1))
+    }
+
     /// Twice its area, grid steps squared.
     pub(crate) fn area_2(&self) -> i64 {
         self.corners[0].cross(self.corners[1], self.corners[2])

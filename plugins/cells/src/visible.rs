@@ -111,8 +111,9 @@ impl<'a> Search<'a> {
         for &first in &self.web.out[cell as usize] {
             let start = &self.web.crossings[first as usize];
             let Some(frame) = Frame::new(start.left, start.right) else { continue };
-            if self.follow(cell, first, &frame, &mut seen).is_err() {
-                is_coarse = true;
+            // What one crossing leaves open, all others of the cell may as well.
+            is_coarse = is_coarse || self.follow(cell, first, &frame, &mut seen).is_err();
+            if is_coarse {
                 self.follow_directions(cell, first, &frame, &mut seen);
             }
         }

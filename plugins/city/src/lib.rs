@@ -24,6 +24,7 @@ mod anchor;
 mod cell;
 mod colour;
 pub mod draw;
+mod faces;
 pub mod file;
 mod finding;
 mod graph;
@@ -41,6 +42,7 @@ mod tour;
 pub use anchor::Anchor;
 pub use cell::{Cell, Cells, Portal, PortalSide};
 pub use colour::{ParseColourError, Rgb};
+pub use faces::connected_faces;
 pub use finding::{Finding, Severity};
 pub use graph::{
     Block, BlockKind, Building, BuildingPart, CityGraph, GraphError, Link, LinkKind, Node, NodeKind, ObjectKind, Ring, RoofShape,

@@ -8,7 +8,7 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::core::solver::Solver;
 use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::i_shape::int::shape::IntShapes;
-use veduta_city::{GridPolygon, GridPos};
+use veduta_city::{GridPolygon, GridPos, connected_faces};
 
 /// An overlay that is being filled. Coordinates inside are relative to `origin`, so that products stay far from the ends of
 /// 64 bits.
@@ -22,7 +22,7 @@ const FARTHEST: i32 = 1 << 29;
 
 impl Frame {
     fn new(origin: GridPos) -> Self {
-        Self { overlay: Overlay::new_custom(64, IntOverlayOptions::ogc(), Solver::AUTO), origin }
+        Self { overlay: Overlay::new_custom(64, IntOverlayOptions::keep_all_points(), Solver::AUTO), origin }
     }
 
     fn local(&self, p: GridPos) -> IntPoint {
@@ -41,22 +41,10 @@ impl Frame {
         let ring = |contour: Vec<IntPoint>| -> Vec<GridPos> {
             contour.into_iter().map(|p| GridPos(p.x.saturating_add(self.origin.0), p.y.saturating_add(self.origin.1))).collect()
         };
-        // Holes that touch their outer ring may come wound either way: each ring is turned here.
-        let polygon = |shape: Vec<Vec<IntPoint>>| {
-            let mut rings = shape.into_iter().map(ring);
-            let outer = wound(rings.next()?, true);
-            Some(GridPolygon { outer, holes: rings.map(|hole| wound(hole, false)).collect() })
-        };
-        shapes.into_iter().filter_map(polygon).collect()
+        // The engine's own way to connected interiors (`ogc`) may go in circles for ever where many rings touch.
+        let faces = |shape: Vec<Vec<IntPoint>>| connected_faces(&shape.into_iter().map(ring).collect::<Vec<_>>(), false);
+        shapes.into_iter().flat_map(faces).collect()
     }
-}
-
-/// The ring wound counter-clockwise, or clockwise.
-fn wound(mut ring: Vec<GridPos>, counter_clockwise: bool) -> Vec<GridPos> {
-    if (super::outline::twice_area(&ring) > 0) != counter_clockwise {
-        ring.reverse();
-    }
-    ring
 }
 
 fn first(rings: &[&[GridPos]]) -> Option<GridPos> {

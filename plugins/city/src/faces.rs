@@ -1,0 +1,229 @@
+use std::collections::HashMap;
+
+use crate::{GridPolygon, GridPos, GridRing};
+
+/// Polygons with connected interiors (as OGC's simple features ask) from the borders of an area: rings with the inside on their
+/// left, which may touch themselves and each other at vertices, but not cross. Outer rings run counter-clockwise, holes
+/// clockwise; holes may touch their outer ring at single vertices. Rings without area are left out.
+///
+/// Touching is known by vertices alone: where a ring touches another in the middle of an edge, that edge needs a vertex there.
+/// A hole outside all outer rings is left out, too. Vertices in the middle of straight lines go, unless they are to be kept.
+#[must_use]
+pub fn connected_faces(rings: &[GridRing], keep_collinear: bool) -> Vec<GridPolygon> {
+    let mut faces: Vec<GridPolygon> = Vec::new();
+    let mut lone: Vec<GridRing> = Vec::new();
+    for walk in walks(rings) {
+        let mut rings = simple_rings(walk);
+        if !keep_collinear {
+            rings.iter_mut().for_each(straighten);
+        }
+        let (outers, holes): (Vec<_>, Vec<_>) = rings.into_iter().partition(|ring| twice_area(ring) > 0);
+        let first = faces.len();
+        faces.extend(outers.into_iter().map(GridPolygon::simple));
+        let own = &mut faces[first..];
+        for hole in holes {
+            match own {
+                [] => lone.push(hole),
+                [face] => face.holes.push(hole),
+                _ => adopt(own, hole),
+            }
+        }
+    }
+    for hole in lone {
+        adopt(&mut faces, hole);
+    }
+    faces
+}
+
+/// Gives a hole to the smallest face around it.
+fn adopt(faces: &mut [GridPolygon], hole: GridRing) {
+    let around = |face: &GridPolygon| {
+        let outer = &face.outer;
+        let loose = hole.iter().find(|p| !outer.contains(p)).or(hole.first());
+        loose.is_some_and(|&p| GridPolygon::simple(outer.clone()).contains(p))
+    };
+    let smallest = faces.iter_mut().filter(|face| around(face)).min_by_key(|face| twice_area(&face.outer));
+    if let Some(face) = smallest {
+        face.holes.push(hole);
+    }
+}
+
+/// Closed walks along all edges that keep the inside on their left and turn as sharply as it allows at each vertex, so that a walk
+/// never leads from one side of a touching to the other.
+fn walks(rings: &[GridRing]) -> Vec<GridRing> {
+    let edges: Vec<(GridPos, GridPos)> = rings
+        .iter()
+        .flat_map(|ring| ring.iter().copied().zip(ring.iter().copied().cycle().skip(1)).take(ring.len()))
+        .filter(|(a, b)| a != b)
+        .collect();
+    let mut leaving: HashMap<GridPos, Vec<usize>> = HashMap::new();
+    for (i, (a, _)) in edges.iter().enumerate() {
+        leaving.entry(*a).or_default().push(i);
+    }
+    let mut is_walked = vec![false; edges.len()];
+    let mut walks = Vec::new();
+    for start in 0..edges.len() {
+        let mut walk = GridRing::new();
+        let mut at = Some(start);
+        while let Some(edge) = at.filter(|&edge| !core::mem::replace(&mut is_walked[edge], true)) {
+            let (from, to) = edges[edge];
+            walk.push(from);
+            let ways = leaving.get(&to).map_or(&[][..], Vec::as_slice);
+            at = ways.iter().copied().reduce(|best, way| {
+                if is_sooner(from, to, edges[way].1, edges[best].1) { way } else { best }
+            });
+        }
+        if walk.len() > 2 {
+            walks.push(walk);
+        }
+    }
+    walks
+}
+
+/// Whether, turning clockwise about `pivot` from the direction of `from`, one comes by `a` before `b`.
+fn is_sooner(from: GridPos, pivot: GridPos, a: GridPos, b: GridPos) -> bool {
+    let half = |p: GridPos| {
+        let side = cross(pivot, from, p);
+        // Just before, on or past half a turn; straight back comes last.
+        if side < 0 || (side == 0 && dot(pivot, from, p) < 0) { u8::from(side == 0) } else { 2 + u8::from(side == 0) }
+    };
+    let (half_a, half_b) = (half(a), half(b));
+    if half_a == half_b { cross(pivot, a, b) < 0 } else { half_a < half_b }
+}
+
+fn cross(o: GridPos, a: GridPos, b: GridPos) -> i128 {
+    let d = |p: GridPos| (i128::from(p.0) - i128::from(o.0), i128::from(p.1) - i128::from(o.1));
+    let (a, b) = (d(a), d(b));
+    a.0 * b.1 - a.1 * b.0
+}
+
+fn dot(o: GridPos, a: GridPos, b: GridPos) -> i128 {
+    let d = |p: GridPos| (i128::from(p.0) - i128::from(o.0), i128::from(p.1) - i128::from(o.1));
+    let (a, b) = (d(a), d(b));
+    a.0 * b.0 + a.1 * b.1
+}
+
+fn twice_area(ring: &[GridPos]) -> i128 {
+    let Some(&first) = ring.first() else { return 0 };
+    ring.windows(2).map(|pair| cross(first, pair[0], pair[1])).sum()
+}
+
+/// Cuts a walk where it comes by a vertex again; leaves out what has no area.
+fn simple_rings(walk: GridRing) -> Vec<GridRing> {
+    let mut done = Vec::new();
+    let mut open = GridRing::new();
+    let mut at: HashMap<GridPos, usize> = HashMap::new();
+    for p in walk {
+        if let Some(&first) = at.get(&p) {
+            let loop_: GridRing = open.drain(first..).collect();
+            for p in &loop_ {
+                at.remove(p);
+            }
+            done.push(loop_);
+        }
+        at.insert(p, open.len());
+        open.push(p);
+    }
+    done.push(open);
+    done.retain(|ring| twice_area(ring) != 0);
+    done
+}
+
+/// Drops the vertices of a ring with area in the middle of straight lines.
+fn straighten(ring: &mut GridRing) {
+    let mut kept = GridRing::new();
+    for &p in ring.iter() {
+        while let [.., a, b] = kept.as_slice()
+            && cross(*a, *b, p) == 0
+        {
+            kept.pop();
+        }
+        kept.push(p);
+    }
+    // The seam between last and first.
+    while let [first, second, .., before, last] = *kept.as_slice() {
+        if cross(before, last, first) == 0 {
+            kept.pop();
+        } else if cross(last, first, second) == 0 {
+            kept.remove(0);
+        } else {
+            break;
+        }
+    }
+    *ring = kept;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(points: &[(i32, i32)]) -> GridRing {
+        points.iter().map(|&(x, y)| GridPos(x, y)).collect()
+    }
+
+    fn areas(faces: &[GridPolygon]) -> Vec<i128> {
+        let mut areas: Vec<i128> = faces.iter().map(|f| f.rings().map(|r| twice_area(r)).sum::<i128>() / 2).collect();
+        areas.sort_unstable();
+        areas
+    }
+
+    #[test]
+    fn what_does_not_touch_stays_as_it_is() {
+        let rings =
+            [ring(&[(0, 0), (9, 0), (9, 9), (0, 9)]), ring(&[(2, 2), (2, 4), (4, 4), (4, 2)]), ring(&[(5, 5), (5, 6), (6, 6)])];
+        let faces = connected_faces(&rings, true);
+        assert_eq!((faces.len(), faces[0].holes.len()), (1, 2));
+        assert_eq!(faces[0].outer, rings[0]);
+    }
+
+    #[test]
+    fn squares_that_touch_at_a_corner_are_two_however_they_are_drawn() {
+        let apart = [ring(&[(0, 0), (4, 0), (4, 4), (0, 4)]), ring(&[(4, 4), (8, 4), (8, 8), (4, 8)])];
+        let in_one = [ring(&[(0, 0), (4, 0), (4, 4), (8, 4), (8, 8), (4, 8), (4, 4), (0, 4)])];
+        assert_eq!(areas(&connected_faces(&apart, true)), [16, 16]);
+        assert_eq!(areas(&connected_faces(&in_one, true)), [16, 16]);
+    }
+
+    #[test]
+    fn a_hole_that_touches_the_outer_ring_once_is_a_hole_however_it_is_drawn() {
+        let apart = [ring(&[(0, 0), (8, 0), (8, 8), (0, 8)]), ring(&[(0, 0), (2, 4), (4, 2)])];
+        let in_one = [ring(&[(0, 0), (8, 0), (8, 8), (0, 8), (0, 0), (2, 4), (4, 2)])];
+        for rings in [&apart[..], &in_one[..]] {
+            let faces = connected_faces(rings, true);
+            assert_eq!((faces.len(), faces[0].holes.len(), areas(&faces)), (1, 1, vec![58]));
+        }
+    }
+
+    #[test]
+    fn holes_in_a_chain_from_side_to_side_cut_the_area_in_two() {
+        // Two diamonds that touch each other and the two sides.
+        let rings = [
+            ring(&[(0, 0), (8, 0), (8, 4), (8, 8), (0, 8), (0, 4)]),
+            ring(&[(0, 4), (2, 5), (4, 4), (2, 3)]),
+            ring(&[(4, 4), (6, 5), (8, 4), (6, 3)]),
+        ];
+        let faces = connected_faces(&rings, true);
+        assert_eq!((areas(&faces), faces.iter().map(|f| f.holes.len()).sum::<usize>()), (vec![28, 28], 0));
+    }
+
+    #[test]
+    fn an_island_in_a_hole_takes_its_own_hole() {
+        let square = |a: i32, b: i32| [(a, a), (b, a), (b, b), (a, b)];
+        let hole = |a: i32, b: i32| [(a, a), (a, b), (b, b), (b, a)];
+        let rings = [ring(&square(0, 20)), ring(&hole(2, 18)), ring(&square(4, 16)), ring(&hole(6, 14))];
+        assert_eq!(areas(&connected_faces(&rings, true)), [12 * 12 - 8 * 8, 20 * 20 - 16 * 16]);
+    }
+
+    #[test]
+    fn straight_lines_lose_their_inner_vertices_if_asked() {
+        let rings = [ring(&[(4, 0), (8, 0), (8, 8), (8, 9), (0, 9), (0, 0), (2, 0)])];
+        assert_eq!(connected_faces(&rings, false)[0].outer.len(), 4);
+        assert_eq!(connected_faces(&rings, true)[0].outer.len(), 7);
+    }
+
+    #[test]
+    fn broken_rings_come_to_an_end() {
+        let rings = [ring(&[(0, 0), (4, 4), (4, 0), (0, 4), (0, 0), (4, 4)]), ring(&[(1, 1)]), ring(&[])];
+        assert!(connected_faces(&rings, true).len() < 4);
+    }
+}
