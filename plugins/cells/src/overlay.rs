@@ -58,10 +58,7 @@ pub(crate) fn combine(
     }
     let shapes = overlay.overlay(rule, FillRule::NonZero);
     let ring = |ring: Vec<IntPoint>| ring.into_iter().map(|p| GridPos(p.x, p.y)).collect::<GridRing>();
-    shapes
-        .into_iter()
-        .flat_map(|shape| connected_faces(&shape.into_iter().map(ring).collect::<Vec<_>>(), keep_collinear))
-        .collect()
+    shapes.into_iter().flat_map(|shape| connected_faces(&shape.into_iter().map(ring).collect::<Vec<_>>(), keep_collinear)).collect()
 }
 
 fn to_int(p: GridPos) -> IntPoint {

@@ -69,9 +69,7 @@ fn walks(rings: &[GridRing]) -> Vec<GridRing> {
             let (from, to) = edges[edge];
             walk.push(from);
             let ways = leaving.get(&to).map_or(&[][..], Vec::as_slice);
-            at = ways.iter().copied().reduce(|best, way| {
-                if is_sooner(from, to, edges[way].1, edges[best].1) { way } else { best }
-            });
+            at = ways.iter().copied().reduce(|best, way| if is_sooner(from, to, edges[way].1, edges[best].1) { way } else { best });
         }
         if walk.len() > 2 {
             walks.push(walk);
