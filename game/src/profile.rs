@@ -2,6 +2,7 @@
 
 use bevy::anti_alias::fxaa::Fxaa;
 use bevy::anti_alias::smaa::Smaa;
+use bevy::core_pipeline::prepass::DepthPrepass;
 use bevy::prelude::*;
 use bevy::render::render_resource::WgpuAdapterInfo;
 use bevy::render::renderer::RenderAdapterInfo;
@@ -84,10 +85,12 @@ impl Profile {
     }
 }
 
-/// Gives new cameras the profile's anti-aliasing.
+/// Gives new cameras the profile's anti-aliasing, and a depth prepass: each pixel is shaded once however many houses stand
+/// behind one another.
 fn dress_cameras(mut commands: Commands, profile: Res<Profile>, new: Query<Entity, Added<Camera3d>>) {
     for camera in &new {
         let mut camera = commands.entity(camera);
+        camera.insert(DepthPrepass);
         match *profile {
             Profile::Low => camera.insert((Msaa::Off, Fxaa::default())),
             Profile::Medium => camera.insert((Msaa::Off, Smaa::default())),

@@ -7,41 +7,12 @@
     mesh_view_bindings::view,
 }
 
-struct Facade {
-    near_level: vec4<f32>,
-    far_lit: vec4<f32>,
-}
+#import veduta_facade::levels::{Facade, keeps}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
 @group(#{MATERIAL_BIND_GROUP}) @binding(101) var colour_tiles: texture_2d_array<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(102) var tile_sampler: sampler;
 @group(#{MATERIAL_BIND_GROUP}) @binding(103) var normal_tiles: texture_2d_array<f32>;
-
-// Threshold of the 8×8 Bayer pattern at a pixel, in (0, 1): bits of x and x^y interleaved, most significant last.
-fn bayer(pixel: vec2<u32>) -> f32 {
-    let x = pixel.x & 7u;
-    let y = (pixel.x ^ pixel.y) & 7u;
-    let v = ((x & 4u) >> 2u) | ((y & 4u) >> 1u) | ((x & 2u) << 1u) | ((y & 2u) << 2u) | ((x & 1u) << 4u) | ((y & 1u) << 5u);
-    // `y` carries the heavier bit of each pair.
-    return (f32(v) + 0.5) / 64.0;
-}
-
-// How far each level has faded in, from the mesh's tag.
-fn fades(tag: u32) -> vec4<f32> {
-    return vec4<f32>(f32(tag & 255u), f32((tag >> 8u) & 255u), f32((tag >> 16u) & 255u), f32(tag >> 24u)) / 255.0;
-}
-
-// Reach of each level at a distance: level n keeps a pixel where reach(n + 1) <= threshold < reach(n).
-fn reaches(distance: f32, fade: vec4<f32>) -> vec4<f32> {
-    let near = facade.near_level.xyz;
-    let far = max(facade.far_lit.xyz, near + vec3<f32>(0.001));
-    let allowed = step(vec3<f32>(0.001), facade.far_lit.xyz);
-    let close = allowed * clamp((far - vec3<f32>(distance)) / (far - near), vec3<f32>(0.0), vec3<f32>(1.0));
-    let four = fade.w * close.z;
-    let three = max(four, fade.z * close.y);
-    let two = max(three, fade.y * close.x);
-    return vec4<f32>(max(two, fade.x), two, three, four);
-}
 
 fn hash(p: vec2<f32>) -> f32 {
     let q = fract(p * vec2<f32>(0.1031, 0.1030));
@@ -54,13 +25,8 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let level = i32(facade.near_level.w);
     let model = mesh_functions::get_world_from_local(in.instance_index);
     let centre = (model * vec4<f32>(in.uv_b.x, 0.0, in.uv_b.y, 1.0)).xz;
-    if level > 0 {
-        let reach = reaches(distance(centre, view.world_position.xz), fades(mesh_functions::get_tag(in.instance_index)));
-        let threshold = bayer(vec2<u32>(in.position.xy));
-        var finer = 0.0;
-        if level < 4 { finer = reach[level]; }
-        if threshold >= reach[level - 1] || threshold < finer { discard; }
-    }
+    let away = distance(centre, view.world_position.xz);
+    if !keeps(facade, in.position.xy, away, mesh_functions::get_tag(in.instance_index)) { discard; }
 
     let layer = i32(in.color.a + 0.5);
     let tile = textureSample(colour_tiles, tile_sampler, in.uv, layer);
