@@ -61,10 +61,10 @@ impl Profile {
     #[must_use]
     pub fn levels(self) -> LevelDistances {
         LevelDistances::uniform(match self {
-            Self::Low => 90.0,
-            Self::Medium => 160.0,
-            Self::High => 260.0,
-            Self::Ultra => 400.0,
+            Self::Low => 110.0,
+            Self::Medium => 240.0,
+            Self::High => 360.0,
+            Self::Ultra => 500.0,
         })
     }
 

@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use bevy::app::PluginsState;
 use bevy::camera::RenderTarget;
-use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
@@ -23,6 +22,7 @@ use veduta::prelude::*;
 use veduta::streaming::{Fetching, Wanted};
 
 use crate::Failure;
+use crate::camera::camera;
 use crate::profile::Profile;
 
 /// Width and height in pixels, written `1280x720`.
@@ -94,10 +94,7 @@ impl Studio {
             app.world_mut().resource_mut::<Assets<Image>>().add(image)
         };
         app.world_mut().resource_mut::<StreamingSettings>().packets_a_frame = usize::MAX;
-        let viewer = app
-            .world_mut()
-            .spawn((Camera3d::default(), RenderTarget::Image(target.clone().into()), Tonemapping::AgX, lens(), Viewer))
-            .id();
+        let viewer = app.world_mut().spawn((camera(), RenderTarget::Image(target.clone().into()), Viewer)).id();
         while app.plugins_state() == PluginsState::Adding {
             bevy::tasks::tick_global_task_pools_on_main_thread();
         }
@@ -205,10 +202,4 @@ impl Studio {
         }
         Err("the renderer gave no picture; is a Vulkan driver installed (Debian: mesa-vulkan-drivers)?".into())
     }
-}
-
-/// Near and far planes that hold a façade at arm's length and the sky dome.
-#[must_use]
-pub fn lens() -> Projection {
-    Projection::Perspective(PerspectiveProjection { near: 0.1, far: 6_000.0, ..default() })
 }

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use bevy::asset::io::AssetSourceBuilder;
-use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
 
+use crate::camera::camera;
 use crate::profile::Profile;
-use crate::{Failure, cities, hud, profile, studio};
+use crate::{Failure, cities, hud, profile};
 
 /// Whether there is a display to open a window on.
 #[must_use]
@@ -70,7 +70,7 @@ pub fn walk(city: &str, chosen: Option<Profile>, tour: Option<&Path>) -> Result<
 }
 
 fn spawn_walker(mut commands: Commands) {
-    commands.spawn((Camera3d::default(), Tonemapping::AgX, studio::lens(), Walker, Eye { fade: 1.0, ..default() }));
+    commands.spawn((camera(), Walker, Eye { fade: 1.0, ..default() }));
 }
 
 /// The tour that T begins with.

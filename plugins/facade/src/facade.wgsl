@@ -45,10 +45,10 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let bump = relief.xyz * 2.0 - 1.0;
     pbr_input.N = normalize(tangent * bump.x + bitangent * bump.y + n * max(bump.z, 0.2));
 
-    // Contact shade where walls meet the ground.
-    let foot = smoothstep(-0.2, 1.6, in.world_position.y);
+    // Contact shade where walls meet the ground, and less sky the deeper a wall stands in its street.
+    let foot = mix(0.55, 1.0, smoothstep(-0.2, 1.6, in.world_position.y)) * mix(0.7, 1.0, smoothstep(0.0, 14.0, in.world_position.y));
     let wall = 1.0 - abs(n.y);
-    pbr_input.diffuse_occlusion *= vec3<f32>(mix(1.0, mix(0.55, 1.0, foot), wall));
+    pbr_input.diffuse_occlusion *= vec3<f32>(mix(1.0, foot, wall));
 
     // Lit windows at night: glass is what is dark and smooth on a wall.
     if facade.far_lit.w > 0.0 && level > 1 && tile.a < 0.2 && relief.a < 0.3 {

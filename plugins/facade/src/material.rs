@@ -77,7 +77,6 @@ pub struct FacadeExtension {
     normal: Handle<Image>,
 }
 
-
 impl MaterialExtension for FacadeExtension {
     fn fragment_shader() -> ShaderRef {
         "embedded://veduta_facade/facade.wgsl".into()
