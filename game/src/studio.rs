@@ -10,6 +10,7 @@ use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::render::renderer::RenderAdapterInfo;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::ExitCondition;
@@ -132,6 +133,13 @@ impl Studio {
     #[must_use]
     pub fn eye(&self) -> Eye {
         self.app.world().get::<Eye>(self.viewer).copied().unwrap_or_default()
+    }
+
+    /// Name of the renderer, and whether it is the processor.
+    #[must_use]
+    pub fn renderer(&self) -> (String, bool) {
+        let Some(adapter) = self.app.world().get_resource::<RenderAdapterInfo>() else { return ("none".to_owned(), true) };
+        (adapter.name.clone(), format!("{:?}", adapter.device_type) == "Cpu")
     }
 
     /// The world, for what a command sets beside the camera.
