@@ -9,7 +9,7 @@ use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 pub fn camera() -> impl Bundle {
     let section = ColorGradingSection { contrast: 1.1, ..default() };
     let grade = ColorGrading {
-        global: ColorGradingGlobal { exposure: -0.15, post_saturation: 1.14, ..default() },
+        global: ColorGradingGlobal { post_saturation: 1.14, ..default() },
         shadows: section.clone(),
         midtones: section.clone(),
         highlights: section,

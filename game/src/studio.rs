@@ -72,6 +72,7 @@ impl Studio {
             DefaultPlugins
                 .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
                 .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
+                .set(AssetPlugin { watch_for_changes_override: Some(false), ..default() })
                 .set(bevy::log::LogPlugin { filter: "warn,wgpu=error,naga=warn,bevy_render=error".into(), ..default() })
                 .disable::<WinitPlugin>()
                 .disable::<PipelinedRenderingPlugin>(),
