@@ -39,7 +39,11 @@ pub fn walk(city: &str, chosen: Option<Profile>, tour: Option<&Path>) -> Result<
                 primary_window: Some(Window { title: "Veduta".into(), resolution: (1280, 720).into(), ..default() }),
                 ..default()
             })
-            .set(AssetPlugin { watch_for_changes_override: Some(true), ..default() })
+            .set(AssetPlugin {
+                file_path: cities::project_root().join("assets").display().to_string(),
+                watch_for_changes_override: Some(true),
+                ..default()
+            })
             .set(bevy::log::LogPlugin { filter: "info,wgpu=error,naga=warn,bevy_render=warn,symphonia=warn".into(), ..default() }),
     );
     let start = chosen.unwrap_or(Profile::Low);
