@@ -60,6 +60,7 @@ pub fn walk(city: &str, chosen: Option<Profile>, tour: Option<&Path>) -> Result<
         GuidePlugin::default(),
         hud::HudPlugin,
     ))
+    .insert_resource(ClearColor(Color::BLACK))
     .insert_resource(OpenCity(city.to_owned()))
     .insert_resource(FirstTour { name: first.file_name().unwrap_or_default().to_string_lossy().into_owned(), now: tour.is_some() })
     .add_systems(Startup, spawn_walker)
