@@ -20,6 +20,23 @@ fn hash(p: vec2<f32>) -> f32 {
     return fract((q.x + r) * (q.y + r) * 57.31);
 }
 
+// Smooth noise, 0 to 1, by value at whole numbers.
+fn noise(p: vec2<f32>) -> f32 {
+    let i = floor(p);
+    let f = smoothstep(vec2<f32>(0.0), vec2<f32>(1.0), p - i);
+    let low = mix(hash(i), hash(i + vec2<f32>(1.0, 0.0)), f.x);
+    let high = mix(hash(i + vec2<f32>(0.0, 1.0)), hash(i + vec2<f32>(1.0, 1.0)), f.x);
+    return mix(low, high, f.y);
+}
+
+// Wear in metres, where tiles repeat in centimetres: walls mottled, ground trodden in paths and stained.
+fn wear(at: vec3<f32>, up: f32) -> f32 {
+    if abs(up) > 0.9 {
+        return 0.84 + 0.20 * noise(at.xz * 0.13) + 0.10 * noise(at.xz * 0.61 + 7.0);
+    }
+    return 0.93 + 0.13 * noise(vec2<f32>(at.x + at.z, at.y * 0.7) * 0.33);
+}
+
 @fragment
 fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
     let level = i32(facade.near_level.w);
@@ -32,7 +49,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let tile = textureSample(colour_tiles, tile_sampler, in.uv, layer);
     let relief = textureSample(normal_tiles, tile_sampler, in.uv, layer);
     // Where alpha is 1 the tile modulates the vertex colour about one half; where it is 0 it stands as it is.
-    let albedo = mix(tile.rgb, 2.0 * tile.rgb * in.color.rgb, tile.a);
+    let albedo = mix(tile.rgb, 2.0 * tile.rgb * in.color.rgb, tile.a) * wear(in.world_position.xyz, in.world_normal.y);
 
     var pbr_input = pbr_input_from_standard_material(in, is_front);
     pbr_input.material.base_color = vec4<f32>(albedo, 1.0);
