@@ -36,6 +36,7 @@ pub(crate) fn visible_sets(cells: &Cells, settings: &PartitionSettings, findings
 }
 
 /// A way through a portal.
+#[derive(Clone, Copy)]
 struct Crossing {
     left: GridPos,
     right: GridPos,
@@ -77,6 +78,15 @@ struct Reached {
     slopes: Option<Directions>,
 }
 
+/// Where a crossing lies in the frame of the first one.
+#[derive(Clone, Copy)]
+struct Ahead {
+    left: (f64, f64),
+    right: (f64, f64),
+    /// The directions of the lines that cross both; `None` if there are none.
+    slopes: Option<Directions>,
+}
+
 /// Lines were followed for more steps than the settings allow.
 struct TooMany;
 
@@ -88,6 +98,10 @@ struct Search<'a> {
     reached: Vec<Reached>,
     touched: Vec<u32>,
     is_seen: Vec<bool>,
+    /// For each crossing the round for which it was placed, and where it lies if it is in sight and ahead.
+    placed: Vec<(u32, Option<Ahead>)>,
+    /// Counts the first crossings.
+    round: u32,
 }
 
 impl<'a> Search<'a> {
@@ -100,6 +114,8 @@ impl<'a> Search<'a> {
             reached: web.crossings.iter().map(|_| Reached::default()).collect(),
             touched: Vec::new(),
             is_seen: vec![false; web.out.len()],
+            placed: vec![(0, None); web.crossings.len()],
+            round: 0,
         }
     }
 
@@ -111,6 +127,7 @@ impl<'a> Search<'a> {
         for &first in &self.web.out[cell as usize] {
             let start = &self.web.crossings[first as usize];
             let Some(frame) = Frame::new(start.left, start.right) else { continue };
+            self.round += 1;
             // What one crossing leaves open, all others of the cell may as well.
             is_coarse = is_coarse || self.follow(cell, first, &frame, &mut seen).is_err();
             if is_coarse {
@@ -138,10 +155,10 @@ impl<'a> Search<'a> {
                 return Err(TooMany);
             }
             for &next in &web.out[here as usize] {
-                let Some(ends) = self.onward(frame, next, from, source) else { continue };
+                let Some(Ahead { left, right, .. }) = self.onward(frame, next, from, source) else { continue };
                 steps += 1;
-                if let Some(lines) = lines.through(ends.0, ends.1)
-                    && let Some(lines) = self.add(next, lines, || Lines::all(frame).through(ends.0, ends.1))
+                if let Some(lines) = lines.through(left, right)
+                    && let Some(lines) = self.add(next, lines, || Lines::all(frame).through(left, right))
                 {
                     queue.push_back((next, here, lines));
                 }
@@ -163,8 +180,7 @@ impl<'a> Search<'a> {
                 continue;
             }
             for &next in &web.out[here as usize] {
-                let Some(ends) = self.onward(frame, next, from, source) else { continue };
-                let Some(all) = Directions::between(frame, ends.0, ends.1) else { continue };
+                let Some(all) = self.onward(frame, next, from, source).and_then(|ahead| ahead.slopes) else { continue };
                 let Some(slopes) = slopes.both(all) else { continue };
                 if let Some(slopes) = self.add_directions(next, slopes, all) {
                     queue.push_back((next, here, slopes));
@@ -180,16 +196,27 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The ends of a crossing, left and right, in the frame of the first, if it leads on and lies within sight.
-    fn onward(&self, frame: &Frame, crossing: u32, from: u32, source: u32) -> Option<((f64, f64), (f64, f64))> {
+    /// Where a crossing lies in the frame of the first, if it leads on and lies within sight.
+    fn onward(&mut self, frame: &Frame, crossing: u32, from: u32, source: u32) -> Option<Ahead> {
         let Crossing { left, right, into } = self.web.crossings[crossing as usize];
         if into == from || into == source {
             return None;
         }
+        let (round, placed) = self.placed[crossing as usize];
+        if round == self.round {
+            return placed;
+        }
+        let placed = self.place(frame, left, right);
+        self.placed[crossing as usize] = (self.round, placed);
+        placed
+    }
+
+    fn place(&self, frame: &Frame, left: GridPos, right: GridPos) -> Option<Ahead> {
         let (left, right) = (frame.local(left), frame.local(right));
         let middle = (0.5 * (left.0 + right.0), 0.5 * (left.1 + right.1 - frame.width_m()));
         let reach_m = self.sight_m + 0.5 * (frame.width_m() + libm::hypot(left.0 - right.0, left.1 - right.1));
-        (middle.0 * middle.0 + middle.1 * middle.1 <= reach_m * reach_m).then_some((left, right))
+        let is_in_sight = middle.0 * middle.0 + middle.1 * middle.1 <= reach_m * reach_m;
+        is_in_sight.then(|| Ahead { left, right, slopes: Directions::between(frame, left, right) })
     }
 
     fn forget(&mut self) {
