@@ -5,11 +5,11 @@ use std::collections::HashMap;
 use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::draw::Draw;
-use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, Id, LinkKind, RoofTags, Severity, Style};
+use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, LinkKind, RoofTags, Severity, Style};
 
 use super::band::quad;
 use super::extent::Extent;
-use super::ground::Index;
+use super::ground::{self, Index};
 use super::houses::{Body, Draft, Grown, StyleBook};
 use super::perimeter::{self, Site};
 use super::streets::{self, Layer, Rank};
@@ -45,6 +45,7 @@ pub(super) fn grow_lots(
     graph: &CityGraph,
     areas: &[Area<'_>],
     layers: &[Layer],
+    ground: &[GroundPatch],
     extent: &Extent,
     given: &[Draft],
     book: &StyleBook<'_>,
@@ -53,7 +54,7 @@ pub(super) fn grow_lots(
     let built: Vec<&Area<'_>> = areas.iter().filter(|a| a.block.kind == BlockKind::Built).collect();
     let streets = graph.links.iter().filter(|l| matches!(l.kind, LinkKind::Street(_))).count();
     let plots: Vec<Plot> = if built.is_empty() && given.len() * 2 < streets {
-        found_plots(layers, extent)
+        found_plots(ground, extent)
     } else {
         let whole = extent.polygon();
         let within = |p: &GridPolygon| boolean::intersection(&boolean::rings([p]), &boolean::rings([&whole]));
@@ -80,16 +81,13 @@ pub(super) fn grow_lots(
 }
 
 /// What streets enclose, where nobody drew blocks: the extent less everything laid, without what touches its edge.
-fn found_plots(layers: &[Layer], extent: &Extent) -> Vec<Plot> {
-    let whole = extent.polygon();
-    let taken = boolean::rings(layers.iter().flat_map(|l| &l.shapes));
-    let free = boolean::difference(&boolean::rings([&whole]), &taken);
+fn found_plots(ground: &[GroundPatch], extent: &Extent) -> Vec<Plot> {
     let inner = |p: &GridPolygon| {
         let on_edge = |v: &GridPos| v.0 == extent.lo.0 || v.0 == extent.hi.0 || v.1 == extent.lo.1 || v.1 == extent.hi.1;
         p.area_m2() <= LARGEST_SITE_M2 && !p.outer.iter().any(on_edge)
     };
     let plot = |p: GridPolygon| Plot { id: Id::from_place("block", p.centroid()), district: String::new(), outline: vec![p] };
-    free.into_iter().filter(inner).map(plot).collect()
+    ground::yards(ground).into_iter().filter(inner).map(plot).collect()
 }
 
 /// What blocks are not built over.
