@@ -22,6 +22,8 @@ pub(crate) fn report(findings: &[Finding], quiet: bool, all: bool) {
 struct Kind<'a> {
     message: String,
     findings: Vec<&'a Finding>,
+    /// How many things they tell of.
+    things: u64,
 }
 
 /// The findings grouped by severity and kind, the most frequent first, each with its first places.
@@ -30,17 +32,21 @@ fn summary(findings: &[Finding]) -> String {
     for (severity, word) in [(Severity::Dropped, "dropped"), (Severity::Repaired, "repaired"), (Severity::Note, "notes")] {
         let mut kinds: Vec<Kind<'_>> = Vec::new();
         for finding in findings.iter().filter(|f| f.severity == severity) {
-            let message = kind_of(&finding.message);
+            let (message, things) = things_of(&finding.message);
+            let message = kind_of(message);
             match kinds.iter_mut().find(|kind| kind.message == message) {
-                Some(kind) => kind.findings.push(finding),
-                None => kinds.push(Kind { message, findings: vec![finding] }),
+                Some(kind) => {
+                    kind.findings.push(finding);
+                    kind.things += things;
+                }
+                None => kinds.push(Kind { message, findings: vec![finding], things }),
             }
         }
         if kinds.is_empty() {
             continue;
         }
-        kinds.sort_by_key(|kind| core::cmp::Reverse(kind.findings.len()));
-        let count: usize = kinds.iter().map(|kind| kind.findings.len()).sum();
+        kinds.sort_by_key(|kind| core::cmp::Reverse(kind.things));
+        let count: u64 = kinds.iter().map(|kind| kind.things).sum();
         // Writing to a string does not fail.
         let _ = writeln!(text, "{word}: {count}");
         kinds.iter().for_each(|kind| tell(kind, &mut text));
@@ -50,15 +56,21 @@ fn summary(findings: &[Finding]) -> String {
 
 fn tell(kind: &Kind<'_>, text: &mut String) {
     let message = match kind.findings.as_slice() {
-        [one] => &one.message,
+        [one] => things_of(&one.message).0,
         _ => &kind.message,
     };
-    let _ = writeln!(text, "{:>7} × {message}", kind.findings.len());
+    let _ = writeln!(text, "{:>7} × {message}", kind.things);
     let places: Vec<String> = kind.findings.iter().filter_map(|finding| place(finding)).take(PLACES).collect();
     if !places.is_empty() {
-        let more = if kind.findings.len() > places.len() { ", …" } else { "" };
+        let more = if kind.things > places.len() as u64 { ", …" } else { "" };
         let _ = writeln!(text, "          {}{more}", places.join(", "));
     }
+}
+
+/// A message and how many things it tells of: a stage may tell of many alike in one finding, “… (first of 12)”.
+fn things_of(message: &str) -> (&str, u64) {
+    let told = message.strip_suffix(')').and_then(|m| m.rsplit_once(" (first of "));
+    told.and_then(|(message, n)| Some((message, n.parse().ok()?))).unwrap_or((message, 1))
 }
 
 /// Which thing, and where; `None` if neither is known.
@@ -120,7 +132,7 @@ mod tests {
         let mut findings = vec![
             finding(Severity::Note, 1.0, "a width of \"-2\" is not believed"),
             finding(Severity::Dropped, 2.0, "a tower leans"),
-            finding(Severity::Note, 3.0, "a width of \"0.3\" is not believed"),
+            finding(Severity::Note, 3.0, "a width of \"0.3\" is not believed (first of 7)"),
         ];
         findings
             .extend((0..5).map(|i| finding(Severity::Dropped, f64::from(i), &format!("{i}.5 of {} vertices are missing", 9 + i))));
@@ -131,9 +143,9 @@ mod tests {
           at (0, 1), at (1, 1), at (2, 1), …
       1 × a tower leans
           at (2, 1)
-notes: 2
-      2 × a width of \"…\" is not believed
-          at (1, 1), at (3, 1)
+notes: 8
+      8 × a width of \"…\" is not believed
+          at (1, 1), at (3, 1), …
 "
         );
     }
