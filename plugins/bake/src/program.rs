@@ -1,5 +1,6 @@
 mod check;
 mod inspect;
+mod report;
 mod serve;
 
 use std::path::{Path, PathBuf};
@@ -9,7 +10,9 @@ use std::time::Instant;
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use veduta_bake::{BakeSettings, Input, Planned, Stage, bake, map_svg, plan, survey};
-use veduta_city::{Finding, Severity, file};
+use veduta_city::file;
+
+use report::report;
 
 /// What every command may fail with: a message that names the file and the fix.
 pub(crate) type Failure = Box<dyn std::error::Error>;
@@ -166,17 +169,19 @@ fn bake_city(input: &Path, output: Option<PathBuf>, seed: Option<u64>, quiet: bo
     bar.finish_and_clear();
     let baked = baked?;
     let total_s = began.elapsed().as_secs_f64();
+    let ends = spans.iter().skip(1).map(|s| s.1).chain([total_s]);
+    let seconds: Vec<(Stage, f64)> = spans.iter().zip(ends).map(|(&(stage, from), to)| (stage, to - from)).collect();
     if json {
-        let ends = spans.iter().skip(1).map(|s| s.1).chain([total_s]);
         let seconds: serde_json::Map<String, serde_json::Value> =
-            spans.iter().zip(ends).map(|((stage, from), to)| (format!("{stage:?}").to_lowercase(), (to - from).into())).collect();
+            seconds.into_iter().map(|(stage, s)| (format!("{stage:?}").to_lowercase(), s.into())).collect();
         let line = serde_json::json!({
             "city": output, "stats": baked.stats, "findings": baked.findings.len(), "seconds": seconds, "total_s": total_s,
         });
         println!("{line}");
     } else {
         report(&baked.findings, quiet, all);
-        println!("{}: {}; {total_s:.1} s", output.display(), baked.stats);
+        let stages: Vec<String> = seconds.iter().map(|(stage, s)| format!("{stage} {s:.1}")).collect();
+        println!("{}: {}; {total_s:.1} s ({})", output.display(), baked.stats, stages.join(", "));
     }
     Ok(())
 }
@@ -186,36 +191,4 @@ fn city_beside(input: &Path) -> PathBuf {
     let overrides = veduta_bake::overrides_beside(input);
     let name = overrides.file_name().unwrap_or_default().to_string_lossy().replace(".graph.overrides.ron", ".city");
     input.with_file_name(name)
-}
-
-/// Tells what was dropped or repaired: everything, or a count and the first of each kind of message.
-fn report(findings: &[Finding], quiet: bool, all: bool) {
-    if quiet || findings.is_empty() {
-        return;
-    }
-    let mut told: Vec<(String, usize)> = Vec::new();
-    for finding in findings {
-        if all {
-            eprintln!("{finding}");
-            continue;
-        }
-        let kind: String = finding.message.chars().filter(|c| !c.is_ascii_digit()).take(48).collect();
-        match told.iter_mut().find(|(k, _)| *k == kind) {
-            Some((_, n)) => *n += 1,
-            None => {
-                told.push((kind, 1));
-                if told.len() <= 12 {
-                    eprintln!("{finding}");
-                }
-            }
-        }
-    }
-    let count = |severity| findings.iter().filter(|f| f.severity == severity).count();
-    eprintln!(
-        "{} dropped, {} repaired, {} notes{}",
-        count(Severity::Dropped),
-        count(Severity::Repaired),
-        count(Severity::Note),
-        if all { "" } else { " (all of them: bake --findings)" }
-    );
 }

@@ -1,7 +1,7 @@
 //! What belongs to each cell: walls, roofs, objects, heights of the ground.
 
 use rayon::prelude::*;
-use veduta_city::{Cells, CityPlan, Finding, GridPos, House, Severity, Volume, WallKind};
+use veduta_city::{Cells, CityPlan, Finding, GridPolygon, GridPos, House, Severity, Volume, WallKind};
 
 use crate::free::beside;
 use crate::locate::Locator;
@@ -32,6 +32,25 @@ pub(crate) fn assign(plan: &CityPlan, cells: &mut Cells, findings: &mut Vec<Find
     for (o, cell) in (0..).zip(objects) {
         if let Some(cell) = cell {
             cells.cells[cell as usize].objects.push(o);
+        }
+    }
+}
+
+/// Pieces of free space smaller than this are leavings of the grid, square metres.
+const LEAVINGS_M2: f64 = 0.01;
+
+/// Gives every space outside of the cells to the cell nearest to it.
+pub(crate) fn yards(spaces: Vec<GridPolygon>, cells: &mut Cells) {
+    let locator = Locator::new(&cells.cells);
+    let nearest = |space: &GridPolygon| {
+        let near = space.outer.iter().filter_map(|&p| locator.nearest(p));
+        near.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))).map(|(cell, _)| cell)
+    };
+    let spaces: Vec<GridPolygon> = spaces.into_iter().filter(|space| space.area_m2() > LEAVINGS_M2).collect();
+    let homes: Vec<Option<u32>> = spaces.par_iter().map(nearest).collect();
+    for (space, home) in spaces.into_iter().zip(homes) {
+        if let Some(cell) = home {
+            cells.cells[cell as usize].yards.push(space);
         }
     }
 }

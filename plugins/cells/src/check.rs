@@ -3,7 +3,7 @@ use std::collections::HashSet;
 use veduta_city::{Cell, Cells, CityPlan, GridPolygon, GridPos, Id, PortalSide};
 
 use crate::free::free_space;
-use crate::overlay::{OverlayRule, combine, edges, ring_area_2, total_m2, turned_rings};
+use crate::overlay::{Keep, combine, edges, ring_area_2, total_m2, turned_rings};
 use crate::partition::PartitionSettings;
 use crate::patches::Patches;
 
@@ -133,7 +133,7 @@ fn check_outlines(cells: &Cells, errors: &mut Vec<CellsError>) {
     }
     let sum: f64 = cells.cells.iter().map(|cell| cell.outline.area_m2()).sum();
     let rings = cells.cells.iter().flat_map(|cell| turned_rings(&cell.outline));
-    let overlap_m2 = sum - total_m2(&combine(OverlayRule::Subject, rings, [], false));
+    let overlap_m2 = sum - total_m2(&combine(Keep::First, rings, [], false));
     if overlap_m2 > 1e-6 * sum {
         errors.push(CellsError::Overlap { m2: overlap_m2 });
     }
@@ -146,7 +146,7 @@ const SLIVER_M: f64 = 0.005;
 fn check_free(plan: &CityPlan, cells: &Cells, errors: &mut Vec<CellsError>) {
     let free = free_space(plan, &Patches::new(&plan.ground), &PartitionSettings::default(), &mut Vec::new());
     let rings = cells.cells.iter().flat_map(|cell| turned_rings(&cell.outline));
-    let mut beyond = combine(OverlayRule::Difference, rings, free.iter().flat_map(turned_rings), false);
+    let mut beyond = combine(Keep::FirstAlone, rings, free.iter().flat_map(turned_rings), false);
     beyond.retain(|piece| {
         let perimeter_m: f64 =
             piece.rings().flat_map(|ring| edges(ring)).map(|(a, b)| (b.to_metres() - a.to_metres()).length()).sum();

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use veduta_city::{CityPlan, Finding, GRID_PER_METRE, GridPolygon, GridPos, GridRing, House, Id, Severity, Volume};
 
-use crate::overlay::{Bounds, OverlayRule, combine, edges, ring_area_2, turned_rings};
+use crate::overlay::{Bounds, Keep, combine, edges, ring_area_2, turned_rings};
 use crate::partition::PartitionSettings;
 use crate::patches::Patches;
 
@@ -38,7 +38,7 @@ pub(crate) fn free_space(
             }
         }
     }
-    combine(OverlayRule::Difference, turned_rings(&plan.extent), obstacles, true)
+    combine(Keep::FirstAlone, turned_rings(&plan.extent), obstacles, true)
 }
 
 fn usable_bounds(extent: &GridPolygon) -> Option<Bounds> {

@@ -2,9 +2,9 @@
 
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
-pub(crate) use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
-use veduta_city::{GridPolygon, GridPos, GridRing, connected_faces};
+use i_overlay::vector::edge::{CLIP_LEFT, CLIP_RIGHT, SUBJ_LEFT, SUBJ_RIGHT, VectorEdge};
+use veduta_city::{BorderEdge, GridPolygon, GridPos, GridRing, connected_faces};
 
 /// Least and greatest corner.
 pub(crate) type Bounds = (GridPos, GridPos);
@@ -40,25 +40,54 @@ pub(crate) fn turned_rings(polygon: &GridPolygon) -> impl Iterator<Item = GridRi
     })
 }
 
-/// Combines two sets of rings, each filled where it winds around. Results are valid polygons: outer rings counter-clockwise, holes
-/// clockwise, interiors connected. `keep_collinear` keeps vertices in the middle of straight lines.
+/// What of two sets of rings, each filled where it winds around, is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Keep {
+    /// What the first covers.
+    First,
+    /// What both cover.
+    Both,
+    /// What the first covers and the second does not.
+    FirstAlone,
+}
+
+impl Keep {
+    const fn holds(self, first: bool, second: bool) -> bool {
+        match self {
+            Self::First => first,
+            Self::Both => first && second,
+            Self::FirstAlone => first && !second,
+        }
+    }
+
+    /// An edge between what is kept and what is not, with the former on its left.
+    fn border(self, edge: &VectorEdge) -> Option<BorderEdge> {
+        let has = |bit: u8| edge.fill & bit != 0;
+        let left = self.holds(has(SUBJ_LEFT), has(CLIP_LEFT));
+        let right = self.holds(has(SUBJ_RIGHT), has(CLIP_RIGHT));
+        let (a, b) = (GridPos(edge.a.x, edge.a.y), GridPos(edge.b.x, edge.b.y));
+        (left != right).then_some(if left { (a, b) } else { (b, a) })
+    }
+}
+
+/// Combines two sets of rings. Results are valid polygons: outer rings counter-clockwise, holes clockwise, interiors connected.
+/// `keep_collinear` keeps vertices in the middle of straight lines.
 pub(crate) fn combine(
-    rule: OverlayRule,
-    subject: impl IntoIterator<Item = GridRing>,
-    clip: impl IntoIterator<Item = GridRing>,
+    keep: Keep,
+    first: impl IntoIterator<Item = GridRing>,
+    second: impl IntoIterator<Item = GridRing>,
     keep_collinear: bool,
 ) -> Vec<GridPolygon> {
-    // The engine's own way to connected interiors (`ogc`) may go in circles for ever where many rings touch.
+    // Only the engine's arrangement of edges is used: its ways of tracing shapes may go in circles for ever where many rings touch.
     let mut overlay = Overlay::new_custom(64, IntOverlayOptions::keep_all_points(), Default::default());
-    for ring in subject {
+    for ring in first {
         overlay.add_path_iter(ring.into_iter().map(to_int), ShapeType::Subject);
     }
-    for ring in clip {
+    for ring in second {
         overlay.add_path_iter(ring.into_iter().map(to_int), ShapeType::Clip);
     }
-    let shapes = overlay.overlay(rule, FillRule::NonZero);
-    let ring = |ring: Vec<IntPoint>| ring.into_iter().map(|p| GridPos(p.x, p.y)).collect::<GridRing>();
-    shapes.into_iter().flat_map(|shape| connected_faces(&shape.into_iter().map(ring).collect::<Vec<_>>(), keep_collinear)).collect()
+    let edges = overlay.build_separate_vectors(FillRule::NonZero);
+    connected_faces(edges.iter().filter_map(|edge| keep.border(edge)).collect(), keep_collinear)
 }
 
 fn to_int(p: GridPos) -> IntPoint {
@@ -75,7 +104,7 @@ pub(crate) fn clip_patch(patch: &GridPolygon, window: &GridPolygon, bounds: Boun
         [ring] if ring_area_2(ring) > 0 && is_box(ring, bounds) => return vec![window.clone()],
         _ => {}
     }
-    combine(OverlayRule::Intersect, rings, turned_rings(window), false)
+    combine(Keep::Both, rings, turned_rings(window), false)
 }
 
 /// A ring with the parts outside a box pulled onto its sides: inside the box nothing changes, not even by rounding, and how
@@ -148,7 +177,7 @@ mod tests {
     fn a_hole_that_touches_the_outer_ring_still_runs_clockwise() {
         let square = rect(0, 0, 120, 120);
         let houses = [rect(35, 61, 14, 5), rect(49, 66, 3, 11), rect(16, 97, 35, 23), rect(15, 67, 34, 30)];
-        let free = combine(OverlayRule::Difference, turned_rings(&square), houses.iter().flat_map(turned_rings), true);
+        let free = combine(Keep::FirstAlone, turned_rings(&square), houses.iter().flat_map(turned_rings), true);
         let area: i64 = free.iter().flat_map(GridPolygon::rings).map(|ring| ring_area_2(ring)).sum();
         assert_eq!(area / 2, 120 * 120 - 14 * 5 - 3 * 11 - 35 * 23 - 34 * 30);
     }

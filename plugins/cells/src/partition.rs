@@ -70,7 +70,7 @@ pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     let patches = Patches::new(&plan.ground);
     let shapes = free::free_space(plan, &patches, settings, &mut findings);
     let mesh = triangulate::triangulate(&shapes, settings, &mut findings);
-    let mesh = reach::reachable(&mesh, plan, &patches, settings, &mut findings);
+    let (mesh, rest) = reach::reachable(&mesh, plan, &patches, settings, &mut findings);
     let label = merge::merge(&mesh, &patches, settings);
     let (outlines, portals) = outline::outlines(&mesh, &label, &plan.extent);
     let mut cells = Cells { portals, ..Cells::default() };
@@ -83,6 +83,7 @@ pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     give_ids(&mut cells);
     name::name_cells(plan, &mut cells);
     assign::assign(plan, &mut cells, &mut findings);
+    assign::yards(reach::spaces(&rest, &plan.extent), &mut cells);
     assign::floors(&patches, &mut cells);
     cells.visible = visible::visible_sets(&cells, settings, &mut findings);
     cells.skyline = skyline::skyline(plan, &cells);

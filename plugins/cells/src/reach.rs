@@ -14,7 +14,7 @@ use crate::triangulate::Triangle;
 /// Pieces up to this size beside reachable space belong to it however narrow their mouth: niches of façades. Square metres.
 const NICHE_M2: f64 = 4.0;
 
-/// The triangles that can be reached. Slits too narrow to walk through join nothing, but stay where they begin at
+/// The triangles that can be reached, and the others. Slits too narrow to walk through join nothing, but stay where they begin at
 /// reachable space, since one looks through them. Falls back to the largest piece where there is no public ground.
 pub(crate) fn reachable(
     triangles: &[Triangle],
@@ -22,7 +22,7 @@ pub(crate) fn reachable(
     patches: &Patches<'_>,
     settings: &PartitionSettings,
     findings: &mut Vec<Finding>,
-) -> Vec<Triangle> {
+) -> (Vec<Triangle>, Vec<Triangle>) {
     let is_slit: Vec<bool> = triangles.iter().map(|t| is_slit(t, settings.min_passage_m)).collect();
     let piece = pieces(triangles, &is_slit, settings.min_passage_m);
     let (outlines, _) = outlines(triangles, &piece, &plan.extent);
@@ -44,9 +44,10 @@ pub(crate) fn reachable(
         .map(|t| piece[t])
         .collect();
     for piece in beside {
-        is_kept[piece as usize] |= slits[piece as usize] || outlines[piece as usize].area_m2() < NICHE_M2;
+        let kept = &mut is_kept[piece as usize];
+        *kept = *kept || slits[piece as usize] || outlines[piece as usize].area_m2() < NICHE_M2;
     }
-    only(triangles, |t| is_kept[piece[t] as usize])
+    (only(triangles, |t| is_kept[piece[t] as usize]), only(triangles, |t| !is_kept[piece[t] as usize]))
 }
 
 fn keep_largest(outlines: &[GridPolygon], is_kept: &mut [bool], least_m2: f64, findings: &mut Vec<Finding>) {
@@ -59,6 +60,12 @@ fn keep_largest(outlines: &[GridPolygon], is_kept: &mut [bool], least_m2: f64, f
         );
         findings.push(Finding::new(Severity::Repaired, Id::NONE, Some(outline.centroid()), message));
     }
+}
+
+/// Outlines of the spaces that triangles fill together.
+pub(crate) fn spaces(triangles: &[Triangle], extent: &GridPolygon) -> Vec<GridPolygon> {
+    let is_slit = vec![true; triangles.len()];
+    outlines(triangles, &pieces(triangles, &is_slit, 0.0), extent).0
 }
 
 /// Whether a triangle leads through between a wall and a corner that are closer than a passage is wide.

@@ -4,24 +4,16 @@ use veduta_city::{
     VolumeShell,
 };
 
-use crate::free::free_space;
-use crate::locate::Locator;
-use crate::overlay::{OverlayRule, combine, turned_rings};
-use crate::partition::PartitionSettings;
 use crate::patches::Patches;
 
-/// Pieces of free space smaller than this are leavings of the grid, square metres.
-const LEAVINGS_M2: f64 = 0.01;
-
-/// Content of every cell's level-1 packet: ground, houses, objects and blind portals, relative to the packet's origin. Free space
-/// that is in no cell (enclosed courtyards) comes with the nearest one, so that nothing is missing from above; ground under houses is left out.
+/// Content of every cell's level-1 packet: ground (of its yards, too), houses, objects and blind portals, relative to the packet's
+/// origin. Ground under houses is left out.
 #[must_use]
 pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
     let patches = Patches::new(&plan.ground);
-    let yards = yards(plan, cells, &patches);
-    let shell = |(cell, yards): (&Cell, &Vec<GridPolygon>)| {
+    let shell = |cell: &Cell| {
         let origin = origin(cell);
-        let windows = core::iter::once(&cell.outline).chain(yards);
+        let windows = core::iter::once(&cell.outline).chain(&cell.yards);
         let ground = windows.flat_map(|window| patches.clipped(window)).map(|(patch, piece)| GroundPatch {
             surface: patch.surface,
             outline: moved(&piece, origin),
@@ -36,7 +28,7 @@ pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
             blind: blind(cells, cell, origin),
         }
     };
-    cells.cells.par_iter().zip(&yards).map(shell).collect()
+    cells.cells.par_iter().map(shell).collect()
 }
 
 /// The middle of a cell's bounds, to whole metres.
@@ -58,22 +50,6 @@ fn local(p: GridPos, origin: GridPos) -> GridPos {
 fn moved(polygon: &GridPolygon, origin: GridPos) -> GridPolygon {
     let ring = |ring: &GridRing| ring.iter().map(|&p| local(p, origin)).collect();
     GridPolygon { outer: ring(&polygon.outer), holes: polygon.holes.iter().map(ring).collect() }
-}
-
-/// Free space outside of all cells, by the cell nearest to it.
-fn yards(plan: &CityPlan, cells: &Cells, patches: &Patches<'_>) -> Vec<Vec<GridPolygon>> {
-    let free = free_space(plan, patches, &PartitionSettings::default(), &mut Vec::new());
-    let inside = cells.cells.iter().flat_map(|cell| turned_rings(&cell.outline));
-    let outside = combine(OverlayRule::Difference, free.iter().flat_map(turned_rings), inside, false);
-    let locator = Locator::new(&cells.cells);
-    let mut yards = vec![Vec::new(); cells.cells.len()];
-    for yard in outside.into_iter().filter(|yard| yard.area_m2() > LEAVINGS_M2) {
-        let nearest = yard.outer.iter().filter_map(|&p| locator.nearest(p));
-        if let Some((cell, _)) = nearest.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))) {
-            yards[cell as usize].push(yard);
-        }
-    }
-    yards
 }
 
 /// Houses with a wall or the roof here, ascending, each with its volumes that have something here.

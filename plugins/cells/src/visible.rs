@@ -36,35 +36,42 @@ pub(crate) fn visible_sets(cells: &Cells, settings: &PartitionSettings, findings
 }
 
 /// A way through a portal.
+#[derive(Clone, Copy)]
 struct Crossing {
     left: GridPos,
     right: GridPos,
     into: u32,
 }
 
-/// The crossings out of each cell.
+/// All crossings, those out of one cell side by side, since that is how they are looked at.
 struct Web {
     crossings: Vec<Crossing>,
-    out: Vec<Vec<u32>>,
+    /// The first crossing out of each cell, and the end.
+    first: Vec<u32>,
 }
 
 impl Web {
     fn new(cells: &Cells) -> Self {
-        let mut web = Self { crossings: Vec::new(), out: vec![Vec::new(); cells.cells.len()] };
+        let mut ways: Vec<(u32, Crossing)> = Vec::with_capacity(2 * cells.portals.len());
         for portal in &cells.portals {
             // Who leaves the cell on the portal's left has its second end on the left hand.
             let (a, b) = portal.ends;
             if let PortalSide::Cell(right) = portal.beyond {
-                web.add(portal.cell, Crossing { left: b, right: a, into: right });
-                web.add(right, Crossing { left: a, right: b, into: portal.cell });
+                ways.push((portal.cell, Crossing { left: b, right: a, into: right }));
+                ways.push((right, Crossing { left: a, right: b, into: portal.cell }));
             }
         }
-        web
+        ways.sort_by_key(|(from, _)| *from);
+        let first = |cell: u32| ways.partition_point(|(from, _)| *from < cell) as u32;
+        Self {
+            first: (0..=cells.cells.len() as u32).map(first).collect(),
+            crossings: ways.into_iter().map(|(_, way)| way).collect(),
+        }
     }
 
-    fn add(&mut self, from: u32, crossing: Crossing) {
-        self.out[from as usize].push(self.crossings.len() as u32);
-        self.crossings.push(crossing);
+    /// The crossings out of a cell.
+    fn out(&self, cell: u32) -> core::ops::Range<u32> {
+        self.first[cell as usize]..self.first[cell as usize + 1]
     }
 }
 
@@ -73,8 +80,23 @@ impl Web {
 struct Reached {
     sets: Vec<Lines>,
     merges: u8,
-    /// In the coarse search: the lines' directions.
-    slopes: Option<Directions>,
+}
+
+/// The directions known to reach one crossing, in one round.
+#[derive(Clone, Copy, Default)]
+struct Coarse {
+    round: u32,
+    growths: u8,
+    /// Those of all lines that cross both the first crossing and this one; `None` if there are none, or it is out of sight.
+    all: Option<Directions>,
+    known: Option<Directions>,
+}
+
+/// Where a crossing lies in the frame of the first one.
+#[derive(Clone, Copy)]
+struct Ahead {
+    left: (f64, f64),
+    right: (f64, f64),
 }
 
 /// Lines were followed for more steps than the settings allow.
@@ -88,6 +110,11 @@ struct Search<'a> {
     reached: Vec<Reached>,
     touched: Vec<u32>,
     is_seen: Vec<bool>,
+    /// For each crossing the round for which it was placed, and where it lies if it is in sight and ahead.
+    placed: Vec<(u32, Option<Ahead>)>,
+    coarse: Vec<Coarse>,
+    /// Counts the first crossings.
+    round: u32,
 }
 
 impl<'a> Search<'a> {
@@ -99,7 +126,10 @@ impl<'a> Search<'a> {
             sight_m: settings.sight_m,
             reached: web.crossings.iter().map(|_| Reached::default()).collect(),
             touched: Vec::new(),
-            is_seen: vec![false; web.out.len()],
+            is_seen: vec![false; web.first.len()],
+            coarse: vec![Coarse::default(); web.crossings.len()],
+            placed: vec![(0, None); web.crossings.len()],
+            round: 0,
         }
     }
 
@@ -108,9 +138,10 @@ impl<'a> Search<'a> {
         let mut seen = vec![cell];
         let mut is_coarse = false;
         self.is_seen[cell as usize] = true;
-        for &first in &self.web.out[cell as usize] {
+        for first in self.web.out(cell) {
             let start = &self.web.crossings[first as usize];
             let Some(frame) = Frame::new(start.left, start.right) else { continue };
+            self.round += 1;
             // What one crossing leaves open, all others of the cell may as well.
             is_coarse = is_coarse || self.follow(cell, first, &frame, &mut seen).is_err();
             if is_coarse {
@@ -137,11 +168,11 @@ impl<'a> Search<'a> {
                 self.forget();
                 return Err(TooMany);
             }
-            for &next in &web.out[here as usize] {
-                let Some(ends) = self.onward(frame, next, from, source) else { continue };
+            for next in web.out(here) {
+                let Some(Ahead { left, right, .. }) = self.onward(frame, next, from, source) else { continue };
                 steps += 1;
-                if let Some(lines) = lines.through(ends.0, ends.1)
-                    && let Some(lines) = self.add(next, lines, || Lines::all(frame).through(ends.0, ends.1))
+                if let Some(lines) = lines.through(left, right)
+                    && let Some(lines) = self.add(next, lines, || Lines::all(frame).through(left, right))
                 {
                     queue.push_back((next, here, lines));
                 }
@@ -159,19 +190,20 @@ impl<'a> Search<'a> {
             let here = web.crossings[crossing as usize].into;
             self.see(here, seen);
             // What has grown since is followed from its own place in the queue.
-            if self.reached[crossing as usize].slopes.is_some_and(|now| now != slopes) {
+            let state = self.coarse[crossing as usize];
+            if crossing != first && state.round == self.round && state.known.is_some_and(|now| now != slopes) {
                 continue;
             }
-            for &next in &web.out[here as usize] {
-                let Some(ends) = self.onward(frame, next, from, source) else { continue };
-                let Some(all) = Directions::between(frame, ends.0, ends.1) else { continue };
-                let Some(slopes) = slopes.both(all) else { continue };
-                if let Some(slopes) = self.add_directions(next, slopes, all) {
+            for next in web.out(here) {
+                let into = web.crossings[next as usize].into;
+                if into == from || into == source {
+                    continue;
+                }
+                if let Some(slopes) = self.add_directions(next, slopes, frame) {
                     queue.push_back((next, here, slopes));
                 }
             }
         }
-        self.forget();
     }
 
     fn see(&mut self, cell: u32, seen: &mut Vec<u32>) {
@@ -180,16 +212,27 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The ends of a crossing, left and right, in the frame of the first, if it leads on and lies within sight.
-    fn onward(&self, frame: &Frame, crossing: u32, from: u32, source: u32) -> Option<((f64, f64), (f64, f64))> {
+    /// Where a crossing lies in the frame of the first, if it leads on and lies within sight.
+    fn onward(&mut self, frame: &Frame, crossing: u32, from: u32, source: u32) -> Option<Ahead> {
         let Crossing { left, right, into } = self.web.crossings[crossing as usize];
         if into == from || into == source {
             return None;
         }
+        let (round, placed) = self.placed[crossing as usize];
+        if round == self.round {
+            return placed;
+        }
+        let placed = self.place(frame, left, right);
+        self.placed[crossing as usize] = (self.round, placed);
+        placed
+    }
+
+    fn place(&self, frame: &Frame, left: GridPos, right: GridPos) -> Option<Ahead> {
         let (left, right) = (frame.local(left), frame.local(right));
         let middle = (0.5 * (left.0 + right.0), 0.5 * (left.1 + right.1 - frame.width_m()));
         let reach_m = self.sight_m + 0.5 * (frame.width_m() + libm::hypot(left.0 - right.0, left.1 - right.1));
-        (middle.0 * middle.0 + middle.1 * middle.1 <= reach_m * reach_m).then_some((left, right))
+        let is_in_sight = middle.0 * middle.0 + middle.1 * middle.1 <= reach_m * reach_m;
+        is_in_sight.then_some(Ahead { left, right })
     }
 
     fn forget(&mut self) {
@@ -198,22 +241,26 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Notes directions that reach a crossing, which lines of `all` could; returns those to follow from there, if any are new.
-    fn add_directions(&mut self, crossing: u32, slopes: Directions, all: Directions) -> Option<Directions> {
-        let reached = &mut self.reached[crossing as usize];
-        let slopes = match reached.slopes {
+    /// Notes directions that reach a crossing; returns those to follow from there, if any are new.
+    fn add_directions(&mut self, crossing: u32, slopes: Directions, frame: &Frame) -> Option<Directions> {
+        if self.coarse[crossing as usize].round != self.round {
+            let Crossing { left, right, .. } = self.web.crossings[crossing as usize];
+            let all = self.place(frame, left, right).and_then(|ahead| Directions::between(frame, ahead.left, ahead.right));
+            self.coarse[crossing as usize] = Coarse { round: self.round, growths: 0, all, known: None };
+        }
+        let state = &mut self.coarse[crossing as usize];
+        let all = state.all?;
+        let slopes = slopes.both(all)?;
+        let slopes = match state.known {
             Some(known) if known.contains(slopes) => return None,
-            Some(_) if reached.merges >= MOST_GROWTHS => all,
+            Some(_) if state.growths >= MOST_GROWTHS => all,
             Some(known) => {
-                reached.merges += 1;
+                state.growths += 1;
                 known.hull(slopes)
             }
-            None => {
-                self.touched.push(crossing);
-                slopes
-            }
+            None => slopes,
         };
-        reached.slopes = Some(slopes);
+        state.known = Some(slopes);
         Some(slopes)
     }
 

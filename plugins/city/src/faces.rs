@@ -1,18 +1,27 @@
 use std::collections::HashMap;
 
+use crate::holes::adopt_all;
 use crate::{GridPolygon, GridPos, GridRing};
 
-/// Polygons with connected interiors (as OGC's simple features ask) from the borders of an area: rings with the inside on their
-/// left, which may touch themselves and each other at vertices, but not cross. Outer rings run counter-clockwise, holes
-/// clockwise; holes may touch their outer ring at single vertices. Rings without area are left out.
+/// A directed piece of an area's border: the area lies on its left.
+pub type BorderEdge = (GridPos, GridPos);
+
+/// Polygons with connected interiors (as OGC's simple features ask) from the borders of an area: directed edges with the inside on
+/// their left, which may meet at vertices, but not cross. Outer rings run counter-clockwise, holes clockwise; holes may touch their
+/// outer ring at single vertices. Rings without area are left out.
 ///
-/// Touching is known by vertices alone: where a ring touches another in the middle of an edge, that edge needs a vertex there.
-/// A hole outside all outer rings is left out, too. Vertices in the middle of straight lines go, unless they are to be kept.
+/// Touching is known by vertices alone: where a border touches another in the middle of an edge, that edge needs a vertex there.
+/// A hole outside all outer rings is left out, too. Where borders have gaps, each loose end is joined to the nearest loose
+/// beginning. Vertices in the middle of straight lines go, unless they are to be kept.
+///
+/// The work grows a little faster than the number of edges; it ends for any edges.
 #[must_use]
-pub fn connected_faces(rings: &[GridRing], keep_collinear: bool) -> Vec<GridPolygon> {
+pub fn connected_faces(mut edges: Vec<BorderEdge>, keep_collinear: bool) -> Vec<GridPolygon> {
+    edges.retain(|(a, b)| a != b);
+    close_gaps(&mut edges);
     let mut faces: Vec<GridPolygon> = Vec::new();
     let mut lone: Vec<GridRing> = Vec::new();
-    for walk in walks(rings) {
+    for walk in walks(&edges) {
         let mut rings = simple_rings(walk);
         if !keep_collinear {
             rings.iter_mut().for_each(straighten);
@@ -29,13 +38,11 @@ pub fn connected_faces(rings: &[GridRing], keep_collinear: bool) -> Vec<GridPoly
             }
         }
     }
-    for hole in lone {
-        adopt(&mut faces, hole);
-    }
+    adopt_all(&mut faces, lone);
     faces
 }
 
-/// Gives a hole to the smallest face around it.
+/// Gives a hole to the smallest of a few faces around it.
 fn adopt(faces: &mut [GridPolygon], hole: GridRing) {
     let around = |face: &GridPolygon| {
         let outer = &face.outer;
@@ -48,18 +55,35 @@ fn adopt(faces: &mut [GridPolygon], hole: GridRing) {
     }
 }
 
+/// Adds an edge from each loose end to the nearest loose beginning: engines that round crossings to the grid may judge a
+/// sliver's edge wrongly.
+fn close_gaps(edges: &mut Vec<BorderEdge>) {
+    let mut ends: Vec<(GridPos, i32)> = edges.iter().flat_map(|&(a, b)| [(a, 1), (b, -1)]).collect();
+    ends.sort_unstable_by_key(|end| end.0);
+    let mut beginnings = Vec::new();
+    let mut loose = Vec::new();
+    for same in ends.chunk_by(|a, b| a.0 == b.0) {
+        let surplus: i32 = same.iter().map(|end| end.1).sum();
+        let list = if surplus > 0 { &mut beginnings } else { &mut loose };
+        list.extend(core::iter::repeat_n(same[0].0, surplus.unsigned_abs() as usize));
+    }
+    for end in loose {
+        let nearest = (0..beginnings.len()).min_by_key(|&i| (dot(end, beginnings[i], beginnings[i]), beginnings[i]));
+        if let Some(i) = nearest {
+            edges.push((end, beginnings.swap_remove(i)));
+        }
+    }
+}
+
 /// Closed walks along all edges that keep the inside on their left and turn as sharply as it allows at each vertex, so that a walk
 /// never leads from one side of a touching to the other.
-fn walks(rings: &[GridRing]) -> Vec<GridRing> {
-    let edges: Vec<(GridPos, GridPos)> = rings
-        .iter()
-        .flat_map(|ring| ring.iter().copied().zip(ring.iter().copied().cycle().skip(1)).take(ring.len()))
-        .filter(|(a, b)| a != b)
-        .collect();
-    let mut leaving: HashMap<GridPos, Vec<usize>> = HashMap::new();
-    for (i, (a, _)) in edges.iter().enumerate() {
-        leaving.entry(*a).or_default().push(i);
-    }
+fn walks(edges: &[BorderEdge]) -> Vec<GridRing> {
+    let mut order: Vec<usize> = (0..edges.len()).collect();
+    order.sort_unstable_by_key(|&i| (edges[i].0, i));
+    let leaving = |p: GridPos| {
+        let first = order.partition_point(|&i| edges[i].0 < p);
+        order[first..].iter().copied().take_while(move |&i| edges[i].0 == p)
+    };
     let mut is_walked = vec![false; edges.len()];
     let mut walks = Vec::new();
     for start in 0..edges.len() {
@@ -68,8 +92,7 @@ fn walks(rings: &[GridRing]) -> Vec<GridRing> {
         while let Some(edge) = at.filter(|&edge| !core::mem::replace(&mut is_walked[edge], true)) {
             let (from, to) = edges[edge];
             walk.push(from);
-            let ways = leaving.get(&to).map_or(&[][..], Vec::as_slice);
-            at = ways.iter().copied().reduce(|best, way| if is_sooner(from, to, edges[way].1, edges[best].1) { way } else { best });
+            at = leaving(to).reduce(|best, way| if is_sooner(from, to, edges[way].1, edges[best].1) { way } else { best });
         }
         if walk.len() > 2 {
             walks.push(walk);
@@ -159,6 +182,11 @@ mod tests {
         points.iter().map(|&(x, y)| GridPos(x, y)).collect()
     }
 
+    /// The faces of rings with the inside on their left.
+    fn faces_of(rings: &[GridRing], keep_collinear: bool) -> Vec<GridPolygon> {
+        connected_faces(rings.iter().flat_map(|r| crate::grid::edges(r)).collect(), keep_collinear)
+    }
+
     fn areas(faces: &[GridPolygon]) -> Vec<i128> {
         let mut areas: Vec<i128> = faces.iter().map(|f| f.rings().map(|r| twice_area(r)).sum::<i128>() / 2).collect();
         areas.sort_unstable();
@@ -169,7 +197,7 @@ mod tests {
     fn what_does_not_touch_stays_as_it_is() {
         let rings =
             [ring(&[(0, 0), (9, 0), (9, 9), (0, 9)]), ring(&[(2, 2), (2, 4), (4, 4), (4, 2)]), ring(&[(5, 5), (5, 6), (6, 6)])];
-        let faces = connected_faces(&rings, true);
+        let faces = faces_of(&rings, true);
         assert_eq!((faces.len(), faces[0].holes.len()), (1, 2));
         assert_eq!(faces[0].outer, rings[0]);
     }
@@ -178,8 +206,8 @@ mod tests {
     fn squares_that_touch_at_a_corner_are_two_however_they_are_drawn() {
         let apart = [ring(&[(0, 0), (4, 0), (4, 4), (0, 4)]), ring(&[(4, 4), (8, 4), (8, 8), (4, 8)])];
         let in_one = [ring(&[(0, 0), (4, 0), (4, 4), (8, 4), (8, 8), (4, 8), (4, 4), (0, 4)])];
-        assert_eq!(areas(&connected_faces(&apart, true)), [16, 16]);
-        assert_eq!(areas(&connected_faces(&in_one, true)), [16, 16]);
+        assert_eq!(areas(&faces_of(&apart, true)), [16, 16]);
+        assert_eq!(areas(&faces_of(&in_one, true)), [16, 16]);
     }
 
     #[test]
@@ -187,7 +215,7 @@ mod tests {
         let apart = [ring(&[(0, 0), (8, 0), (8, 8), (0, 8)]), ring(&[(0, 0), (2, 4), (4, 2)])];
         let in_one = [ring(&[(0, 0), (8, 0), (8, 8), (0, 8), (0, 0), (2, 4), (4, 2)])];
         for rings in [&apart[..], &in_one[..]] {
-            let faces = connected_faces(rings, true);
+            let faces = faces_of(rings, true);
             assert_eq!((faces.len(), faces[0].holes.len(), areas(&faces)), (1, 1, vec![58]));
         }
     }
@@ -200,7 +228,7 @@ mod tests {
             ring(&[(0, 4), (2, 5), (4, 4), (2, 3)]),
             ring(&[(4, 4), (6, 5), (8, 4), (6, 3)]),
         ];
-        let faces = connected_faces(&rings, true);
+        let faces = faces_of(&rings, true);
         assert_eq!((areas(&faces), faces.iter().map(|f| f.holes.len()).sum::<usize>()), (vec![28, 28], 0));
     }
 
@@ -209,19 +237,60 @@ mod tests {
         let square = |a: i32, b: i32| [(a, a), (b, a), (b, b), (a, b)];
         let hole = |a: i32, b: i32| [(a, a), (a, b), (b, b), (b, a)];
         let rings = [ring(&square(0, 20)), ring(&hole(2, 18)), ring(&square(4, 16)), ring(&hole(6, 14))];
-        assert_eq!(areas(&connected_faces(&rings, true)), [12 * 12 - 8 * 8, 20 * 20 - 16 * 16]);
+        assert_eq!(areas(&faces_of(&rings, true)), [12 * 12 - 8 * 8, 20 * 20 - 16 * 16]);
     }
 
     #[test]
     fn straight_lines_lose_their_inner_vertices_if_asked() {
         let rings = [ring(&[(4, 0), (8, 0), (8, 8), (8, 9), (0, 9), (0, 0), (2, 0)])];
-        assert_eq!(connected_faces(&rings, false)[0].outer.len(), 4);
-        assert_eq!(connected_faces(&rings, true)[0].outer.len(), 7);
+        assert_eq!(faces_of(&rings, false)[0].outer.len(), 4);
+        assert_eq!(faces_of(&rings, true)[0].outer.len(), 7);
     }
 
     #[test]
     fn broken_rings_come_to_an_end() {
         let rings = [ring(&[(0, 0), (4, 4), (4, 0), (0, 4), (0, 0), (4, 4)]), ring(&[(1, 1)]), ring(&[])];
-        assert!(connected_faces(&rings, true).len() < 4);
+        assert!(faces_of(&rings, true).len() < 4);
+    }
+
+    #[test]
+    fn a_gap_is_closed_where_it_is() {
+        let rings = [ring(&[(0, 0), (90, 0), (90, 90), (0, 90)]), ring(&[(20, 20), (20, 40), (40, 40), (40, 20)])];
+        let edges: Vec<BorderEdge> = rings.iter().flat_map(|r| crate::grid::edges(r)).collect();
+        let whole = areas(&connected_faces(edges.clone(), true));
+        for lost in 0..edges.len() {
+            let mut edges = edges.clone();
+            edges.remove(lost);
+            assert_eq!(areas(&connected_faces(edges, true)), whole);
+        }
+    }
+
+    #[test]
+    fn each_of_many_holes_finds_the_face_around_it() {
+        // A chessboard of rooms, each with four pillars, the last of which has a room of its own with a pillar.
+        let mut rings = Vec::new();
+        let mut add = |x: i32, y: i32, side: i32, is_hole: bool| {
+            let mut r = ring(&[(x, y), (x + side, y), (x + side, y + side), (x, y + side)]);
+            if is_hole {
+                r.reverse();
+            }
+            rings.push(r);
+        };
+        for (x, y) in (0..20).flat_map(|x| (0..20).map(move |y| (x * 200, y * 200))) {
+            add(x, y, 150, false);
+            for (dx, dy) in [(10, 10), (60, 10), (10, 60), (60, 60)] {
+                add(x + dx, y + dy, 40, true);
+            }
+            add(x + 65, y + 65, 30, false);
+            add(x + 75, y + 75, 10, true);
+        }
+        let faces = faces_of(&rings, true);
+        assert_eq!(faces.len(), 800);
+        let holes = |outer: i32| {
+            let of = faces.iter().filter(|f| f.outer[0].0 % 200 == outer || f.outer[0].1 % 200 == outer);
+            of.map(|f| f.holes.len()).collect::<Vec<_>>()
+        };
+        assert_eq!((holes(0), holes(65)), (vec![4; 400], vec![1; 400]));
+        assert!(areas(&faces).iter().all(|&a| a == 150 * 150 - 4 * 1600 || a == 900 - 100));
     }
 }

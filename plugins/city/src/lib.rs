@@ -29,6 +29,7 @@ pub mod file;
 mod finding;
 mod graph;
 mod grid;
+mod holes;
 mod id;
 mod overrides;
 mod overview;
@@ -42,7 +43,7 @@ mod tour;
 pub use anchor::Anchor;
 pub use cell::{Cell, Cells, Portal, PortalSide};
 pub use colour::{ParseColourError, Rgb};
-pub use faces::connected_faces;
+pub use faces::{BorderEdge, connected_faces};
 pub use finding::{Finding, Severity};
 pub use graph::{
     Block, BlockKind, Building, BuildingPart, CityGraph, GraphError, Link, LinkKind, Node, NodeKind, ObjectKind, Ring, RoofShape,

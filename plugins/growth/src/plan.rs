@@ -129,7 +129,7 @@ pub fn grow(graph: &CityGraph, styles: &Styles) -> Result<Growth, GrowthError> {
 
     let book = houses::StyleBook::new(styles, &areas, &mut findings);
     let mut drafts = houses::given(graph, &book, &extent, &mut findings);
-    drafts.extend(lots::grow_lots(graph, &areas, &layers, &extent, &drafts, &book, &mut findings));
+    drafts.extend(lots::grow_lots(graph, &areas, &layers, &ground, &extent, &drafts, &book, &mut findings));
     let standing = facing::bodies(&drafts);
     let facing = facing::facing(&drafts, &standing, &on_ground);
     let masses = massing::masses(&drafts, &facing, &book, &mut findings);

@@ -42,9 +42,11 @@ pub(crate) fn compose(
     let mut blobs = Blobs::default();
     let mut stats = CityStats { houses: plan.houses.len() as u64, cells: count as u64, ..CityStats::default() };
     let mut entries = Vec::with_capacity(count);
-    for (i, (((cell, visible), shell), sheet)) in cells.cells.iter().zip(&cells.visible).zip(shells).zip(sheets).enumerate() {
-        let entry = entry(plan, cell, visible, shell, sheet, &mut blobs)
-            .map_err(|error| invalid(format!("cell {i} ({}): {error}", cell.id)))?;
+    for (entry, packets) in side_by_side(count, &|i| {
+        let entry = entry(plan, &cells.cells[i], &cells.visible[i], &shells[i], &sheets[i]);
+        entry.map_err(|error| invalid(format!("cell {i} ({}): {error}", cells.cells[i].id)))
+    })? {
+        packets.into_iter().for_each(|(blob, stored)| blobs.add(&blob, stored));
         stats.walls += u64::from(entry.walls);
         for (sum, packet) in stats.bytes_level.iter_mut().zip(&entry.packets) {
             *sum += packet.map_or(0, |blob| u64::from(blob.bytes));
@@ -72,6 +74,25 @@ pub(crate) fn compose(
     stats.bytes_index = stored.len() as u64;
     stats.blobs = blobs.0.len() as u64;
     Ok(Composed { blobs: blobs.0, index: stored, stats })
+}
+
+/// Fewest things worth a thread.
+const LEAST_SHARE: usize = 64;
+
+/// What `make` makes of 0, …, `count` − 1, in order, or its first mistake; shared among threads where there are any.
+fn side_by_side<T: Send>(count: usize, make: &(dyn Fn(usize) -> Result<T, StoreError> + Sync)) -> Result<Vec<T>, StoreError> {
+    let threads = std::thread::available_parallelism().map_or(1, core::num::NonZero::get);
+    let share = count.div_ceil(threads).max(LEAST_SHARE);
+    if share >= count {
+        return (0..count).map(make).collect();
+    }
+    let parts: Vec<Result<Vec<T>, StoreError>> = std::thread::scope(|scope| {
+        let part = |from: usize| scope.spawn(move || (from..(from + share).min(count)).map(make).collect());
+        let running: Vec<_> = (0..count).step_by(share).map(part).collect();
+        running.into_iter().map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
+    });
+    let parts = parts.into_iter().collect::<Result<Vec<_>, _>>()?;
+    Ok(parts.into_iter().flatten().collect())
 }
 
 #[derive(Default)]
@@ -113,15 +134,14 @@ fn styles(plan: &CityPlan, blobs: &mut Blobs, stats: &mut CityStats) -> Result<O
     Ok(Some(blob))
 }
 
-/// A cell's entry in the index; its packets are added to the blobs.
+/// A cell's entry in the index, and its packets as stored.
 fn entry(
     plan: &CityPlan,
     cell: &Cell,
     visible: &[u32],
     shell: &CellShell,
     sheet: &FacadeSheet,
-    blobs: &mut Blobs,
-) -> Result<CellEntry, StoreError> {
+) -> Result<(CellEntry, Vec<(BlobRef, Vec<u8>)>), StoreError> {
     let walls = wall_count(shell);
     if walls != cell.walls.len() || !sheet_fits(shell, sheet) {
         let (has, sheet) = (cell.walls.len(), sheet.walls.len());
@@ -131,20 +151,20 @@ fn entry(
     if let Some(house) = shell.houses.iter().find(|house| styles > 0 && usize::from(house.style) >= styles) {
         return Err(invalid(format!("its house {} has style {} of {styles}", house.id, house.style)));
     }
-    let mut packets = [None; 4];
+    let (mut packets, mut blobs) = ([None; 4], Vec::new());
     let stored = encode_shell(shell);
     let blob = BlobRef::of(&stored);
     read_back(&Packet::Shell(shell.clone()), &decode_packet(&stored, &blob, Level::One)?)?;
-    blobs.add(&blob, stored);
+    blobs.push((blob, stored));
     packets[Level::One.index()] = Some(blob);
     if walls > 0 {
         let stored = encode_sheet(sheet);
         let blob = BlobRef::of(&stored);
         read_back(&Packet::Facades(sheet.clone()), &decode_packet(&stored, &blob, Level::Two)?)?;
-        blobs.add(&blob, stored);
+        blobs.push((blob, stored));
         packets[Level::Two.index()] = Some(blob);
     }
-    Ok(CellEntry {
+    let entry = CellEntry {
         id: cell.id,
         name: cell.name.clone(),
         outline: cell.outline.clone(),
@@ -156,7 +176,8 @@ fn entry(
         houses: cell.houses.len() as u32,
         walls: walls as u32,
         packets,
-    })
+    };
+    Ok((entry, blobs))
 }
 
 /// Least and greatest corner in plan of all that is drawn with a cell. Called on a shell that was checked, so that sums

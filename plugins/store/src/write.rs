@@ -74,10 +74,17 @@ fn remove_all(dir: &Path) -> Result<(), StoreError> {
     }
 }
 
+/// Fills a directory that nobody reads yet.
 fn fill(dir: &Path, composed: &Composed) -> Result<(), StoreError> {
     fs::create_dir_all(dir).map_err(failed("create", dir))?;
+    let mut folder = PathBuf::new();
     for (path, bytes) in &composed.blobs {
-        put(&dir.join(path), bytes)?;
+        let path = dir.join(path);
+        if let Some(parent) = path.parent().filter(|parent| *parent != folder) {
+            fs::create_dir_all(parent).map_err(failed("create", parent))?;
+            folder = parent.to_owned();
+        }
+        fs::write(&path, bytes).map_err(failed("write", &path))?;
     }
     put(&dir.join(INDEX_NAME), &composed.index)
 }

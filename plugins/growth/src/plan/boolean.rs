@@ -1,14 +1,12 @@
 //! Boolean operations on the grid. They run on integers from end to end (`i_overlay`), so that what comes out lies on the
 //! grid, does not depend on the platform, and needs no snapping afterwards.
 
-use i_overlay::core::extract::BooleanExtractionBuffer;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
-use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::core::solver::Solver;
 use i_overlay::i_float::int::point::IntPoint;
-use i_overlay::i_shape::int::shape::IntShapes;
-use veduta_city::{GridPolygon, GridPos, connected_faces};
+use i_overlay::vector::edge::{CLIP_LEFT, CLIP_RIGHT, SUBJ_LEFT, SUBJ_RIGHT, VectorEdge};
+use veduta_city::{BorderEdge, GridPolygon, GridPos, connected_faces};
 
 /// An overlay that is being filled. Coordinates inside are relative to `origin`, so that products stay far from the ends of
 /// 64 bits.
@@ -37,13 +35,23 @@ impl Frame {
         }
     }
 
-    fn polygons(&self, shapes: IntShapes) -> Vec<GridPolygon> {
-        let ring = |contour: Vec<IntPoint>| -> Vec<GridPos> {
-            contour.into_iter().map(|p| GridPos(p.x.saturating_add(self.origin.0), p.y.saturating_add(self.origin.1))).collect()
+    /// All edges of the arrangement. Only these are used of the engine: its ways of tracing shapes may go in circles for ever
+    /// where many rings touch.
+    fn edges(&mut self) -> Vec<VectorEdge> {
+        self.overlay.build_separate_vectors(FillRule::NonZero)
+    }
+
+    /// The faces of an arrangement that are kept, by whether subject and clip cover them.
+    fn faces(&self, edges: &[VectorEdge], keep: impl Fn(bool, bool) -> bool) -> Vec<GridPolygon> {
+        let plan = |p: IntPoint| GridPos(p.x.saturating_add(self.origin.0), p.y.saturating_add(self.origin.1));
+        let border = |edge: &VectorEdge| -> Option<BorderEdge> {
+            let has = |bit: u8| edge.fill & bit != 0;
+            let left = keep(has(SUBJ_LEFT), has(CLIP_LEFT));
+            let right = keep(has(SUBJ_RIGHT), has(CLIP_RIGHT));
+            let (a, b) = (plan(edge.a), plan(edge.b));
+            (left != right).then_some(if left { (a, b) } else { (b, a) })
         };
-        // The engine's own way to connected interiors (`ogc`) may go in circles for ever where many rings touch.
-        let faces = |shape: Vec<Vec<IntPoint>>| connected_faces(&shape.into_iter().map(ring).collect::<Vec<_>>(), false);
-        shapes.into_iter().flat_map(faces).collect()
+        connected_faces(edges.iter().filter_map(border).collect(), false)
     }
 }
 
@@ -51,13 +59,17 @@ fn first(rings: &[&[GridPos]]) -> Option<GridPos> {
     rings.iter().find_map(|ring| ring.first().copied())
 }
 
-fn combine(subject: &[&[GridPos]], clip: &[&[GridPos]], rule: OverlayRule) -> Vec<GridPolygon> {
-    let Some(origin) = first(subject).or_else(|| first(clip)) else { return Vec::new() };
-    let mut frame = Frame::new(origin);
+/// An arrangement of two sets of rings; `None` if both are empty.
+fn arrange(subject: &[&[GridPos]], clip: &[&[GridPos]]) -> Option<(Frame, Vec<VectorEdge>)> {
+    let mut frame = Frame::new(first(subject).or_else(|| first(clip))?);
     frame.add(subject.iter().copied(), ShapeType::Subject);
     frame.add(clip.iter().copied(), ShapeType::Clip);
-    let shapes = frame.overlay.overlay(rule, FillRule::NonZero);
-    frame.polygons(shapes)
+    let edges = frame.edges();
+    Some((frame, edges))
+}
+
+fn combine(subject: &[&[GridPos]], clip: &[&[GridPos]], keep: impl Fn(bool, bool) -> bool) -> Vec<GridPolygon> {
+    arrange(subject, clip).map_or_else(Vec::new, |(frame, edges)| frame.faces(&edges, keep))
 }
 
 /// All rings of polygons, ready to be an operand.
@@ -67,31 +79,24 @@ pub(super) fn rings<'a>(polygons: impl IntoIterator<Item = &'a GridPolygon>) -> 
 
 /// What all the rings cover together: outer rings counter-clockwise, holes clockwise.
 pub(super) fn union(subject: &[&[GridPos]]) -> Vec<GridPolygon> {
-    combine(subject, &[], OverlayRule::Subject)
+    combine(subject, &[], |subject, _| subject)
 }
 
 /// What `subject` covers and `clip` does not.
 pub(super) fn difference(subject: &[&[GridPos]], clip: &[&[GridPos]]) -> Vec<GridPolygon> {
-    combine(subject, clip, OverlayRule::Difference)
+    combine(subject, clip, |subject, clip| subject && !clip)
 }
 
 /// What both cover.
 pub(super) fn intersection(subject: &[&[GridPos]], clip: &[&[GridPos]]) -> Vec<GridPolygon> {
-    combine(subject, clip, OverlayRule::Intersect)
+    combine(subject, clip, |subject, clip| subject && clip)
 }
 
 /// What `clip` covers of `subject`, and what it leaves of it. Both come from one arrangement of edges and fit exactly.
 pub(super) fn split(subject: &[&[GridPos]], clip: &[&[GridPos]]) -> (Vec<GridPolygon>, Vec<GridPolygon>) {
-    let Some(origin) = first(subject) else { return (Vec::new(), Vec::new()) };
-    let mut frame = Frame::new(origin);
-    frame.add(subject.iter().copied(), ShapeType::Subject);
-    frame.add(clip.iter().copied(), ShapeType::Clip);
-    let mut buffer = BooleanExtractionBuffer::default();
-    let both = frame.overlay.build_graph_view(FillRule::NonZero).map(|graph| {
-        let inside = graph.extract_shapes(OverlayRule::Intersect, &mut buffer);
-        (inside, graph.extract_shapes(OverlayRule::Difference, &mut buffer))
-    });
-    both.map_or_else(Default::default, |(inside, outside)| (frame.polygons(inside), frame.polygons(outside)))
+    arrange(subject, clip).map_or_else(Default::default, |(frame, edges)| {
+        (frame.faces(&edges, |subject, clip| subject && clip), frame.faces(&edges, |subject, clip| subject && !clip))
+    })
 }
 
 /// Area of the intersection in square metres.

@@ -5,11 +5,11 @@ use std::collections::HashMap;
 use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::draw::Draw;
-use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, Id, LinkKind, RoofTags, Severity, Style};
+use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, LinkKind, RoofTags, Severity, Style};
 
 use super::band::quad;
 use super::extent::Extent;
-use super::ground::Index;
+use super::ground::{self, Index};
 use super::houses::{Body, Draft, Grown, StyleBook};
 use super::perimeter::{self, Site};
 use super::streets::{self, Layer, Rank};
@@ -29,6 +29,10 @@ const LARGEST_SITE_M2: f64 = 100_000.0;
 /// building line, and widths of streets are round numbers. Where streets cut a block into pieces, it was not drawn to a
 /// building line, and the whole width is cut out.
 const CORE: f64 = 0.7;
+/// A given house whose wall runs this close to the building line stands on it; metres.
+const GAP_M: f64 = 0.35;
+/// A lot that loses no more than this share to another block's house is cut; one that loses more is given up.
+const MOST_CUT: f64 = 0.1;
 /// Bodies may overlap by this much before one is cut; square metres.
 const TOLERATED_M2: f64 = 0.05;
 
@@ -45,6 +49,7 @@ pub(super) fn grow_lots(
     graph: &CityGraph,
     areas: &[Area<'_>],
     layers: &[Layer],
+    ground: &[GroundPatch],
     extent: &Extent,
     given: &[Draft],
     book: &StyleBook<'_>,
@@ -53,7 +58,7 @@ pub(super) fn grow_lots(
     let built: Vec<&Area<'_>> = areas.iter().filter(|a| a.block.kind == BlockKind::Built).collect();
     let streets = graph.links.iter().filter(|l| matches!(l.kind, LinkKind::Street(_))).count();
     let plots: Vec<Plot> = if built.is_empty() && given.len() * 2 < streets {
-        found_plots(layers, extent)
+        found_plots(ground, extent)
     } else {
         let whole = extent.polygon();
         let within = |p: &GridPolygon| boolean::intersection(&boolean::rings([p]), &boolean::rings([&whole]));
@@ -80,16 +85,13 @@ pub(super) fn grow_lots(
 }
 
 /// What streets enclose, where nobody drew blocks: the extent less everything laid, without what touches its edge.
-fn found_plots(layers: &[Layer], extent: &Extent) -> Vec<Plot> {
-    let whole = extent.polygon();
-    let taken = boolean::rings(layers.iter().flat_map(|l| &l.shapes));
-    let free = boolean::difference(&boolean::rings([&whole]), &taken);
+fn found_plots(ground: &[GroundPatch], extent: &Extent) -> Vec<Plot> {
     let inner = |p: &GridPolygon| {
         let on_edge = |v: &GridPos| v.0 == extent.lo.0 || v.0 == extent.hi.0 || v.1 == extent.lo.1 || v.1 == extent.hi.1;
         p.area_m2() <= LARGEST_SITE_M2 && !p.outer.iter().any(on_edge)
     };
     let plot = |p: GridPolygon| Plot { id: Id::from_place("block", p.centroid()), district: String::new(), outline: vec![p] };
-    free.into_iter().filter(inner).map(plot).collect()
+    ground::yards(ground).into_iter().filter(inner).map(plot).collect()
 }
 
 /// What blocks are not built over.
@@ -125,9 +127,10 @@ impl Obstacles {
         let polygons =
             |of: &'_ Index<()>| -> Vec<GridPolygon> { of.near(outline, 0.0).into_iter().map(|(p, ())| p.clone()).collect() };
         let open = polygons(&self.open);
+        let gaps: Vec<GridPolygon> = houses.iter().flat_map(|house| gaps(outline, house)).collect();
         let carve = |streets: &Index<()>| {
             let streets = polygons(streets);
-            let taken = boolean::rings(houses.iter().copied().chain(&open).chain(&streets));
+            let taken = boolean::rings(houses.iter().copied().chain(&gaps).chain(&open).chain(&streets));
             let mut sites = boolean::difference(&boolean::rings([outline]), &taken);
             sites.retain(|site| site.area_m2() >= LEAST_SITE_M2);
             sites
@@ -135,6 +138,16 @@ impl Obstacles {
         let sites = carve(&self.streets[0]);
         if sites.len() > 1 { carve(&self.streets[1]) } else { sites }
     }
+}
+
+/// The slits between a house's walls and a building line that they were meant to stand on.
+fn gaps(outline: &GridPolygon, house: &GridPolygon) -> Vec<GridPolygon> {
+    let lines: Vec<(DVec2, DVec2)> =
+        outline.rings().flat_map(|r| outline::edges(r)).map(|(a, b)| (a.to_metres(), b.to_metres())).collect();
+    let is_on_line = |p: DVec2| lines.iter().any(|&(a, b)| outline::distance_to_edge(p, a, b) <= GAP_M);
+    let walls = house.rings().flat_map(|r| outline::edges(r)).map(|(a, b)| (a.to_metres(), b.to_metres()));
+    let along = walls.filter(|&(a, b)| [a, (a + b) / 2.0, b].into_iter().all(is_on_line));
+    along.filter_map(|(a, b)| quad(a, b, GAP_M + 0.01)).collect()
 }
 
 fn grow_plot(
@@ -147,8 +160,9 @@ fn grow_plot(
     let mut out = Vec::new();
     for outline in &plot.outline {
         let houses: Vec<&GridPolygon> = obstacles.houses.near(outline, 0.0).into_iter().map(|(p, ())| p).collect();
-        let covered: f64 = houses.iter().map(|h| boolean::overlap_m2(outline, h)).sum();
-        if covered > outline.area_m2() * MOST_COVERED {
+        // Parts of one building overlap one another: what they cover together counts.
+        let covered = boolean::intersection(&boolean::rings([outline]), &boolean::rings(houses.iter().copied()));
+        if covered.iter().map(GridPolygon::area_m2).sum::<f64>() > outline.area_m2() * MOST_COVERED {
             continue;
         }
         for site in obstacles.sites(outline, &houses) {
@@ -236,21 +250,89 @@ fn draft(graph: &CityGraph, footprint: GridPolygon, style_index: usize, style: &
     }
 }
 
-/// Drops grown houses that stand on others of another block.
-fn part_ways(drafts: Vec<Draft>, findings: &mut Vec<Finding>) -> Vec<Draft> {
+/// Cuts grown houses that reach a little over others of another block (walls that follow a bent border are straightened on each
+/// side of it), and drops those that stand on others.
+fn part_ways(mut drafts: Vec<Draft>, findings: &mut Vec<Finding>) -> Vec<Draft> {
     let index = Index::new(drafts.iter().enumerate().map(|(i, d)| (d.bodies[0].footprint.clone(), i)).collect());
     let mut stands = vec![true; drafts.len()];
-    for (i, draft) in drafts.iter().enumerate() {
-        let footprint = &draft.bodies[0].footprint;
-        let blocked = index
-            .near(footprint, 0.0)
-            .into_iter()
-            .any(|(other, &j)| j < i && stands[j] && boolean::overlap_m2(footprint, other) > TOLERATED_M2);
-        if blocked {
-            stands[i] = false;
-            let message = "grown house: blocks overlap here, and another house stands on its lot";
-            findings.push(Finding::new(Severity::Dropped, draft.id, Some(footprint.centroid()), message));
+    for i in 0..drafts.len() {
+        let footprint = &drafts[i].bodies[0].footprint;
+        let earlier = index.near(footprint, 0.0).into_iter().map(|(_, &j)| j).filter(|&j| j < i && stands[j]);
+        let others: Vec<&GridPolygon> = earlier.map(|j| &drafts[j].bodies[0].footprint).collect();
+        if others.iter().all(|other| boolean::overlap_m2(footprint, other) <= TOLERATED_M2) {
+            continue;
+        }
+        let rest = boolean::difference(&boolean::rings([footprint]), &boolean::rings(others));
+        let rest = rest.into_iter().max_by(|a, b| a.area_m2().total_cmp(&b.area_m2()));
+        let enough = (1.0 - MOST_CUT) * footprint.area_m2();
+        match rest.filter(|rest| rest.area_m2() >= enough && is_buildable(rest)) {
+            Some(rest) => drafts[i].bodies[0].footprint = rest,
+            None => {
+                stands[i] = false;
+                let message = "grown house: blocks overlap here, and another house stands on its lot";
+                findings.push(Finding::new(Severity::Dropped, drafts[i].id, Some(footprint.centroid()), message));
+            }
         }
     }
     drafts.into_iter().zip(stands).filter_map(|(d, stands)| stands.then_some(d)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::stock_styles;
+
+    fn box_of(x: f64, y: f64, w: f64, h: f64) -> Vec<DVec2> {
+        [(x, y), (x + w, y), (x + w, y + h), (x, y + h)].map(|(x, y)| DVec2::new(x, y)).to_vec()
+    }
+
+    fn polygon(x: f64, y: f64, w: f64, h: f64) -> GridPolygon {
+        outline::polygons(&box_of(x, y, w, h), &[]).remove(0)
+    }
+
+    fn grow(text: &str) -> (usize, Vec<Finding>) {
+        let graph: CityGraph = veduta_city::file::parse(text, "test").unwrap_or_else(|e| panic!("{e}"));
+        let growth = crate::plan::grow(&graph, &stock_styles()).unwrap_or_else(|e| panic!("{e}"));
+        (growth.plan.houses.len(), growth.findings)
+    }
+
+    #[test]
+    fn a_building_of_many_parts_does_not_fill_its_block_many_times() {
+        let part = "(outline: [(2,2),(22,2),(22,12),(2,12)], height_m: 9)";
+        let text = |parts: usize| {
+            format!(
+                "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 1, pos: (-9, -9)), (id: 2, pos: (70, -9))],
+                  links: [(from: 1, to: 2, kind: Street(Lane))],
+                  blocks: [(outline: [(0,0),(60,0),(60,40),(0,40)])],
+                  buildings: [(id: 7, outline: [(2,2),(22,2),(22,12),(2,12)], parts: [{}])])",
+                [part].repeat(parts).join(",")
+            )
+        };
+        let (one, _) = grow(&text(1));
+        let (six, _) = grow(&text(6));
+        assert!(one > 5, "{one} houses");
+        assert_eq!(one, six);
+    }
+
+    #[test]
+    fn a_slit_before_a_given_house_is_no_site() {
+        let outline = polygon(0.0, 0.0, 60.0, 40.0);
+        for (gap, slits) in [(0.0, 3), (0.3, 3), (0.5, 0)] {
+            // Beside three sides of the block.
+            let house = polygon(gap, gap, 20.0, 40.0 - 2.0 * gap);
+            assert_eq!(gaps(&outline, &house).len(), slits, "a gap of {gap} m");
+        }
+    }
+
+    #[test]
+    fn houses_that_touch_across_a_border_both_stand() {
+        let styles = stock_styles();
+        let graph = CityGraph::default();
+        let house = |x: f64, w: f64| draft(&graph, polygon(x, 0.0, w, 10.0), 0, &styles.0[0], Draw::new(1, Id(1), "t"));
+        let mut findings = Vec::new();
+        let stand = part_ways(vec![house(0.0, 10.05), house(10.0, 10.0), house(15.0, 10.0)], &mut findings);
+        assert_eq!((stand.len(), findings.len()), (2, 1));
+        let overlap = boolean::overlap_m2(&stand[0].bodies[0].footprint, &stand[1].bodies[0].footprint);
+        assert_eq!(overlap, 0.0);
+    }
 }

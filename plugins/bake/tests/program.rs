@@ -1,0 +1,138 @@
+//! The program itself, on a place drawn by hand: exit codes, messages, and that nothing is ever written half.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn place(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/places").join(file)
+}
+
+/// A folder of its own that is removed in the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("veduta-bake-program-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        Self(path)
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(&self.0).unwrap_or_else(|e| panic!("{e}"));
+        let mut names: Vec<String> =
+            entries.map(|e| e.unwrap_or_else(|e| panic!("{e}")).file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn run(arguments: &[&dyn AsRef<std::ffi::OsStr>]) -> (i32, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_veduta-bake"));
+    arguments.iter().for_each(|a| {
+        command.arg(a.as_ref());
+    });
+    let Output { status, stdout, stderr } = command.output().unwrap_or_else(|e| panic!("{e}"));
+    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+    (status.code().unwrap_or(-1), text(stdout), text(stderr))
+}
+
+#[test]
+fn a_map_bakes_and_can_be_looked_into() {
+    let folder = Folder::new("bake");
+    let city = folder.0.join("a.city");
+    let (code, out, err) = run(&[&"bake", &place("crossroads/crossroads.osm"), &"-o", &city]);
+    assert_eq!(code, 0, "{err}");
+    assert!(out.contains("11 houses"), "{out}");
+    assert!(err.contains("dropped: 1\n") && err.contains("way/33 at (60, 60)"), "what was dropped is told: {err}");
+    let (code, out, err) = run(&[&"inspect", &city]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    assert!(out.contains("11 houses"), "{out}");
+    assert_eq!(folder.names(), ["a.city"]);
+
+    let (code, out, err) = run(&[&"bake", &place("lane/lane.graph.ron"), &"-o", &city, &"--json"]);
+    assert_eq!((code, err.as_str()), (0, ""), "a city is replaced by another");
+    let figures: serde_json::Value = serde_json::from_str(&out).unwrap_or_else(|e| panic!("{e}: {out}"));
+    assert!(figures["stats"]["houses"].as_u64() > Some(20) && figures["seconds"]["cut"].is_number(), "{figures}");
+}
+
+#[test]
+fn a_damaged_packet_is_found() {
+    let folder = Folder::new("damage");
+    let city = folder.0.join("a.city");
+    assert_eq!(run(&[&"bake", &place("crossroads/crossroads.osm"), &"-o", &city, &"--quiet"]).0, 0);
+    let mut open = vec![city.join("blobs")];
+    let blob = loop {
+        let dir = open.pop().unwrap_or_else(|| panic!("there are blobs"));
+        let entry = std::fs::read_dir(&dir).unwrap_or_else(|e| panic!("{e}")).next();
+        let path = entry.unwrap_or_else(|| panic!("a folder of blobs is not empty")).unwrap_or_else(|e| panic!("{e}")).path();
+        if path.is_file() {
+            break path;
+        }
+        open.push(path);
+    };
+    std::fs::remove_file(blob).unwrap_or_else(|e| panic!("{e}"));
+    let (code, out, err) = run(&[&"inspect", &city]);
+    assert_eq!(code, 1, "{out}");
+    assert!(err.contains("bake the city again"), "{err}");
+}
+
+/// Overpass's answer for one street and one house.
+const OVERPASS: &str = r#"{"version": 0.6, "generator": "by hand", "elements": [
+  {"type": "node", "id": 1, "lat": 50.0, "lon": 14.0}, {"type": "node", "id": 2, "lat": 50.0, "lon": 14.001},
+  {"type": "node", "id": 3, "lat": 50.0001, "lon": 14.0002}, {"type": "node", "id": 4, "lat": 50.0001, "lon": 14.0004},
+  {"type": "node", "id": 5, "lat": 50.0002, "lon": 14.0004}, {"type": "node", "id": 6, "lat": 50.0002, "lon": 14.0002},
+  {"type": "way", "id": 7, "nodes": [1, 2], "tags": {"highway": "residential", "name": "Short Street"}},
+  {"type": "way", "id": 8, "nodes": [3, 4, 5, 6, 3], "tags": {"building": "yes"}}
+]}"#;
+
+#[test]
+fn broken_input_leaves_what_stood_there() {
+    let folder = Folder::new("broken");
+    let city = folder.0.join("a.city");
+    let map = folder.0.join("answer.json");
+    let write = |bytes: &[u8]| std::fs::write(&map, bytes).unwrap_or_else(|e| panic!("{e}"));
+    let xml = std::fs::read(place("crossroads/crossroads.osm")).unwrap_or_else(|e| panic!("{e}"));
+    let cuts = |bytes: &[u8]| [0, 1, bytes.len() / 7, bytes.len() / 2, bytes.len() - 3].map(|n| bytes[..n].to_vec());
+    let broken: Vec<Vec<u8>> = cuts(OVERPASS.as_bytes()).into_iter().chain(cuts(&xml)).collect();
+
+    for bytes in &broken {
+        write(bytes);
+        let (code, out, err) = run(&[&"bake", &map, &"-o", &city]);
+        assert_eq!(code, 1, "{} bytes: {out}", bytes.len());
+        assert!(err.contains("answer.json"), "the message names the file: {err}");
+        assert_eq!(folder.names(), ["answer.json"], "nothing is left");
+    }
+    write(OVERPASS.as_bytes());
+    assert_eq!(run(&[&"bake", &map, &"-o", &city]).0, 0);
+    let (_, before, _) = run(&[&"inspect", &city, &"--json"]);
+    for bytes in &broken {
+        write(bytes);
+        assert_eq!(run(&[&"bake", &map, &"-o", &city]).0, 1);
+        assert_eq!(run(&[&"inspect", &city, &"--json"]).1, before, "the city stands as it stood");
+    }
+    assert_eq!(folder.names(), ["a.city", "answer.json"]);
+}
+
+#[test]
+fn wrong_usage_and_missing_files_have_their_exit_codes() {
+    let folder = Folder::new("usage");
+    let city = folder.0.join("a.city");
+    assert_eq!(run(&[&"bake"]).0, 2);
+    assert_eq!(run(&[&"roast", &city]).0, 2);
+    for missing in ["no.osm.pbf", "no.graph.ron"] {
+        let (code, _, err) = run(&[&"bake", &folder.0.join(missing), &"-o", &city]);
+        assert_eq!(code, 1);
+        assert!(err.contains(missing), "{err}");
+    }
+    let (code, _, err) = run(&[&"bake", &place("lane/lane.graph.ron"), &"-o", &place("lane")]);
+    assert_eq!(code, 1, "a folder with something else in it is not written to");
+    assert!(err.contains("lane"), "{err}");
+    assert!(folder.names().is_empty());
+}

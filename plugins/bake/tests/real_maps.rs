@@ -1,0 +1,272 @@
+//! Every OpenStreetMap extract of the shared test data, from file to city. `VEDUTA_DATA` names the folder; without it
+//! `shared/data` beside the workspace is looked for, and where there is none the tests say so and pass.
+
+mod shared;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use veduta_bake::{BakeError, BakeSettings, Baked, Input, bake, cut, plan};
+use veduta_city::{Level, PlaceKind, PortalSide};
+use veduta_store::{CityIndex, DirReader, INDEX_NAME, Packet, Reader, decode_index, decode_overview, decode_packet, decode_styles};
+
+/// How far one sees in Portland, whose extract spans 70 km²: the test is to stay short. Metres.
+const PORTLAND_SIGHT_M: f64 = 120.0;
+
+/// A file and what its city has at least: houses, named streets, squares with a name.
+struct Expected {
+    file: &'static str,
+    houses: u64,
+    streets: usize,
+    squares: usize,
+}
+
+const fn least(file: &'static str, houses: u64, streets: usize, squares: usize) -> Expected {
+    Expected { file, houses, streets, squares }
+}
+
+const CITIES: &[Expected] = &[
+    least("munich_altstadt/munich_altstadt.osm.gz", 470, 80, 10),
+    least("krems_donau/krems_2013.osm.gz", 3500, 150, 0),
+    least("lauf_pegnitz/lauf_an_der_pegnitz_2020.osm.pbf", 6400, 330, 0),
+    least("helsinki_centre/helsinki_centre_2019.osm.pbf", 5000, 205, 5),
+    least("rome_esquilino/rome_piazza_vittorio.osm.pbf", 2000, 70, 3),
+    least("valletta/valletta_2016.osm.pbf", 1700, 140, 1),
+    least("new_york_greenwich/nyc_greenwich_village_2015.osm.pbf", 1500, 34, 0),
+    least("frederiksted_grid/frederiksted.osm.pbf", 310, 20, 0),
+    least("marrakech_koutoubia/marrakech.osm.gz", 310, 17, 0),
+    least("berlin_neukoelln/neukoelln.osm", 210, 7, 0),
+    least("heidelberg_altstadt_roads/heidelberg_altstadt_roads.osm.pbf", 7000, 195, 3),
+    least("prague_new_town_roads/prague_new_town_roads_2017.osm", 5500, 165, 0),
+    least("prague_karlovo_namesti_tiny/karlovo_namesti_2011.osm", 30, 2, 0),
+    least("portland_dem/portland-central-filtered.osm.pbf", 65_000, 600, 0),
+    least("osm_tiny/berlin_siegessaeule.osm.gz", 12, 7, 0),
+    least("osm_tiny/tiny_roundabout.osm", 18, 1, 0),
+    least("roof_shapes/roof_shapes_real.osm", 20, 0, 0),
+];
+
+/// A folder of its own that is removed in the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("veduta-real-maps-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        Self(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn bake_to(input: &Path, out: &Path) -> Result<Baked, BakeError> {
+    bake(input, out, &BakeSettings::default(), &mut |_| ())
+}
+
+/// Every file below a folder with its content, in order.
+fn files(dir: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut found = Vec::new();
+    let mut open = vec![dir.to_owned()];
+    while let Some(dir) = open.pop() {
+        for entry in std::fs::read_dir(&dir).unwrap_or_else(|e| panic!("{}: {e}", dir.display())) {
+            let path = entry.unwrap_or_else(|e| panic!("{e}")).path();
+            if path.is_dir() {
+                open.push(path);
+            } else {
+                let bytes = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+                found.push((path, bytes));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// A city read back through the reader: its index and how many named streets it shows.
+fn opened(city: &Path) -> (CityIndex, usize) {
+    let reader = DirReader::new(city).unwrap_or_else(|e| panic!("{e}"));
+    let read = |path: &str| reader.read(path, 1 << 28).unwrap_or_else(|e| panic!("{e}"));
+    let index = decode_index(&read(INDEX_NAME)).unwrap_or_else(|e| panic!("{e}"));
+    let styles = index.styles.unwrap_or_else(|| panic!("a city carries its styles"));
+    let styles = decode_styles(&read(&styles.path()), &styles).unwrap_or_else(|e| panic!("{e}"));
+    assert!(!styles.0.is_empty());
+    let overview = decode_overview(&read(&index.overview.path()), &index.overview).unwrap_or_else(|e| panic!("{e}"));
+    let named: BTreeSet<&str> = overview.streets.iter().map(|s| s.name.as_str()).filter(|name| !name.is_empty()).collect();
+    let mut roofs = 0;
+    for (i, cell) in index.cells.iter().enumerate() {
+        let mut walls = 0;
+        for level in Level::ALL {
+            let Some(blob) = cell.packet(level) else { continue };
+            match decode_packet(&read(&blob.path()), blob, level).unwrap_or_else(|e| panic!("cell {i}, {level}: {e}")) {
+                Packet::Shell(shell) => {
+                    assert!(!shell.ground.is_empty(), "cell {i} of {} has no ground", index.name);
+                    roofs += shell.houses.iter().filter(|h| h.volumes.iter().any(|v| v.has_roof)).count() as u64;
+                    walls = shell.houses.iter().flat_map(|h| &h.volumes).map(|v| v.walls.len()).sum();
+                }
+                Packet::Facades(sheet) => assert_eq!(sheet.walls.len(), walls, "cell {i}"),
+            }
+        }
+        assert!(cell.packet(Level::One).is_some(), "cell {i} has no packet");
+        assert_eq!(cell.walls as usize, walls, "cell {i}");
+    }
+    assert_eq!(roofs, index.cells.iter().map(|c| u64::from(c.houses)).sum::<u64>());
+    (index, named.len())
+}
+
+/// Portals belong to both their cells, visible sets hold the cell and its neighbours and see back, nearly all hangs together.
+fn check_index(index: &CityIndex) {
+    let cells = &index.cells;
+    for (p, portal) in (0..).zip(&index.portals) {
+        let beyond = if let PortalSide::Cell(cell) = portal.beyond { Some(cell) } else { None };
+        for side in [Some(portal.cell), beyond].into_iter().flatten() {
+            assert!(cells[side as usize].portals.binary_search(&p).is_ok(), "{}: portal {p} and cell {side}", index.name);
+        }
+    }
+    let neighbours = |cell: u32| {
+        let portals = cells[cell as usize].portals.iter().map(|&p| &index.portals[p as usize]);
+        portals.filter_map(move |portal| portal.other(cell)).collect::<Vec<u32>>()
+    };
+    for (i, cell) in (0..).zip(cells) {
+        let sees = |to: u32| cell.visible.binary_search(&to).is_ok();
+        assert!(sees(i) && neighbours(i).into_iter().all(sees), "{}: cell {i} does not see its neighbours", index.name);
+        for &seen in &cell.visible {
+            assert!(cells[seen as usize].visible.binary_search(&i).is_ok(), "{}: {i} sees {seen}, which does not", index.name);
+        }
+    }
+    let start = index.locate(veduta_city::GridPos::from_metres(index.start.pos));
+    let start = start.unwrap_or_else(|| panic!("{} begins outside of all cells", index.name));
+    let mut reached = vec![false; cells.len()];
+    let mut open = vec![start];
+    while let Some(cell) = open.pop() {
+        if !core::mem::replace(&mut reached[cell as usize], true) {
+            open.extend(neighbours(cell));
+        }
+    }
+    let area = |which: &dyn Fn(usize) -> bool| -> f64 {
+        cells.iter().enumerate().filter(|&(i, _)| which(i)).map(|(_, c)| c.outline.area_m2()).sum()
+    };
+    let (here, all) = (area(&|i| reached[i]), area(&|_| true));
+    assert!(here > 0.9 * all, "{}: {here:.0} m² of {all:.0} m² can be reached from the start", index.name);
+}
+
+#[test]
+fn every_extract_becomes_a_city() {
+    let Some(data) = shared::data() else { return };
+    let folder = Folder::new("all");
+    println!("| file | houses | cells | portals | named streets | squares | seen from a cell | findings | s | s a km² |");
+    for expected in CITIES {
+        let out = folder.0.join("x.city");
+        let _ = std::fs::remove_dir_all(&out);
+        let began = Instant::now();
+        let mut settings = BakeSettings::default();
+        if expected.file.starts_with("portland") {
+            settings.partition.sight_m = PORTLAND_SIGHT_M;
+        }
+        let baked = bake(&data.join(expected.file), &out, &settings, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
+        let seconds = began.elapsed().as_secs_f64();
+        let (index, streets) = opened(&out);
+        check_index(&index);
+        let squares = index.places.iter().filter(|p| p.kind == PlaceKind::Square).count();
+        let seen: usize = index.cells.iter().map(|c| c.visible.len()).sum();
+        println!(
+            "| {} | {} | {} | {} | {streets} | {squares} | {:.1} | {} | {seconds:.1} | {:.2} |",
+            expected.file.split('/').next().unwrap_or_default(),
+            baked.stats.houses,
+            index.cells.len(),
+            index.portals.len(),
+            seen as f64 / index.cells.len() as f64,
+            baked.findings.len(),
+            seconds / index.extent.area_m2() * 1e6
+        );
+        for (what, got, least) in [
+            ("houses", baked.stats.houses, expected.houses),
+            ("named streets", streets as u64, expected.streets as u64),
+            ("squares", squares as u64, expected.squares as u64),
+        ] {
+            assert!(got >= least, "{}: {got} {what}, at least {least} are in the map", expected.file);
+        }
+        assert_eq!(index.cells.iter().map(|c| u64::from(c.houses)).sum::<u64>(), baked.stats.houses);
+        for finding in &baked.findings {
+            assert!(finding.message.len() > 10 && !finding.message.ends_with('.'), "{}: {finding}", expected.file);
+        }
+    }
+}
+
+#[test]
+fn cells_of_real_towns_keep_their_rules() {
+    let Some(data) = shared::data() else { return };
+    for file in [
+        "munich_altstadt/munich_altstadt.osm.gz",
+        "rome_esquilino/rome_piazza_vittorio.osm.pbf",
+        "marrakech_koutoubia/marrakech.osm.gz",
+        "frederiksted_grid/frederiksted.osm.pbf",
+        "prague_new_town_roads/prague_new_town_roads_2017.osm",
+        "osm_tiny/tiny_roundabout.osm",
+    ] {
+        let input = Input::of(&data.join(file)).unwrap_or_else(|e| panic!("{e}"));
+        let settings = BakeSettings::default();
+        let plan = plan(&input, &settings, &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).plan;
+        let (cells, _) = cut(&plan, &settings);
+        let errors = veduta_cells::check(&plan, &cells);
+        assert!(errors.is_empty(), "{file}: {} mistakes, the first: {}", errors.len(), errors[0]);
+    }
+}
+
+#[test]
+fn maps_of_single_buildings_end_in_a_model() {
+    let Some(data) = shared::data() else { return };
+    let folder = Folder::new("single");
+    let mut maps: Vec<PathBuf> = std::fs::read_dir(data.join("roof_shapes/osmbuilding_tests"))
+        .unwrap_or_else(|e| panic!("{e}"))
+        .map(|entry| entry.unwrap_or_else(|e| panic!("{e}")).path())
+        .collect();
+    maps.sort();
+    assert!(maps.len() > 10);
+    for map in maps {
+        let out = folder.0.join("x.city");
+        let _ = std::fs::remove_dir_all(&out);
+        let baked = bake_to(&map, &out).unwrap_or_else(|e| panic!("{}: {e}", map.display()));
+        assert!(baked.stats.houses >= 1, "{}: {:?}", map.display(), baked.findings);
+        check_index(&opened(&out).0);
+    }
+}
+
+#[test]
+fn a_map_without_streets_and_houses_is_refused_with_its_reasons() {
+    let Some(data) = shared::data() else { return };
+    let folder = Folder::new("grid");
+    let out = folder.0.join("x.city");
+    let error = bake_to(&data.join("osm_tiny/osm_testdata_grid_all.osm"), &out).expect_err("nothing to walk in");
+    assert!(error.to_string().contains("neither streets nor buildings"), "{error}");
+    assert!(files(&folder.0).is_empty());
+}
+
+#[test]
+fn truncated_extracts_are_refused_and_nothing_is_written() {
+    let Some(data) = shared::data() else { return };
+    let folder = Folder::new("cut");
+    for file in [
+        "prague_karlovo_namesti_tiny/karlovo_namesti_2011.osm",
+        "osm_tiny/berlin_siegessaeule.osm.gz",
+        "munich_altstadt/munich_altstadt.osm.gz",
+        "frederiksted_grid/frederiksted.osm.pbf",
+        "valletta/valletta_2016.osm.pbf",
+    ] {
+        let bytes = std::fs::read(data.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+        let map = folder.0.join(Path::new(file).file_name().unwrap_or_default());
+        let out = folder.0.join("x.city");
+        for share in [0.0, 0.001, 0.1, 0.5, 0.9, 0.999] {
+            let length = (bytes.len() as f64 * share) as usize;
+            std::fs::write(&map, &bytes[..length]).unwrap_or_else(|e| panic!("{e}"));
+            let error = bake_to(&map, &out).expect_err(&format!("{length} bytes of {file}"));
+            assert!(error.to_string().contains(&*map.file_name().unwrap_or_default().to_string_lossy()), "{error}");
+            assert_eq!(files(&folder.0).len(), 1, "{length} bytes of {file} left something");
+        }
+        std::fs::remove_file(&map).unwrap_or_else(|e| panic!("{e}"));
+    }
+}

@@ -1,0 +1,110 @@
+//! Which face each of many holes belongs to.
+
+use crate::grid::edges;
+use crate::{GridPolygon, GridPos, GridRing};
+
+/// Most strips that edges are sorted into.
+const MOST_STRIPS: usize = 4096;
+
+/// An edge that runs eastward or westward, with what it belongs to.
+#[derive(Clone, Copy)]
+struct Edge {
+    west: GridPos,
+    east: GridPos,
+    /// Whether the area lies above it.
+    is_floor: bool,
+    ring: Ring,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Ring {
+    /// The border of a face, outer ring or hole that is known to be its own.
+    Face(usize),
+    /// One of the holes in question.
+    Hole(usize),
+}
+
+/// Gives each hole to the face around it; holes outside of all faces are left out. Looks straight down from each hole's
+/// westernmost vertex: what is met first is the border of the face sought, or a hole in it that has been given already.
+pub(crate) fn adopt_all(faces: &mut [GridPolygon], mut holes: Vec<GridRing>) {
+    if holes.is_empty() || faces.is_empty() {
+        return;
+    }
+    let tip = |hole: &GridRing| hole.iter().copied().min().unwrap_or_default();
+    holes.sort_by_cached_key(tip);
+    let strips = Strips::new(faces, &holes);
+    let mut home: Vec<Option<usize>> = Vec::with_capacity(holes.len());
+    for (h, hole) in holes.iter().enumerate() {
+        let below = strips.below(tip(hole), Ring::Hole(h));
+        home.push(below.filter(|edge| edge.is_floor).and_then(|edge| match edge.ring {
+            Ring::Face(face) => Some(face),
+            Ring::Hole(other) => home.get(other).copied().flatten(),
+        }));
+    }
+    for (hole, home) in holes.into_iter().zip(home) {
+        if let Some(face) = home.and_then(|f| faces.get_mut(f)) {
+            face.holes.push(hole);
+        }
+    }
+}
+
+/// Edges by the vertical strips that they cross.
+struct Strips {
+    west: i64,
+    width: i64,
+    strips: Vec<Vec<Edge>>,
+}
+
+impl Strips {
+    fn new(faces: &[GridPolygon], holes: &[GridRing]) -> Self {
+        let mut all: Vec<Edge> = Vec::new();
+        let mut add = |ring: &GridRing, of: Ring| {
+            for (a, b) in edges(ring).filter(|(a, b)| a.0 != b.0) {
+                let is_floor = a.0 < b.0;
+                let (west, east) = if is_floor { (a, b) } else { (b, a) };
+                all.push(Edge { west, east, is_floor, ring: of });
+            }
+        };
+        for (f, face) in faces.iter().enumerate() {
+            face.rings().for_each(|ring| add(ring, Ring::Face(f)));
+        }
+        for (h, hole) in holes.iter().enumerate() {
+            add(hole, Ring::Hole(h));
+        }
+        let west = all.iter().map(|e| i64::from(e.west.0)).min().unwrap_or(0);
+        let east = all.iter().map(|e| i64::from(e.east.0)).max().unwrap_or(0);
+        let count = (all.len() / 8 + 1).min(MOST_STRIPS) as i64;
+        let width = (east - west) / count + 1;
+        let mut strips = vec![Vec::new(); count as usize];
+        for edge in all {
+            let strip = |x: i32| ((i64::from(x) - west) / width) as usize;
+            for strip in &mut strips[strip(edge.west.0)..=strip(edge.east.0)] {
+                strip.push(edge);
+            }
+        }
+        Self { west, width, strips }
+    }
+
+    /// The first edge straight below a position, just east of it, that is not of a ring.
+    fn below(&self, p: GridPos, but: Ring) -> Option<Edge> {
+        let strip = self.strips.get(usize::try_from((i64::from(p.0) - self.west) / self.width).ok()?)?;
+        let under = |e: &&Edge| e.ring != but && e.west.0 <= p.0 && p.0 < e.east.0 && side(e, p) > 0;
+        strip.iter().filter(under).copied().reduce(|best, e| if is_higher(&e, &best, p.0) { e } else { best })
+    }
+}
+
+/// Positive where a position lies above an edge.
+fn side(edge: &Edge, p: GridPos) -> i128 {
+    let d = |a: i32, b: i32| i128::from(b) - i128::from(a);
+    d(edge.west.0, edge.east.0) * d(edge.west.1, p.1) - d(edge.west.1, edge.east.1) * d(edge.west.0, p.0)
+}
+
+/// Whether an edge runs above another just east of an abscissa that both cross.
+fn is_higher(edge: &Edge, other: &Edge, x: i32) -> bool {
+    let run = |e: &Edge| (i128::from(e.east.0) - i128::from(e.west.0), i128::from(e.east.1) - i128::from(e.west.1));
+    let ((dx, dy), (ox, oy)) = (run(edge), run(other));
+    // Heights as fractions of their runs: y = (west.1 · dx + dy · (x − west.0)) / dx.
+    let height = |e: &Edge, dx: i128, dy: i128| i128::from(e.west.1) * dx + dy * (i128::from(x) - i128::from(e.west.0));
+    let (here, there) = (height(edge, dx, dy) * ox, height(other, ox, oy) * dx);
+    here > there || (here == there && dy * ox > oy * dx)
+}
