@@ -202,6 +202,7 @@ fn grow_site(site: &GridPolygon, houses: &[&GridPolygon], style: &Style, draw: D
 /// The largest piece of a lot that lies in its site and on no earlier lot.
 fn trimmed(lot: GridPolygon, site: &GridPolygon, earlier: &[GridPolygon]) -> Option<GridPolygon> {
     let largest = |pieces: Vec<GridPolygon>| pieces.into_iter().max_by(|a, b| a.area_m2().total_cmp(&b.area_m2()));
+    let lot = if outline::is_simple(&lot.outer) { lot } else { largest(boolean::union(&boolean::rings([&lot])))? };
     let area = lot.area_m2();
     let within = largest(boolean::intersection(&boolean::rings([&lot]), &boolean::rings([site])))?;
     // Kept as it was drawn if it lies within its site, so that party walls share their vertices.

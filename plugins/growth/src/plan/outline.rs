@@ -52,6 +52,15 @@ pub(super) fn straightened(polygon: &GridPolygon) -> Vec<GridPolygon> {
     boolean::union(&subject)
 }
 
+/// Whether no two edges of a ring cross. Exact; for rings of few edges.
+pub(super) fn is_simple(ring: &[GridPos]) -> bool {
+    let side = |a: GridPos, b: GridPos, p: GridPos| a.cross(b, p).signum();
+    let cross = |(a, b): (GridPos, GridPos), (c, d): (GridPos, GridPos)| {
+        side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0
+    };
+    edges(ring).enumerate().all(|(i, e)| !edges(ring).skip(i + 1).any(|f| cross(e, f)))
+}
+
 fn straight_ring(ring: &[GridPos]) -> Vec<GridPos> {
     let mut out = ring.to_vec();
     let mut i = 0;
@@ -127,6 +136,15 @@ pub(super) fn smallest_box(ring: &[GridPos]) -> Box2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_ring_with_a_spike_that_crosses_itself_is_not_simple() {
+        let crossing = [(-1622, -5789), (5242, -6295), (91331, 0), (48397, -3155), (-825, 5021)].map(|(x, y)| GridPos(x, y));
+        assert!(!is_simple(&crossing));
+        let mut sound = crossing;
+        sound[3].1 = -3000;
+        assert!(is_simple(&sound) && is_simple(&crossing[..3]));
+    }
 
     fn ring(of: &[(f64, f64)]) -> Ring {
         of.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
