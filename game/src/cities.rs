@@ -14,11 +14,13 @@ pub fn sample_scene() -> PathBuf {
     project_root().join("scenes/old_prague")
 }
 
-/// The project's folder: where the program was built, or the working directory if that is gone.
+/// The project's folder: the working directory or the nearest above it that has the sample scene, else where the program was
+/// built.
 #[must_use]
 pub fn project_root() -> PathBuf {
-    let built = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_owned();
-    if built.join("scenes").is_dir() { built } else { PathBuf::from(".") }
+    let here = std::env::current_dir().unwrap_or_default();
+    let above = here.ancestors().find(|folder| folder.join("scenes/old_prague").is_dir());
+    above.map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_owned(), Path::to_owned)
 }
 
 /// What streaming can open: a URL or the directory of a baked city. Maps, graphs and scenes are baked into the user's

@@ -14,6 +14,7 @@
 //! Filming through a hidden window: machines without a display have none to hide.
 
 pub mod bench;
+pub mod camera;
 pub mod cities;
 pub mod cli;
 pub mod encode;

@@ -2,6 +2,7 @@
 
 use bevy::anti_alias::fxaa::Fxaa;
 use bevy::anti_alias::smaa::Smaa;
+use bevy::core_pipeline::prepass::DepthPrepass;
 use bevy::prelude::*;
 use bevy::render::render_resource::WgpuAdapterInfo;
 use bevy::render::renderer::RenderAdapterInfo;
@@ -60,10 +61,10 @@ impl Profile {
     #[must_use]
     pub fn levels(self) -> LevelDistances {
         LevelDistances::uniform(match self {
-            Self::Low => 90.0,
-            Self::Medium => 160.0,
-            Self::High => 260.0,
-            Self::Ultra => 400.0,
+            Self::Low => 110.0,
+            Self::Medium => 240.0,
+            Self::High => 360.0,
+            Self::Ultra => 500.0,
         })
     }
 
@@ -84,10 +85,12 @@ impl Profile {
     }
 }
 
-/// Gives new cameras the profile's anti-aliasing.
+/// Gives new cameras the profile's anti-aliasing, and a depth prepass: each pixel is shaded once however many houses stand
+/// behind one another.
 fn dress_cameras(mut commands: Commands, profile: Res<Profile>, new: Query<Entity, Added<Camera3d>>) {
     for camera in &new {
         let mut camera = commands.entity(camera);
+        camera.insert(DepthPrepass);
         match *profile {
             Profile::Low => camera.insert((Msaa::Off, Fxaa::default())),
             Profile::Medium => camera.insert((Msaa::Off, Smaa::default())),

@@ -55,11 +55,32 @@ pub struct ShotOrder {
     pub profile: Profile,
 }
 
+/// A picture, and what drew it.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// The picture.
+    pub image: image::RgbaImage,
+    /// Name of the renderer.
+    pub renderer: String,
+    /// Whether the processor drew it.
+    pub is_software: bool,
+}
+
+/// Takes a picture and writes it.
+///
+/// # Errors
+/// As [`picture`], or if the file cannot be written.
+pub fn shot(order: &ShotOrder) -> Result<(), Failure> {
+    picture(order)?.image.save(&order.out).map_err(|e| format!("{}: {e}", order.out.display()))?;
+    println!("{}", order.out.display());
+    Ok(())
+}
+
 /// Takes a picture.
 ///
 /// # Errors
-/// If the city does not open, something in sight does not stand, or the file cannot be written.
-pub fn shot(order: &ShotOrder) -> Result<(), Failure> {
+/// If the city does not open or something in sight does not stand.
+pub fn picture(order: &ShotOrder) -> Result<Picture, Failure> {
     let mut studio = Studio::open(&order.city, order.size, order.profile)?;
     let At { plan_pos, eye_m, heading_deg, pitch_deg } = order.at;
     studio.set_eye(Eye { plan_pos, eye_m, heading_deg, pitch_deg, fov_deg: order.fov_deg, ..Eye::default() });
@@ -72,9 +93,9 @@ pub fn shot(order: &ShotOrder) -> Result<(), Failure> {
         return Err(format!("{}: cells {missing:?} are in sight but could not be loaded", order.city).into());
     }
     studio.warm_up();
-    studio.shoot()?.save(&order.out).map_err(|e| format!("{}: {e}", order.out.display()))?;
-    println!("{}", order.out.display());
-    Ok(())
+    let image = studio.shoot()?;
+    let (renderer, is_software) = studio.renderer();
+    Ok(Picture { image, renderer, is_software })
 }
 
 #[cfg(test)]

@@ -6,11 +6,11 @@ use std::time::Duration;
 
 use bevy::app::PluginsState;
 use bevy::camera::RenderTarget;
-use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::render::renderer::RenderAdapterInfo;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::ExitCondition;
@@ -23,6 +23,7 @@ use veduta::prelude::*;
 use veduta::streaming::{Fetching, Wanted};
 
 use crate::Failure;
+use crate::camera::camera;
 use crate::profile::Profile;
 
 /// Width and height in pixels, written `1280x720`.
@@ -71,6 +72,7 @@ impl Studio {
             DefaultPlugins
                 .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
                 .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
+                .set(AssetPlugin { watch_for_changes_override: Some(false), ..default() })
                 .set(bevy::log::LogPlugin { filter: "warn,wgpu=error,naga=warn,bevy_render=error".into(), ..default() })
                 .disable::<WinitPlugin>()
                 .disable::<PipelinedRenderingPlugin>(),
@@ -94,10 +96,7 @@ impl Studio {
             app.world_mut().resource_mut::<Assets<Image>>().add(image)
         };
         app.world_mut().resource_mut::<StreamingSettings>().packets_a_frame = usize::MAX;
-        let viewer = app
-            .world_mut()
-            .spawn((Camera3d::default(), RenderTarget::Image(target.clone().into()), Tonemapping::AgX, lens(), Viewer))
-            .id();
+        let viewer = app.world_mut().spawn((camera(), RenderTarget::Image(target.clone().into()), Viewer)).id();
         while app.plugins_state() == PluginsState::Adding {
             bevy::tasks::tick_global_task_pools_on_main_thread();
         }
@@ -135,6 +134,13 @@ impl Studio {
     #[must_use]
     pub fn eye(&self) -> Eye {
         self.app.world().get::<Eye>(self.viewer).copied().unwrap_or_default()
+    }
+
+    /// Name of the renderer, and whether it is the processor.
+    #[must_use]
+    pub fn renderer(&self) -> (String, bool) {
+        let Some(adapter) = self.app.world().get_resource::<RenderAdapterInfo>() else { return ("none".to_owned(), true) };
+        (adapter.name.clone(), format!("{:?}", adapter.device_type) == "Cpu")
     }
 
     /// The world, for what a command sets beside the camera.
@@ -205,10 +211,4 @@ impl Studio {
         }
         Err("the renderer gave no picture; is a Vulkan driver installed (Debian: mesa-vulkan-drivers)?".into())
     }
-}
-
-/// Near and far planes that hold a façade at arm's length and the sky dome.
-#[must_use]
-pub fn lens() -> Projection {
-    Projection::Perspective(PerspectiveProjection { near: 0.1, far: 6_000.0, ..default() })
 }

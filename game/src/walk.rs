@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use bevy::asset::io::AssetSourceBuilder;
-use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
 
+use crate::camera::camera;
 use crate::profile::Profile;
-use crate::{Failure, cities, hud, profile, studio};
+use crate::{Failure, cities, hud, profile};
 
 /// Whether there is a display to open a window on.
 #[must_use]
@@ -39,7 +39,11 @@ pub fn walk(city: &str, chosen: Option<Profile>, tour: Option<&Path>) -> Result<
                 primary_window: Some(Window { title: "Veduta".into(), resolution: (1280, 720).into(), ..default() }),
                 ..default()
             })
-            .set(AssetPlugin { watch_for_changes_override: Some(true), ..default() })
+            .set(AssetPlugin {
+                file_path: cities::project_root().join("assets").display().to_string(),
+                watch_for_changes_override: Some(true),
+                ..default()
+            })
             .set(bevy::log::LogPlugin { filter: "info,wgpu=error,naga=warn,bevy_render=warn,symphonia=warn".into(), ..default() }),
     );
     let start = chosen.unwrap_or(Profile::Low);
@@ -56,6 +60,7 @@ pub fn walk(city: &str, chosen: Option<Profile>, tour: Option<&Path>) -> Result<
         GuidePlugin::default(),
         hud::HudPlugin,
     ))
+    .insert_resource(ClearColor(Color::BLACK))
     .insert_resource(OpenCity(city.to_owned()))
     .insert_resource(FirstTour { name: first.file_name().unwrap_or_default().to_string_lossy().into_owned(), now: tour.is_some() })
     .add_systems(Startup, spawn_walker)
@@ -70,7 +75,7 @@ pub fn walk(city: &str, chosen: Option<Profile>, tour: Option<&Path>) -> Result<
 }
 
 fn spawn_walker(mut commands: Commands) {
-    commands.spawn((Camera3d::default(), Tonemapping::AgX, studio::lens(), Walker, Eye { fade: 1.0, ..default() }));
+    commands.spawn((camera(), Walker, Eye { fade: 1.0, ..default() }));
 }
 
 /// The tour that T begins with.

@@ -4,7 +4,9 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 use veduta_city::{CellShell, FacadeSheet, Level};
-use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellStands, LevelFade, MaterialsProvided, StandingCells};
+use veduta_ecs::{
+    Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellStands, Eye, LevelFade, MaterialsProvided, StandingCells, Viewer,
+};
 use veduta_growth::mesh::{self, MeshData};
 
 use crate::convert::mesh_from;
@@ -31,7 +33,17 @@ pub struct BuildSettings {
 
 impl Default for BuildSettings {
     fn default() -> Self {
-        Self { vertices_a_frame: 60_000, in_the_making: 4 }
+        Self { vertices_a_frame: 60_000, in_the_making: 16 }
+    }
+}
+
+impl BuildSettings {
+    /// What may be spent in this frame: while every viewer is in the dark nobody sees a hitch, and all that has come is built.
+    fn in_frame(&self, viewers: &Query<&Eye, With<Viewer>>) -> Self {
+        if viewers.is_empty() || viewers.iter().any(|eye| eye.fade < 1.0) {
+            return *self;
+        }
+        Self { vertices_a_frame: usize::MAX, in_the_making: self.in_the_making.max(256) }
     }
 }
 
@@ -68,8 +80,10 @@ pub(crate) fn start(
     contents: Query<&CellContent>,
     building: Res<Building>,
     settings: Res<BuildSettings>,
+    viewers: Query<&Eye, With<Viewer>>,
     mut queue: ResMut<Queue>,
 ) {
+    let settings = settings.in_frame(&viewers);
     for &ready in ready.read() {
         let Ok(content) = contents.get(ready.entity) else { continue };
         queue.waiting.push_back(Order { ready, shell: Arc::clone(&content.shell), sheet: content.sheet.clone() });
@@ -118,6 +132,7 @@ fn make(order: Order) -> Made {
 pub(crate) fn finish(
     mut commands: Commands,
     settings: Res<BuildSettings>,
+    viewers: Query<&Eye, With<Viewer>>,
     provided: Option<Res<MaterialsProvided>>,
     mut queue: ResMut<Queue>,
     mut assets: ResMut<Assets<Mesh>>,
@@ -127,6 +142,7 @@ pub(crate) fn finish(
     mut standing: ResMut<StandingCells>,
     mut stands: MessageWriter<CellStands>,
 ) {
+    let settings = settings.in_frame(&viewers);
     let mut vertices = 0;
     while vertices < settings.vertices_a_frame {
         let made = match queue.making.pop_front() {

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::{Anchor, Id, Place, Rgb, Viewpoint};
+use crate::{Anchor, Id, Opening, Place, Rgb, Viewpoint};
 
 /// A closed ring in plan metres; the last vertex joins the first and is not repeated.
 pub type Ring = Vec<DVec2>;
@@ -334,6 +334,9 @@ pub struct BuildingPart {
     /// Colour of the walls.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub colour: Option<Rgb>,
+    /// What every bay of its walls holds, in place of what the style says: a clock, say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opening: Option<Opening>,
 }
 
 /// A building whose footprint is known.

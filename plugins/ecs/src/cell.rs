@@ -92,6 +92,19 @@ pub struct CellReleased {
     pub cell: u32,
 }
 
+/// How many cells in sight of a viewer do not stand yet. Who puts a viewer somewhere keeps it dark until there are none.
+/// Streaming counts; without it nothing is awaited.
+#[derive(Resource, Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub struct Awaited {
+    /// Cells.
+    pub cells: usize,
+}
+
+impl Awaited {
+    /// Longest that a viewer is kept in the dark, seconds: what has not come by then may never come.
+    pub const PATIENCE_S: f64 = 8.0;
+}
+
 /// Cells that stand at level 1 or better, by index: what can be walked on. Kept by whoever builds.
 #[derive(Resource, Debug, Default, Clone)]
 pub struct StandingCells {

@@ -24,8 +24,8 @@ mod space;
 use bevy::prelude::*;
 
 pub use cell::{
-    Cell, CellContent, CellEntered, CellMesh, CellMeshKind, CellReady, CellReleased, CellStands, LevelFade, MaterialsProvided,
-    StandingCells,
+    Awaited, Cell, CellContent, CellEntered, CellMesh, CellMeshKind, CellReady, CellReleased, CellStands, LevelFade,
+    MaterialsProvided, StandingCells,
 };
 pub use clock::CityClock;
 pub use eye::{Eye, Steering, Viewer};
@@ -41,6 +41,7 @@ impl Plugin for EcsPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<WorldOrigin>()
             .init_resource::<StandingCells>()
+            .init_resource::<Awaited>()
             .init_resource::<Steering>()
             .init_resource::<CityClock>()
             .register_type::<Eye>()

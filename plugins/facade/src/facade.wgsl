@@ -7,41 +7,12 @@
     mesh_view_bindings::view,
 }
 
-struct Facade {
-    near_level: vec4<f32>,
-    far_lit: vec4<f32>,
-}
+#import veduta_facade::levels::{Facade, keeps}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
 @group(#{MATERIAL_BIND_GROUP}) @binding(101) var colour_tiles: texture_2d_array<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(102) var tile_sampler: sampler;
 @group(#{MATERIAL_BIND_GROUP}) @binding(103) var normal_tiles: texture_2d_array<f32>;
-
-// Threshold of the 8×8 Bayer pattern at a pixel, in (0, 1): bits of x and x^y interleaved, most significant last.
-fn bayer(pixel: vec2<u32>) -> f32 {
-    let x = pixel.x & 7u;
-    let y = (pixel.x ^ pixel.y) & 7u;
-    let v = ((x & 4u) >> 2u) | ((y & 4u) >> 1u) | ((x & 2u) << 1u) | ((y & 2u) << 2u) | ((x & 1u) << 4u) | ((y & 1u) << 5u);
-    // `y` carries the heavier bit of each pair.
-    return (f32(v) + 0.5) / 64.0;
-}
-
-// How far each level has faded in, from the mesh's tag.
-fn fades(tag: u32) -> vec4<f32> {
-    return vec4<f32>(f32(tag & 255u), f32((tag >> 8u) & 255u), f32((tag >> 16u) & 255u), f32(tag >> 24u)) / 255.0;
-}
-
-// Reach of each level at a distance: level n keeps a pixel where reach(n + 1) <= threshold < reach(n).
-fn reaches(distance: f32, fade: vec4<f32>) -> vec4<f32> {
-    let near = facade.near_level.xyz;
-    let far = max(facade.far_lit.xyz, near + vec3<f32>(0.001));
-    let allowed = step(vec3<f32>(0.001), facade.far_lit.xyz);
-    let close = allowed * clamp((far - vec3<f32>(distance)) / (far - near), vec3<f32>(0.0), vec3<f32>(1.0));
-    let four = fade.w * close.z;
-    let three = max(four, fade.z * close.y);
-    let two = max(three, fade.y * close.x);
-    return vec4<f32>(max(two, fade.x), two, three, four);
-}
 
 fn hash(p: vec2<f32>) -> f32 {
     let q = fract(p * vec2<f32>(0.1031, 0.1030));
@@ -49,24 +20,36 @@ fn hash(p: vec2<f32>) -> f32 {
     return fract((q.x + r) * (q.y + r) * 57.31);
 }
 
+// Smooth noise, 0 to 1, by value at whole numbers.
+fn noise(p: vec2<f32>) -> f32 {
+    let i = floor(p);
+    let f = smoothstep(vec2<f32>(0.0), vec2<f32>(1.0), p - i);
+    let low = mix(hash(i), hash(i + vec2<f32>(1.0, 0.0)), f.x);
+    let high = mix(hash(i + vec2<f32>(0.0, 1.0)), hash(i + vec2<f32>(1.0, 1.0)), f.x);
+    return mix(low, high, f.y);
+}
+
+// Wear in metres, where tiles repeat in centimetres: walls mottled, ground trodden in paths and stained.
+fn wear(at: vec3<f32>, up: f32) -> f32 {
+    if abs(up) > 0.9 {
+        return 0.84 + 0.20 * noise(at.xz * 0.13) + 0.10 * noise(at.xz * 0.61 + 7.0);
+    }
+    return 0.93 + 0.13 * noise(vec2<f32>(at.x + at.z, at.y * 0.7) * 0.33);
+}
+
 @fragment
 fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
     let level = i32(facade.near_level.w);
     let model = mesh_functions::get_world_from_local(in.instance_index);
     let centre = (model * vec4<f32>(in.uv_b.x, 0.0, in.uv_b.y, 1.0)).xz;
-    if level > 0 {
-        let reach = reaches(distance(centre, view.world_position.xz), fades(mesh_functions::get_tag(in.instance_index)));
-        let threshold = bayer(vec2<u32>(in.position.xy));
-        var finer = 0.0;
-        if level < 4 { finer = reach[level]; }
-        if threshold >= reach[level - 1] || threshold < finer { discard; }
-    }
+    let away = distance(centre, view.world_position.xz);
+    if !keeps(facade, in.position.xy, away, mesh_functions::get_tag(in.instance_index)) { discard; }
 
     let layer = i32(in.color.a + 0.5);
     let tile = textureSample(colour_tiles, tile_sampler, in.uv, layer);
     let relief = textureSample(normal_tiles, tile_sampler, in.uv, layer);
     // Where alpha is 1 the tile modulates the vertex colour about one half; where it is 0 it stands as it is.
-    let albedo = mix(tile.rgb, 2.0 * tile.rgb * in.color.rgb, tile.a);
+    let albedo = mix(tile.rgb, 2.0 * tile.rgb * in.color.rgb, tile.a) * wear(in.world_position.xyz, in.world_normal.y);
 
     var pbr_input = pbr_input_from_standard_material(in, is_front);
     pbr_input.material.base_color = vec4<f32>(albedo, 1.0);
@@ -79,10 +62,10 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let bump = relief.xyz * 2.0 - 1.0;
     pbr_input.N = normalize(tangent * bump.x + bitangent * bump.y + n * max(bump.z, 0.2));
 
-    // Contact shade where walls meet the ground.
-    let foot = smoothstep(-0.2, 1.6, in.world_position.y);
+    // Contact shade where walls meet the ground, and less sky the deeper a wall stands in its street.
+    let foot = mix(0.55, 1.0, smoothstep(-0.2, 1.6, in.world_position.y)) * mix(0.7, 1.0, smoothstep(0.0, 14.0, in.world_position.y));
     let wall = 1.0 - abs(n.y);
-    pbr_input.diffuse_occlusion *= vec3<f32>(mix(1.0, mix(0.55, 1.0, foot), wall));
+    pbr_input.diffuse_occlusion *= vec3<f32>(mix(1.0, foot, wall));
 
     // Lit windows at night: glass is what is dark and smooth on a wall.
     if facade.far_lit.w > 0.0 && level > 1 && tile.a < 0.2 && relief.a < 0.3 {

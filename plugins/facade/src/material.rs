@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{
     AsBindGroup, Extent3d, ShaderType, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
 };
-use bevy::shader::ShaderRef;
+use bevy::shader::{ShaderRef, load_shader_library};
 use veduta_city::Level;
 use veduta_ecs::{CellMesh, CellMeshKind, VedutaSystems};
 use veduta_texture::paint_tiles;
@@ -77,11 +77,13 @@ pub struct FacadeExtension {
     normal: Handle<Image>,
 }
 
-const SHADER: &str = "embedded://veduta_facade/facade.wgsl";
-
 impl MaterialExtension for FacadeExtension {
     fn fragment_shader() -> ShaderRef {
-        SHADER.into()
+        "embedded://veduta_facade/facade.wgsl".into()
+    }
+
+    fn prepass_fragment_shader() -> ShaderRef {
+        "embedded://veduta_facade/prepass.wgsl".into()
     }
 }
 
@@ -110,7 +112,9 @@ impl CityMaterials {
 }
 
 pub(crate) fn build(app: &mut App) {
+    load_shader_library!(app, "levels.wgsl");
     embedded_asset!(app, "facade.wgsl");
+    embedded_asset!(app, "prepass.wgsl");
     app.add_plugins(MaterialPlugin::<CityMaterial>::default())
         .add_systems(Startup, paint)
         .add_systems(Update, (set_distances, dress_meshes).chain().in_set(VedutaSystems::Show));
@@ -151,7 +155,13 @@ fn paint(
         let [a, b, c] = distances.near;
         let [d, e, f] = distances.far;
         materials.add(CityMaterial {
-            base: StandardMaterial { base_color: Color::WHITE, reflectance: 0.25, ..StandardMaterial::default() },
+            base: StandardMaterial {
+                base_color: Color::WHITE,
+                reflectance: 0.25,
+                // Walls drop pixels by level, and so must their prepass; what has no levels needs no fragment there.
+                alpha_mode: if level > 0.0 { AlphaMode::Mask(0.5) } else { AlphaMode::Opaque },
+                ..StandardMaterial::default()
+            },
             extension: FacadeExtension {
                 uniform: FacadeUniform { near_level: Vec4::new(a, b, c, level), far_lit: Vec4::new(d, e, f, 0.0) },
                 colour: colour.clone(),

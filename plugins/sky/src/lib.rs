@@ -63,7 +63,10 @@ impl Plugin for SkyPlugin {
             dome::build(app);
             app.add_systems(Startup, light::hang_lights).add_systems(
                 Update,
-                (light::aim_lights, light::dress_viewers).chain().after(light::find_light).in_set(VedutaSystems::Show),
+                (light::aim_lights, light::stretch_shadows, light::dress_viewers)
+                    .chain()
+                    .after(light::find_light)
+                    .in_set(VedutaSystems::Show),
             );
         }
     }

@@ -1,5 +1,7 @@
 use bevy::camera::Exposure;
-use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap, EnvironmentMapLight, GlobalAmbientLight};
+use bevy::light::{
+    CascadeShadowConfig, CascadeShadowConfigBuilder, DirectionalLightShadowMap, EnvironmentMapLight, GlobalAmbientLight,
+};
 use bevy::pbr::{DistanceFog, FogFalloff};
 use bevy::prelude::*;
 use veduta_ecs::{City, CityClock, Viewer};
@@ -12,7 +14,7 @@ use crate::Light;
 pub struct SkySettings {
     /// Whether the sun casts shadows.
     pub shadows: bool,
-    /// Farthest shadow, metres.
+    /// Farthest shadow for an eye in the street, metres; from above shadows reach up to five times as far.
     pub shadow_m: f32,
     /// Shadow cascades, 1 to 4.
     pub cascades: usize,
@@ -52,18 +54,46 @@ pub(crate) fn find_light(clock: Res<CityClock>, city: Option<Res<City>>, setting
 pub(crate) fn hang_lights(mut commands: Commands, settings: Res<SkySettings>) {
     commands.insert_resource(DirectionalLightShadowMap { size: settings.shadow_map });
     commands.insert_resource(GlobalAmbientLight::NONE);
-    let cascades = CascadeShadowConfigBuilder {
-        num_cascades: settings.cascades.clamp(1, 4),
-        minimum_distance: 0.2,
-        maximum_distance: settings.shadow_m,
-        first_cascade_far_bound: settings.shadow_m / 10.0,
-        ..CascadeShadowConfigBuilder::default()
-    };
     commands.spawn((
         KeyLight,
         DirectionalLight { shadow_maps_enabled: settings.shadows, ..DirectionalLight::default() },
-        cascades.build(),
+        cascades(&settings, 1.0),
     ));
+}
+
+/// Shadows that reach as far as the settings say, times a stretch.
+fn cascades(settings: &SkySettings, stretch: f32) -> CascadeShadowConfig {
+    let reach_m = settings.shadow_m * stretch;
+    let builder = CascadeShadowConfigBuilder {
+        num_cascades: settings.cascades.clamp(1, 4),
+        minimum_distance: 0.2,
+        maximum_distance: reach_m,
+        first_cascade_far_bound: reach_m / 10.0,
+        ..CascadeShadowConfigBuilder::default()
+    };
+    builder.build()
+}
+
+/// Height of the eye at which shadows begin to reach farther, and the most they do so.
+const STRETCH_FROM_M: f32 = 15.0;
+const MOST_STRETCH: f32 = 5.0;
+
+/// Who looks from above sees farther: shadows reach on with the eye's height, in steps too small to be seen.
+pub(crate) fn stretch_shadows(
+    settings: Res<SkySettings>,
+    viewers: Query<&Transform, With<Viewer>>,
+    mut keys: Query<&mut CascadeShadowConfig, With<KeyLight>>,
+    mut last: Local<f32>,
+) {
+    let height = viewers.iter().map(|v| v.translation.y).fold(0.0, f32::max);
+    let stretch = ((height / STRETCH_FROM_M).clamp(1.0, MOST_STRETCH) * 32.0).round() / 32.0;
+    if stretch.to_bits() == last.to_bits() && !settings.is_changed() {
+        return;
+    }
+    *last = stretch;
+    for mut key in &mut keys {
+        *key = cascades(&settings, stretch);
+    }
 }
 
 fn colour(linear: Vec3) -> Color {
@@ -120,11 +150,12 @@ pub(crate) fn dress_viewers(
                 viewer.insert(EnvironmentMapLight { intensity: p.fill, ..map.clone() });
             }
             _ => {
+                // What faces up sees the whole sky. A wall sees other walls: a third of the sky's strength, and warm.
                 let mut map = EnvironmentMapLight::hemispherical_gradient(
                     &mut images,
-                    colour(p.zenith.lerp(p.horizon, 0.35) * 1.25),
-                    colour(p.horizon * 0.9),
-                    colour(p.bounce),
+                    colour(p.zenith.lerp(p.horizon, 0.7) * 1.5),
+                    colour(p.horizon.lerp(p.bounce, 0.55) * 0.62),
+                    colour(p.bounce * 0.8),
                 );
                 map.intensity = p.fill;
                 viewer.insert(map);

@@ -113,7 +113,7 @@ impl Plugin for StreamingPlugin {
             .configure_sets(Update, (Open, Follow, Want, Deliver, Release).chain().in_set(VedutaSystems::Stream))
             .add_systems(Update, fetch::open_city.in_set(Open))
             .add_systems(Update, follow::follow_viewers.in_set(Follow))
-            .add_systems(Update, want::plan_wanted.in_set(Want))
+            .add_systems(Update, (want::plan_wanted, want::count_awaited).chain().in_set(Want))
             .add_systems(Update, deliver::deliver.in_set(Deliver))
             .add_systems(Update, deliver::release_cells.in_set(Release));
     }

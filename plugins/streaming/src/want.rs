@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::{Level, metres};
-use veduta_ecs::{Eye, Viewer};
+use veduta_ecs::{Awaited, Eye, StandingCells, Viewer};
 use veduta_store::{CellEntry, CityIndex};
 
 use crate::fetch::Store;
@@ -26,6 +26,17 @@ impl Wanted {
     pub fn wants(&self, cell: u32) -> bool {
         self.order.iter().any(|&(c, _)| c == cell)
     }
+}
+
+/// Counts what is in sight and does not stand.
+pub(crate) fn count_awaited(wanted: Res<Wanted>, standing: Res<StandingCells>, mut awaited: ResMut<Awaited>) {
+    if !wanted.is_changed() && !standing.is_changed() {
+        return;
+    }
+    // Level 1 of what is in sight leads the order; what the memory cap leaves out is not in it.
+    let lead = wanted.order.iter().take(wanted.in_sight.len()).filter(|&&(_, level)| level == Level::One);
+    let cells = lead.filter(|&&(cell, _)| !standing.levels(cell).has(Level::One)).count();
+    awaited.set_if_neq(Awaited { cells });
 }
 
 /// How urgently a cell is wanted: rank (0 in sight, 1 next to it), then metres.

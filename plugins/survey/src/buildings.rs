@@ -248,6 +248,7 @@ fn part_of(id: Id, polygon: &Polygon, body: Body) -> BuildingPart {
         levels: body.levels,
         roof: body.roof,
         colour: body.colour,
+        opening: None,
     }
 }
 

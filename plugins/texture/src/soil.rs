@@ -56,14 +56,14 @@ pub(crate) fn yard(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
     let grit = Fractal::new(draw.bits("grit"), 60, 60, 1, 0.7);
     let cover = Fractal::new(draw.bits("cover"), 3, 3, 4, 0.6);
     let growth = Fractal::new(draw.bits("growth"), 5, 5, 5, 0.7);
-    let (earth, light_earth, stone, weed) = (srgb(0x0076_6854), srgb(0x0093_8469), srgb(0x0087_8278), srgb(0x0058_6640));
+    let (earth, light_earth, stone, weed) = (srgb(0x006E_6450), srgb(0x0086_7B62), srgb(0x007F_7C73), srgb(0x0052_653A));
     Canvas::tiling(size, size_m, |u, v| {
         let (grit, cover, growth) = (grit.at(u, v), cover.at(u, v), growth.at(u, v));
         let cobble = stones.at(u, v);
         let bare = smoothstep(-0.3, 0.35, cover + 0.12 * grit) * smoothstep(0.05, 0.2, cobble.margin);
         let ground = earth.lerp(light_earth, (0.5 + 0.5 * cover - 0.2 * grit).clamp(0.0, 1.0)) * (1.0 + 0.14 * grit);
         let top = stone * (0.78 + 0.4 * word(cobble.bits, 0)) * (0.85 + 0.2 * smoothstep(0.1, 0.4, cobble.margin) + 0.08 * grit);
-        let weeds = smoothstep(0.25, 0.75, growth + 0.25 * grit) * (1.0 - 0.75 * bare);
+        let weeds = smoothstep(-0.15, 0.4, growth + 0.25 * grit) * (1.0 - 0.75 * bare);
         let own = ground.lerp(top, bare).lerp(weed * (0.8 + 0.35 * grit.max(-1.0)), weeds * 0.8);
         let height = 0.014 * bare * smoothstep(0.05, 0.45, cobble.margin) + 0.003 * grit + 0.01 * weeds;
         Texel { own, tint: Vec3::ZERO, height, rough: mix(0.95, 0.78, bare) }

@@ -1,7 +1,7 @@
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::Tour;
-use veduta_ecs::{City, CityClock, Eye, Steering, Viewer};
+use veduta_ecs::{Awaited, City, CityClock, Eye, Steering, Viewer};
 use veduta_route::{CompiledTour, Gazetteer, Pose, ResumeLeg, StreetNet, compile, resume};
 
 use crate::TourAsset;
@@ -54,6 +54,47 @@ pub enum TourState {
     Wandering,
 }
 
+/// After a cut (a start, a seek) the tour stands in the dark until what is in sight stands.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+enum Hold {
+    /// Nothing to wait for.
+    #[default]
+    None,
+    /// The eye goes there in this frame; only then is it known what is in sight.
+    Cut,
+    /// In the dark, for so many seconds.
+    Dark(f64),
+    /// Clearing, from 1 to 0.
+    Clearing(f64),
+}
+
+/// Seconds in which the dark after a cut clears.
+const CLEAR_S: f64 = 0.3;
+
+impl Hold {
+    /// The hold of the next frame, and how dark it makes this one. Where no time passes (films settle each frame by
+    /// themselves) nothing is dark.
+    fn next(self, seconds: f64, awaited: &Awaited) -> (Self, f64) {
+        match self {
+            Self::None => (Self::None, 0.0),
+            Self::Cut if seconds > 0.0 => (Self::Dark(0.0), 1.0),
+            Self::Cut => (Self::Dark(0.0), 0.0),
+            Self::Dark(_) if awaited.cells == 0 && seconds <= 0.0 => (Self::None, 0.0),
+            Self::Dark(for_s) if awaited.cells == 0 || for_s > Awaited::PATIENCE_S => (Self::Clearing(1.0), 1.0),
+            Self::Dark(for_s) => (Self::Dark(for_s + seconds), 1.0),
+            Self::Clearing(dark) => {
+                let left = dark - seconds / CLEAR_S;
+                (if left > 0.0 { Self::Clearing(left) } else { Self::None }, left.max(0.0))
+            }
+        }
+    }
+
+    /// Whether the tour's time stands still.
+    fn is_still(self) -> bool {
+        matches!(self, Self::Cut | Self::Dark(_))
+    }
+}
+
 /// The tour player.
 #[derive(Resource, Default)]
 pub struct TourPlayer {
@@ -64,6 +105,7 @@ pub struct TourPlayer {
     state: TourState,
     t_s: f64,
     speed: Option<f64>,
+    hold: Hold,
     leg: Option<(ResumeLeg, f64)>,
     play_when_ready: bool,
     last_error: Option<String>,
@@ -143,6 +185,7 @@ pub(crate) fn obey(
             TourCommand::Seek(t_s) => {
                 let end = player.compiled.as_ref().map_or(0.0, CompiledTour::duration_s);
                 player.t_s = if t_s.is_finite() { t_s.clamp(0.0, end) } else { player.t_s };
+                player.hold = Hold::Cut;
             }
             TourCommand::Speed(times) if times.is_finite() => player.speed = Some(times.clamp(0.1, 8.0)),
             TourCommand::Speed(_) => {}
@@ -226,6 +269,7 @@ pub(crate) fn compile_tour(
             if player.play_when_ready {
                 player.play_when_ready = false;
                 player.state = TourState::Playing;
+                player.hold = Hold::Cut;
                 steering.set_if_neq(Steering::Guided);
             }
         }
@@ -246,6 +290,7 @@ pub(crate) fn play(
     time: Res<Time>,
     mut player: ResMut<TourPlayer>,
     steering: Res<Steering>,
+    awaited: Res<Awaited>,
     mut clock: ResMut<CityClock>,
     mut viewers: Query<&mut Eye, With<Viewer>>,
     mut ended: MessageWriter<TourEnded>,
@@ -259,7 +304,12 @@ pub(crate) fn play(
             eye.fade = 0.0;
         }
     }
-    let dt = time.delta_secs_f64() * player.speed();
+    let (was, seconds) = (player.hold, time.delta_secs_f64());
+    let (hold, dark) = was.next(seconds, &awaited);
+    if hold != was {
+        player.hold = hold;
+    }
+    let dt = if was.is_still() { 0.0 } else { seconds * player.speed() };
     let pose = match player.state {
         TourState::Playing => {
             let Some((end, title)) = player.compiled.as_ref().map(|t| (t.duration_s(), t.title().to_owned())) else { return };
@@ -297,7 +347,53 @@ pub(crate) fn play(
             heading_deg: pose.heading_deg,
             pitch_deg: pose.pitch_deg,
             fov_deg: pose.fov_deg,
-            fade: pose.fade,
+            fade: pose.fade.max(dark),
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cut_stays_dark_until_what_is_in_sight_stands_and_then_clears() {
+        let (mut hold, mut awaited) = (Hold::Cut, Awaited { cells: 3 });
+        let mut darkness = Vec::new();
+        for frame in 0..40 {
+            awaited.cells = if frame < 10 { 3 } else { 0 };
+            let still = hold.is_still();
+            let (next, dark) = hold.next(0.05, &awaited);
+            assert_eq!(still, frame <= 10, "time stands still while it is dark, frame {frame}");
+            darkness.push(dark);
+            hold = next;
+        }
+        assert!(darkness[..=10].iter().all(|d| *d == 1.0), "{darkness:?}");
+        assert!(darkness[10..].windows(2).all(|w| w[1] <= w[0] && w[0] - w[1] < 0.2), "it clears softly: {darkness:?}");
+        assert_eq!((hold, darkness[39]), (Hold::None, 0.0));
+    }
+
+    #[test]
+    fn what_never_comes_is_not_waited_for_longer_than_patience() {
+        let awaited = Awaited { cells: 1 };
+        let mut hold = Hold::Cut;
+        let frames = (0..1_000).take_while(|_| {
+            hold = hold.next(0.05, &awaited).0;
+            hold.is_still()
+        });
+        let waited_s = frames.count() as f64 * 0.05;
+        assert!((Awaited::PATIENCE_S..Awaited::PATIENCE_S + 0.3).contains(&waited_s), "{waited_s}");
+    }
+
+    #[test]
+    fn films_are_never_dark_at_a_cut() {
+        let mut hold = Hold::Cut;
+        for cells in [2, 1, 0] {
+            let (next, dark) = hold.next(0.0, &Awaited { cells });
+            let expected = if cells == 1 { 1.0 } else { 0.0 };
+            assert_eq!(dark, expected, "dark only while it waits, when nothing is drawn");
+            hold = next;
+        }
+        assert_eq!(hold, Hold::None);
     }
 }

@@ -1,11 +1,11 @@
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::{GridPos, Viewpoint};
-use veduta_ecs::{City, CityOpened, Eye, JumpTo, Steering, Viewer};
+use veduta_ecs::{Awaited, City, CityOpened, Eye, JumpTo, Steering, Viewer};
 
 use crate::{SolidCells, Walker};
 
-/// A jump under way: fade out, stand there, wait until the cell there stands, fade in.
+/// A jump under way: fade out, stand there, wait until what is in sight stands, fade in.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Default)]
 pub enum Jump {
     /// None.
@@ -13,7 +13,7 @@ pub enum Jump {
     None,
     /// Darkening.
     Leaving(Viewpoint),
-    /// Dark, until there is a floor.
+    /// Dark, until there is a floor and all that is in sight stands.
     Waiting {
         /// Seconds waited so far.
         for_s: f64,
@@ -24,8 +24,6 @@ pub enum Jump {
 
 /// Seconds of a fade, one way.
 const FADE_S: f64 = 0.25;
-/// After so many seconds in the dark the view clears whatever stands: a place without a cell has no floor to wait for.
-const PATIENCE_S: f64 = 8.0;
 
 impl Jump {
     /// Whether the visitor's feet are off the ground meanwhile.
@@ -63,6 +61,7 @@ pub(crate) fn advance(
     time: Res<Time>,
     steering: Res<Steering>,
     solid: Res<SolidCells>,
+    awaited: Res<Awaited>,
     mut jump: ResMut<Jump>,
     mut viewers: Query<&mut Eye, (With<Viewer>, With<Walker>)>,
 ) {
@@ -84,7 +83,13 @@ pub(crate) fn advance(
         Jump::Waiting { for_s } => {
             let DVec2 { x, y } = eye.plan_pos;
             let here = solid.hold(GridPos(GridPos::steps(x), GridPos::steps(y)));
-            if here || for_s > PATIENCE_S { Jump::Arriving } else { Jump::Waiting { for_s: for_s + time.delta_secs_f64() } }
+            let ready = here && awaited.cells == 0;
+            // A place without a cell has no floor to wait for.
+            if ready || for_s > Awaited::PATIENCE_S {
+                Jump::Arriving
+            } else {
+                Jump::Waiting { for_s: for_s + time.delta_secs_f64() }
+            }
         }
         Jump::Arriving => {
             eye.fade = (eye.fade - step).max(0.0);

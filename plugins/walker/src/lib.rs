@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  keys, mouse, gamepad ──► Intent ──► walk (rapier's character controller) ─┐
-//!  JumpTo ──► fade, wait for the cell ──► stand ─────────────────────────────┼──► Eye
+//!  JumpTo ──► fade, wait for the place ─► stand ─────────────────────────────┼──► Eye
 //!                                      └► fly (no walls, never below ground) ┘
 //! ```
 //!

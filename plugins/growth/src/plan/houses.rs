@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use veduta_city::draw::Draw;
-use veduta_city::{BlockKind, Building, CityGraph, Finding, GridPolygon, Id, Rgb, RoofTags, Severity, Style, Styles};
+use veduta_city::{BlockKind, Building, CityGraph, Finding, GridPolygon, Id, Opening, Rgb, RoofTags, Severity, Style, Styles};
 
 use super::extent::Extent;
 use super::ground::Index;
@@ -51,6 +51,8 @@ pub(super) struct Body {
     pub levels: Option<f64>,
     pub roof: RoofTags,
     pub colour: Option<Rgb>,
+    /// What its bays hold in place of what the style says.
+    pub opening: Option<Opening>,
     /// Whether another body of the house stands on it.
     pub is_covered: bool,
 }
@@ -171,6 +173,7 @@ struct Tags<'a> {
     levels: Option<f64>,
     roof: &'a RoofTags,
     colour: Option<Rgb>,
+    opening: Option<Opening>,
 }
 
 fn bodies(building: &Building, footprints: &[GridPolygon], extent: &Extent, findings: &mut Vec<Finding>) -> Vec<Body> {
@@ -183,6 +186,7 @@ fn bodies(building: &Building, footprints: &[GridPolygon], extent: &Extent, find
             levels: building.levels,
             roof: &building.roof,
             colour: building.colour,
+            opening: None,
         };
         add_bodies(&tags, footprints, &mut out, findings);
         if footprints.len() > 1 {
@@ -205,6 +209,7 @@ fn bodies(building: &Building, footprints: &[GridPolygon], extent: &Extent, find
             levels: part.levels,
             roof: &part.roof,
             colour: part.colour.or(building.colour),
+            opening: part.opening,
         };
         add_bodies(&tags, &found, &mut out, findings);
     }
@@ -234,7 +239,16 @@ fn add_bodies(tags: &Tags<'_>, footprints: &[GridPolygon], out: &mut Vec<Body>, 
         return;
     }
     for footprint in footprints.iter().flat_map(outline::straightened).filter(|f| f.area_m2() >= 0.05) {
-        out.push(Body { footprint, bottom_m, height_m, levels, roof, colour: tags.colour, is_covered: false });
+        out.push(Body {
+            footprint,
+            bottom_m,
+            height_m,
+            levels,
+            roof,
+            colour: tags.colour,
+            opening: tags.opening,
+            is_covered: false,
+        });
     }
 }
 

@@ -229,8 +229,16 @@ fn draft(graph: &CityGraph, footprint: GridPolygon, style_index: usize, style: &
     let (low, high) = (usize::from(style.storeys.0), usize::from(style.storeys.1));
     let storeys = low + row.below("storeys", high.saturating_sub(low) + 1);
     let eaves_m = ground + (storeys.max(1) - 1) as f64 * upper;
-    let body =
-        Body { footprint, bottom_m: 0.0, height_m: None, levels: None, roof: RoofTags::default(), colour: None, is_covered: false };
+    let body = Body {
+        footprint,
+        bottom_m: 0.0,
+        height_m: None,
+        levels: None,
+        roof: RoofTags::default(),
+        colour: None,
+        opening: None,
+        is_covered: false,
+    };
     Draft {
         id,
         name: String::new(),

@@ -3,7 +3,8 @@
 use glam::DVec2;
 use veduta_city::draw::Draw;
 use veduta_city::{
-    CityGraph, Finding, GridPos, Id, LinkKind, ObjectKind, PlanObject, Severity, StandingObject, StreetClass, SurfaceKind,
+    BlockKind, CityGraph, Finding, GridPos, Id, LinkKind, ObjectKind, PlanObject, Severity, StandingObject, StreetClass,
+    SurfaceKind,
 };
 
 use super::facing::{BodyRef, HEADROOM_M};
@@ -96,7 +97,8 @@ fn placed(object: &StandingObject, seed: u64, site: &Site<'_>) -> PlanObject {
     }
 }
 
-/// All objects of the city: the graph's in order, then grown lamps and trees.
+/// All objects of the city: the graph's in order, then lamps and trees of parks where it has few, and the trees of yards, which
+/// no map knows.
 pub(super) fn objects(graph: &CityGraph, areas: &[Area<'_>], site: &Site<'_>, findings: &mut Vec<Finding>) -> Vec<PlanObject> {
     let mut out = Vec::new();
     for object in &graph.objects {
@@ -120,18 +122,19 @@ pub(super) fn objects(graph: &CityGraph, areas: &[Area<'_>], site: &Site<'_>, fi
     }
     let at = graph.node_positions();
     let length: f64 = graph.links.iter().filter_map(|l| graph.polyline(l, &at)).map(|l| streets::length_m(&l)).sum();
+    let mut grown = Vec::new();
     if (graph.objects.len() as f64) < length / SPARSE_M {
-        let mut grown = lamps(graph, site);
-        grown.extend(trees(graph, areas, site));
-        if grown.len() > MOST_GROWN {
-            let message = format!("{} lamps and trees would be grown: {MOST_GROWN} are", grown.len());
-            findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
-            grown.truncate(MOST_GROWN);
-        }
-        let taken: std::collections::HashSet<Id> = out.iter().map(|o| o.id).collect();
-        let mut seen = taken;
-        out.extend(grown.into_iter().filter(|o| seen.insert(o.id)).map(|o| placed(&o, graph.seed, site)));
+        grown.extend(lamps(graph, site));
+        grown.extend(trees(graph, areas, &LAWN, site));
     }
+    grown.extend(trees(graph, areas, &YARD, site));
+    if grown.len() > MOST_GROWN {
+        let message = format!("{} lamps and trees would be grown: {MOST_GROWN} are", grown.len());
+        findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
+        grown.truncate(MOST_GROWN);
+    }
+    let mut seen: std::collections::HashSet<Id> = out.iter().map(|o| o.id).collect();
+    out.extend(grown.into_iter().filter(|o| seen.insert(o.id)).map(|o| placed(&o, graph.seed, site)));
     out
 }
 
@@ -175,10 +178,24 @@ fn may_light(pos: DVec2, class: StreetClass, site: &Site<'_>) -> bool {
     surface.is_public() && !on_carriageway && !in_doorway && site.is_free_about(pos, 0.3)
 }
 
-/// Trees on the lawns of parks, about one in 150 m².
-fn trees(graph: &CityGraph, areas: &[Area<'_>], site: &Site<'_>) -> Vec<StandingObject> {
+/// Where trees are grown, and how close.
+struct Stand {
+    block: BlockKind,
+    surface: SurfaceKind,
+    /// Share of the squares of [`TREE_STEP_M`] that have one.
+    chance: f64,
+    /// Free ground about a trunk, metres.
+    clear_m: f64,
+}
+
+/// Lawns of parks: about a tree in 150 m².
+const LAWN: Stand = Stand { block: BlockKind::Park, surface: SurfaceKind::Grass, chance: 0.55, clear_m: 2.0 };
+/// Yards wide enough for a crown.
+const YARD: Stand = Stand { block: BlockKind::Built, surface: SurfaceKind::Yard, chance: 0.4, clear_m: 3.2 };
+
+fn trees(graph: &CityGraph, areas: &[Area<'_>], stand: &Stand, site: &Site<'_>) -> Vec<StandingObject> {
     let mut out = Vec::new();
-    for area in areas.iter().filter(|a| a.block.kind == veduta_city::BlockKind::Park) {
+    for area in areas.iter().filter(|a| a.block.kind == stand.block) {
         for (lo, hi) in area.polygons.iter().filter_map(|p| p.bounds()) {
             let (lo, hi) = ((lo.to_metres() / TREE_STEP_M).floor(), (hi.to_metres() / TREE_STEP_M).ceil());
             if (hi - lo).x * (hi - lo).y > 4.0 * MOST_GROWN as f64 {
@@ -189,11 +206,11 @@ fn trees(graph: &CityGraph, areas: &[Area<'_>], site: &Site<'_>) -> Vec<Standing
                     let corner = DVec2::new(i as f64, j as f64) * TREE_STEP_M;
                     let draw = Draw::new(graph.seed, Id::from_place("tree square", corner + 0.25), "trees");
                     let pos = corner + TREE_STEP_M * DVec2::new(draw.between("x", 0.15, 0.85), draw.between("y", 0.15, 0.85));
-                    let on_lawn = || site.surface(pos).is_some_and(|(s, _)| s == SurfaceKind::Grass);
-                    if draw.chance("tree", 0.55)
+                    let is_soil = || site.surface(pos).is_some_and(|(s, _)| s == stand.surface);
+                    if draw.chance("tree", stand.chance)
                         && area.holds(GridPos::from_metres(pos))
-                        && on_lawn()
-                        && site.is_free_about(pos, 2.0)
+                        && is_soil()
+                        && site.is_free_about(pos, stand.clear_m)
                     {
                         let kind = if draw.chance("conifer", 0.12) { ObjectKind::Conifer } else { ObjectKind::Tree };
                         out.push(grown(kind, "grown tree", pos, draw.between("heading", 0.0, 360.0)));

@@ -135,6 +135,9 @@ fn storeys(heights: &[i32], kind: WallKind, mass: &Mass, body: &Body, look: &Loo
     let last = heights.len() - 1;
     let hangs = mass.bottom > DOORSTEP;
     let opening = |i: usize, height: i32| {
+        if let Some(given) = body.opening {
+            return given;
+        }
         let is_tower = look.upper == Opening::Slit;
         if is_tower && i == last && last >= 2 && !body.is_covered {
             return Opening::Belfry;

@@ -1,0 +1,44 @@
+// Which level of a façade a pixel belongs to. The prepass and the main pass ask the same question of the same numbers.
+#define_import_path veduta_facade::levels
+
+struct Facade {
+    near_level: vec4<f32>,
+    far_lit: vec4<f32>,
+}
+
+// Threshold of the 8×8 Bayer pattern at a pixel, in (0, 1): bits of x and x^y interleaved, most significant last.
+fn bayer(pixel: vec2<u32>) -> f32 {
+    let x = pixel.x & 7u;
+    let y = (pixel.x ^ pixel.y) & 7u;
+    let v = ((x & 4u) >> 2u) | ((y & 4u) >> 1u) | ((x & 2u) << 1u) | ((y & 2u) << 2u) | ((x & 1u) << 4u) | ((y & 1u) << 5u);
+    // `y` carries the heavier bit of each pair.
+    return (f32(v) + 0.5) / 64.0;
+}
+
+// How far each level has faded in, from the mesh's tag.
+fn fades(tag: u32) -> vec4<f32> {
+    return vec4<f32>(f32(tag & 255u), f32((tag >> 8u) & 255u), f32((tag >> 16u) & 255u), f32(tag >> 24u)) / 255.0;
+}
+
+// Reach of each level at a distance: level n keeps a pixel where reach(n + 1) <= threshold < reach(n).
+fn reaches(facade: Facade, distance: f32, fade: vec4<f32>) -> vec4<f32> {
+    let near = facade.near_level.xyz;
+    let far = max(facade.far_lit.xyz, near + vec3<f32>(0.001));
+    let allowed = step(vec3<f32>(0.001), facade.far_lit.xyz);
+    let close = allowed * clamp((far - vec3<f32>(distance)) / (far - near), vec3<f32>(0.0), vec3<f32>(1.0));
+    let four = fade.w * close.z;
+    let three = max(four, fade.z * close.y);
+    let two = max(three, fade.y * close.x);
+    return vec4<f32>(max(two, fade.x), two, three, four);
+}
+
+// Whether this material's level keeps a pixel of a façade at a distance from the eye. What has no levels keeps all.
+fn keeps(facade: Facade, pixel: vec2<f32>, distance: f32, tag: u32) -> bool {
+    let level = i32(facade.near_level.w);
+    if level == 0 { return true; }
+    let reach = reaches(facade, distance, fades(tag));
+    let threshold = bayer(vec2<u32>(pixel));
+    var finer = 0.0;
+    if level < 4 { finer = reach[level]; }
+    return threshold < reach[level - 1] && threshold >= finer;
+}

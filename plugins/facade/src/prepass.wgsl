@@ -1,0 +1,44 @@
+// Depth of a façade's pixels, each in the one level that it belongs to.
+#import bevy_pbr::{mesh_functions, mesh_view_bindings::view, prepass_bindings, prepass_io::VertexOutput}
+#ifdef PREPASS_FRAGMENT
+#import bevy_pbr::prepass_io::FragmentOutput
+#endif
+#import veduta_facade::levels::{Facade, keeps}
+
+@group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
+
+fn drop_other_levels(in: VertexOutput) {
+    // The sun's views are orthographic: level 1 casts whole shadows, whatever the eye sees of it.
+#ifndef VIEW_PROJECTION_ORTHOGRAPHIC
+    let model = mesh_functions::get_world_from_local(in.instance_index);
+    let centre = (model * vec4<f32>(in.uv_b.x, 0.0, in.uv_b.y, 1.0)).xz;
+    if !keeps(facade, in.position.xy, distance(centre, view.world_position.xz), mesh_functions::get_tag(in.instance_index)) {
+        discard;
+    }
+#endif
+}
+
+#ifdef PREPASS_FRAGMENT
+@fragment
+fn fragment(in: VertexOutput) -> FragmentOutput {
+    drop_other_levels(in);
+    var out: FragmentOutput;
+#ifdef NORMAL_PREPASS
+    out.normal = vec4(in.world_normal * 0.5 + vec3(0.5), 1.0);
+#endif
+#ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION
+    out.frag_depth = in.unclipped_depth;
+#endif
+#ifdef MOTION_VECTOR_PREPASS
+    let now = view.unjittered_clip_from_world * in.world_position;
+    let before = prepass_bindings::previous_view_uniforms.clip_from_world * in.previous_world_position;
+    out.motion_vector = (now.xy / now.w - before.xy / before.w) * vec2(0.5, -0.5);
+#endif
+    return out;
+}
+#else
+@fragment
+fn fragment(in: VertexOutput) {
+    drop_other_levels(in);
+}
+#endif
