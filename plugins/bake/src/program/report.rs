@@ -92,7 +92,7 @@ fn kind_of(message: &str) -> String {
         if let Some(end) = quote {
             if c == end {
                 quote = None;
-                kind.push_str("…");
+                kind.push('…');
                 kind.push(c);
             }
             continue;
