@@ -62,9 +62,9 @@ enum Command {
     Shot {
         /// City directory, URL, map, graph or scene folder; the sample city if not given.
         city: Option<String>,
-        /// Stand and direction: "x,y,eye,heading,pitch" in plan metres and degrees.
+        /// Stand and direction: "x,y,eye,heading,pitch" in plan metres and degrees; the city's start if not given.
         #[arg(long, allow_hyphen_values = true)]
-        at: At,
+        at: Option<At>,
         /// The picture (PNG).
         #[arg(long)]
         out: PathBuf,

@@ -41,8 +41,8 @@ impl FromStr for At {
 pub struct ShotOrder {
     /// City directory or URL.
     pub city: String,
-    /// From where.
-    pub at: At,
+    /// From where; the city's start if not given.
+    pub at: Option<At>,
     /// The picture's file (PNG).
     pub out: PathBuf,
     /// Its size.
@@ -82,8 +82,11 @@ pub fn shot(order: &ShotOrder) -> Result<(), Failure> {
 /// If the city does not open or something in sight does not stand.
 pub fn picture(order: &ShotOrder) -> Result<Picture, Failure> {
     let mut studio = Studio::open(&order.city, order.size, order.profile)?;
-    let At { plan_pos, eye_m, heading_deg, pitch_deg } = order.at;
-    studio.set_eye(Eye { plan_pos, eye_m, heading_deg, pitch_deg, fov_deg: order.fov_deg, ..Eye::default() });
+    let eye = match order.at {
+        Some(At { plan_pos, eye_m, heading_deg, pitch_deg }) => Eye { plan_pos, eye_m, heading_deg, pitch_deg, ..Eye::default() },
+        None => Eye::at(studio.world().resource::<City>().start),
+    };
+    studio.set_eye(Eye { fov_deg: order.fov_deg, ..eye });
     studio.world().resource_mut::<CityClock>().hour = order.hour;
     // A picture has no before: levels stand at once.
     studio.world().resource_mut::<FadeSettings>().seconds = 0.0;

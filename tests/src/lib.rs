@@ -10,6 +10,7 @@ use bevy::time::TimeUpdateStrategy;
 use veduta::buildings::{Building, BuildingsPlugin};
 use veduta::prelude::*;
 use veduta::streaming::Fetching;
+use veduta::walker::{Jump, SolidCells};
 use veduta_bake::{BakeSettings, Input, bake, plan};
 use veduta_city::CityPlan;
 
@@ -73,6 +74,23 @@ pub fn quiet_app(city: &str, fetching: Fetching, step: Duration) -> App {
         .insert_resource(TimeUpdateStrategy::ManualDuration(step))
         .insert_resource(OpenCity(city.to_owned()));
     app
+}
+
+/// A walker that has arrived at the start of a city, time by hand: 33 ms a frame.
+///
+/// # Panics
+/// If it does not arrive.
+#[must_use]
+pub fn walker_in(city: &Path) -> (App, Entity) {
+    let mut app = quiet_app(&city.display().to_string(), Fetching::Inline, Duration::from_millis(33));
+    app.add_plugins(WalkerPlugin { input: false });
+    let walker = app.world_mut().spawn((Walker, Transform::default())).id();
+    app.finish();
+    app.cleanup();
+    update_until(&mut app, 3_000, "the walker has arrived", |world| {
+        !world.resource::<SolidCells>().is_empty() && *world.resource::<Jump>() == Jump::None
+    });
+    (app, walker)
 }
 
 /// Updates until a condition holds.

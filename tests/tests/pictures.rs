@@ -56,7 +56,7 @@ fn three_stills_look_as_agreed() {
     ];
     let mut unlike = Vec::new();
     for (name, at, hour, fov_deg) in stills {
-        let at: At = at.parse().expect("five numbers");
+        let at: Option<At> = Some(at.parse().expect("five numbers"));
         let city = sample_city().display().to_string();
         let order = ShotOrder { city, at, out: PathBuf::new(), size: SIZE, hour, fov_deg, profile: Profile::Medium };
         let taken = picture(&order).unwrap_or_else(|e| panic!("{name}: {e}"));

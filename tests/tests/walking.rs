@@ -1,26 +1,15 @@
 //! A walker in the sample city: walls stop it, it never falls, it is never stuck.
 
-use std::time::Duration;
-
 use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 use veduta::prelude::*;
-use veduta::streaming::Fetching;
-use veduta::walker::{Intent, Jump, SolidCells};
+use veduta::walker::Intent;
 use veduta_city::{GridPos, metres};
-use veduta_tests::{quiet_app, sample_city, sample_plan, update_until};
+use veduta_tests::{sample_city, sample_plan, walker_in};
 
 /// An app with a walker that has arrived at the start.
 fn arrived() -> (App, Entity) {
-    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(33));
-    app.add_plugins(WalkerPlugin { input: false });
-    let walker = app.world_mut().spawn((Walker, Transform::default())).id();
-    app.finish();
-    app.cleanup();
-    update_until(&mut app, 3_000, "the walker has arrived", |world| {
-        !world.resource::<SolidCells>().is_empty() && *world.resource::<Jump>() == Jump::None
-    });
-    (app, walker)
+    walker_in(sample_city())
 }
 
 fn eye(app: &App, walker: Entity) -> Eye {
