@@ -24,8 +24,8 @@
 //!
 //! | control | keyboard and mouse | gamepad |
 //! |---|---|---|
-//! | walk | W A S D, arrows | left stick |
-//! | look | mouse (click to hold, Esc to let go) | right stick |
+//! | walk | W A S D, arrows up, down | left stick |
+//! | look | mouse with the right button held; arrows left, right | right stick |
 //! | run | Shift | left stick pressed |
 //! | fly | F | Y / triangle |
 //! | up, down (flying) | Space, C | triggers |
