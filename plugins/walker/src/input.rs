@@ -45,7 +45,7 @@ pub(crate) fn build(app: &mut App) {
     app.init_resource::<MouseHeld>().add_systems(Update, (hold_mouse, read_input, hand_over).chain().in_set(WalkerSystems::Input));
 }
 
-/// A click into the view holds the mouse, Esc lets it go.
+/// The right button holds the mouse as long as it is pressed; Esc lets it go too.
 fn hold_mouse(
     buttons: Res<ButtonInput<MouseButton>>,
     keys: Res<ButtonInput<KeyCode>>,
@@ -78,6 +78,7 @@ fn read_input(
     motion: Res<AccumulatedMouseMotion>,
     held: Res<MouseHeld>,
     gamepads: Query<&Gamepad>,
+    mut last_fov: Local<Option<usize>>,
     mut intent: ResMut<Intent>,
 ) {
     use KeyCode as K;
@@ -110,9 +111,11 @@ fn read_input(
         next.toggle_fly |= pad.just_pressed(GamepadButton::North);
         next.raise_m += (f64::from(pad.pressed(GamepadButton::DPadRight)) - f64::from(pad.pressed(GamepadButton::DPadLeft))) * dt;
         if pad.just_pressed(GamepadButton::DPadUp) {
-            next.fov = next.fov.or(Some(1));
+            // The middle one is where a walk begins.
+            next.fov = Some((last_fov.unwrap_or(1) + 1) % settings.fovs_deg.len());
         }
     }
+    *last_fov = next.fov.or(*last_fov);
     next.go = next.go.clamp(DVec3::NEG_ONE, DVec3::ONE);
     intent.set_if_neq(next);
 }
@@ -121,5 +124,77 @@ fn read_input(
 fn hand_over(intent: Res<Intent>, mut steering: ResMut<Steering>) {
     if *steering == Steering::Guided && intent.is_moving() {
         *steering = Steering::Visitor;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use bevy::input::InputPlugin;
+    use bevy::time::TimeUpdateStrategy;
+
+    use super::*;
+
+    fn app() -> App {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, InputPlugin))
+            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(100)))
+            .init_resource::<WalkerSettings>()
+            .init_resource::<Intent>()
+            .init_resource::<Steering>();
+        build(&mut app);
+        app.update();
+        app
+    }
+
+    fn intent(app: &mut App) -> Intent {
+        app.update();
+        *app.world().resource::<Intent>()
+    }
+
+    #[test]
+    fn keys_walk_turn_and_take_the_eye_from_a_tour() {
+        let mut app = app();
+        *app.world_mut().resource_mut::<Steering>() = Steering::Guided;
+        assert_eq!(intent(&mut app), Intent::default());
+        assert_eq!(*app.world().resource::<Steering>(), Steering::Guided);
+        let mut keys = app.world_mut().resource_mut::<ButtonInput<KeyCode>>();
+        [KeyCode::KeyW, KeyCode::KeyD, KeyCode::ShiftLeft, KeyCode::ArrowRight].map(|key| keys.press(key));
+        let wish = intent(&mut app);
+        assert_eq!(wish.go, DVec3::new(1.0, 1.0, 0.0));
+        assert!(wish.run && (wish.turn_deg - 7.0).abs() < 1e-6, "{wish:?}");
+        assert_eq!(*app.world().resource::<Steering>(), Steering::Visitor);
+    }
+
+    #[test]
+    fn a_gamepad_walks_looks_runs_and_changes_the_view() {
+        let mut app = app();
+        let pad = app.world_mut().spawn(Gamepad::default()).id();
+        let hold = |app: &mut App, axes: &[(GamepadAxis, f32)], buttons: &[GamepadButton]| {
+            let mut pad = app.world_mut().get_mut::<Gamepad>(pad).expect("spawned above");
+            for &(axis, value) in axes {
+                pad.analog_mut().set(axis, value);
+            }
+            for &button in buttons {
+                pad.digital_mut().press(button);
+            }
+        };
+        let let_go = |app: &mut App| {
+            let mut pad = app.world_mut().get_mut::<Gamepad>(pad).expect("spawned above");
+            pad.digital_mut().reset_all();
+        };
+        hold(&mut app, &[(GamepadAxis::LeftStickY, 0.5), (GamepadAxis::RightStickX, -1.0)], &[GamepadButton::LeftThumb]);
+        let wish = intent(&mut app);
+        assert_eq!(wish.go, DVec3::new(0.0, 0.5, 0.0));
+        assert!(wish.run && (wish.turn_deg + 12.0).abs() < 1e-6, "{wish:?}");
+        let mut seen = Vec::new();
+        for _ in 0..3 {
+            let_go(&mut app);
+            app.update();
+            hold(&mut app, &[], &[GamepadButton::DPadUp]);
+            seen.push(intent(&mut app).fov);
+        }
+        assert_eq!(seen, [Some(2), Some(0), Some(1)], "one view after another");
     }
 }

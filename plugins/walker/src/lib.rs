@@ -29,7 +29,7 @@
 //! | run | Shift | left stick pressed |
 //! | fly | F | Y / triangle |
 //! | up, down (flying) | Space, C | triggers |
-//! | field of view 40°, 55°, 75° | 1, 2, 3 | d-pad up |
+//! | field of view 40°, 55°, 75° | 1, 2, 3 | d-pad up: the next |
 //! | eye height 1.6 to 3 m | PageUp, PageDown | d-pad left, right |
 //!
 //! # Limits
