@@ -1,7 +1,7 @@
 //! `veduta film`: a tour, frame by frame.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use veduta::city::{Tour, file};
@@ -12,6 +12,9 @@ use crate::encode::Encoder;
 use crate::profile::Profile;
 use crate::studio::{Size, Studio};
 use crate::{Failure, cities, encode};
+
+/// How often progress is told where there is no terminal.
+const TELL_EVERY: Duration = Duration::from_secs(20);
 
 /// What film to make.
 #[derive(Debug, Clone)]
@@ -78,7 +81,7 @@ pub fn film(order: &FilmOrder) -> Result<(), Failure> {
         bar.set_style(style);
     }
     let step = Duration::from_secs_f64(1.0 / f64::from(order.fps.max(1)));
-    let mut holes = 0;
+    let (mut holes, mut told) = (0, Instant::now());
     for n in 0..frames {
         if n > 0 {
             studio.advance(step);
@@ -90,6 +93,11 @@ pub fn film(order: &FilmOrder) -> Result<(), Failure> {
         }
         encoder.add(n, &studio.shoot()?)?;
         bar.inc(1);
+        // Where no bar can be drawn, a line now and then tells that it goes on.
+        if bar.is_hidden() && told.elapsed() > TELL_EVERY {
+            told = Instant::now();
+            eprintln!("filming: {} of {frames} frames, {holes} with missing cells", n + 1);
+        }
         bar.set_message(format!("{holes} frames with missing cells"));
         if order.json {
             let eye = studio.eye();
