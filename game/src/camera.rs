@@ -10,8 +10,8 @@ pub fn camera() -> impl Bundle {
     let section = ColorGradingSection { contrast: 1.1, ..default() };
     let grade = ColorGrading {
         global: ColorGradingGlobal { post_saturation: 1.14, ..default() },
-        shadows: section.clone(),
-        midtones: section.clone(),
+        shadows: section,
+        midtones: section,
         highlights: section,
     };
     (Camera3d::default(), Tonemapping::AgX, grade, lens())

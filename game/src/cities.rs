@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use veduta_bake::{BakeSettings, Input, InputKind, Stage, bake, overrides_beside};
+use veduta_city::Tour;
 use veduta_store::{FORMAT_VERSION, INDEX_NAME};
 
 use crate::Failure;
@@ -33,7 +34,24 @@ pub fn open(city: Option<&str>) -> Result<String, Failure> {
     if city.starts_with("http://") || city.starts_with("https://") {
         return Ok(city.to_owned());
     }
+    if city.contains("://") {
+        return Err(format!("{city}: cities come from folders, http:// and https://").into());
+    }
     open_path(Path::new(city))
+}
+
+/// The city that a tour names: beside the tour's file, or a URL.
+///
+/// # Errors
+/// As [`open`]; or if the tour names none.
+pub fn of_tour(tour: &Tour, path: &Path) -> Result<String, Failure> {
+    if tour.city.is_empty() {
+        return Err(format!("{}: it names no city: write city: \"town.city\"", path.display()).into());
+    }
+    if tour.city.contains("://") {
+        return open(Some(&tour.city));
+    }
+    open_path(&path.parent().unwrap_or(Path::new("")).join(&tour.city))
 }
 
 fn open_path(path: &Path) -> Result<String, Failure> {
@@ -53,6 +71,7 @@ fn cached(input: &Input) -> Result<PathBuf, Failure> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(&FORMAT_VERSION.to_le_bytes());
     hasher.update(&veduta_bake::GROWTH_VERSION.to_le_bytes());
+    hasher.update(&veduta_bake::PARTITION_VERSION.to_le_bytes());
     hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
     let read = |path: &Path| std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()));
     hasher.update(&read(&input.path)?);

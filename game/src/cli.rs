@@ -4,11 +4,13 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use veduta::city::{Tour, file};
 
 use crate::film::FilmOrder;
 use crate::profile::Profile;
 use crate::shot::{At, ShotOrder};
 use crate::studio::Size;
+use crate::walk::FirstTour;
 use crate::{Failure, bench, cities, film, shot, walk};
 
 /// Walk through cities.
@@ -36,23 +38,24 @@ enum Command {
     Film {
         /// The tour; it names its city.
         tour: PathBuf,
-        /// Directory for PNG frames, or a file: .mp4 (needs ffmpeg) or .png (animated).
+        /// Directory for PNG frames, or a file: .mp4 (needs ffmpeg) or .png (animated, at most 480 pixels wide and 12 frames a
+        /// second); out/NAME.mp4 or .png if not given.
         #[arg(long)]
         out: Option<PathBuf>,
         /// Width x height in pixels.
         #[arg(long, default_value = "1280x720")]
         size: Size,
         /// Frames a second.
-        #[arg(long, default_value_t = 24)]
+        #[arg(long, default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=240))]
         fps: u32,
         /// Quality.
         #[arg(long, default_value = "medium")]
         profile: Profile,
         /// Film only from this second …
-        #[arg(long, default_value_t = 0.0)]
+        #[arg(long, default_value_t = 0.0, value_parser = seconds)]
         from: f64,
         /// … to this one.
-        #[arg(long)]
+        #[arg(long, value_parser = seconds)]
         to: Option<f64>,
         /// Print one line of JSON for each frame.
         #[arg(long)]
@@ -72,10 +75,10 @@ enum Command {
         #[arg(long, default_value = "1280x720")]
         size: Size,
         /// Hour of the day.
-        #[arg(long, default_value_t = 10.0)]
+        #[arg(long, default_value_t = 10.0, value_parser = |text: &str| within(text, 0.0, 24.0))]
         hour: f64,
         /// Vertical field of view, degrees.
-        #[arg(long, default_value_t = 55.0)]
+        #[arg(long, default_value_t = 55.0, value_parser = |text: &str| within(text, 5.0, 150.0))]
         fov: f64,
         /// Quality.
         #[arg(long, default_value = "medium")]
@@ -88,6 +91,31 @@ enum Command {
         /// City directory, map or scene folder; the sample city if not given.
         city: Option<String>,
     },
+}
+
+/// Walks in the city that is named, else in the tour's, else in the sample with the sample tour on T.
+fn walk(city: Option<&str>, profile: Option<Profile>, tour: Option<PathBuf>) -> Result<(), Failure> {
+    let first = match (city, tour) {
+        (_, Some(path)) => Some(FirstTour { path, at_once: true }),
+        (None, None) => Some(FirstTour { path: cities::sample_scene().join("royal_route.tour.ron"), at_once: false }),
+        (Some(_), None) => None,
+    };
+    let city = match (city, &first) {
+        (None, Some(FirstTour { path, at_once: true })) => cities::of_tour(&file::read::<Tour>(path)?, path)?,
+        _ => cities::open(city)?,
+    };
+    walk::walk(&city, profile, first.as_ref())
+}
+
+/// A number within bounds, for a command line.
+fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|n: &f64| (least..=most).contains(n));
+    number.ok_or_else(|| format!("`{text}` is no number from {least} to {most}"))
+}
+
+/// Seconds of a tour.
+fn seconds(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 86_400.0)
 }
 
 /// Runs the program: 0 done, 1 failed with a message, 2 wrong usage.
@@ -104,13 +132,13 @@ pub fn run() -> ExitCode {
 
 fn command(command: Option<Command>) -> Result<(), Failure> {
     match command {
-        None if walk::has_display() => walk::walk(&cities::open(None)?, None, None),
+        None if walk::has_display() => walk(None, None, None),
         None => film::film(&FilmOrder::sample()?),
         Some(Command::Walk { city, profile, tour }) => {
             if !walk::has_display() {
                 return Err("no display to walk on; `veduta film TOUR --out film.mp4` needs none".into());
             }
-            walk::walk(&cities::open(city.as_deref())?, profile, tour.as_deref())
+            walk(city.as_deref(), profile, tour)
         }
         Some(Command::Film { tour, out, size, fps, profile, from, to, json }) => {
             let out = out.unwrap_or_else(|| film::default_out(&tour));
@@ -120,5 +148,30 @@ fn command(command: Option<Command>) -> Result<(), Failure> {
             shot::shot(&ShotOrder { city: cities::open(city.as_deref())?, at, out, size, hour, fov_deg: fov, profile })
         }
         Some(Command::Bench { what, city }) => bench::bench(what, city.as_deref()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nonsense_is_wrong_usage() {
+        for wrong in [
+            "film t.ron --from NaN",
+            "film t.ron --from -1",
+            "film t.ron --to inf",
+            "film t.ron --fps 0",
+            "film t.ron --size 0x0",
+            "shot --out x.png --fov NaN",
+            "shot --out x.png --fov 500",
+            "shot --out x.png --hour 99",
+            "shot --out x.png --at=1e300,0,1.65,0,0",
+        ] {
+            let words = core::iter::once("veduta").chain(wrong.split(' '));
+            assert!(Arguments::try_parse_from(words).is_err(), "{wrong}");
+        }
+        let right = "veduta shot --out x.png --fov 40 --hour 24 --at -3,5,1.65,0,0";
+        assert!(Arguments::try_parse_from(right.split(' ')).is_ok());
     }
 }

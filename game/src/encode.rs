@@ -64,6 +64,9 @@ impl Encoder {
                 Self::animated(&instead, size, fps, frames)
             }
             "png" => Self::animated(out, size, fps, frames),
+            ending if !ending.is_empty() => {
+                Err(format!("{}: films are written as .mp4, .png, or into a folder without an ending", out.display()).into())
+            }
             _ => {
                 std::fs::create_dir_all(out).map_err(|e| format!("{}: {e}", out.display()))?;
                 Ok(Self::Frames { dir: out.to_owned() })

@@ -65,15 +65,17 @@ pub fn default_out(tour: &Path) -> PathBuf {
 /// If the tour has mistakes, its city does not open, a frame misses cells, or the film cannot be written.
 pub fn film(order: &FilmOrder) -> Result<(), Failure> {
     let tour: Tour = file::read(&order.tour)?;
-    let beside = order.tour.parent().unwrap_or(Path::new("."));
-    let place = if tour.city.contains("://") { tour.city.clone() } else { beside.join(&tour.city).display().to_string() };
-    let city = cities::open(Some(&place))?;
+    let city = cities::of_tour(&tour, &order.tour)?;
     if let Some(parent) = order.out.parent().filter(|p| !p.as_os_str().is_empty()) {
         std::fs::create_dir_all(parent).map_err(|e| format!("{}: {e}", parent.display()))?;
     }
     let mut studio = Studio::open(&city, order.size, order.profile)?;
     let duration_s = begin(&mut studio, tour, order)?;
-    let to_s = order.to_s.unwrap_or(duration_s).clamp(order.from_s, duration_s);
+    let to_s = order.to_s.unwrap_or(duration_s).min(duration_s);
+    if !(order.from_s >= 0.0 && order.from_s < to_s) {
+        let (tour, from_s) = (order.tour.display(), order.from_s);
+        return Err(format!("{tour}: nothing to film from second {from_s} to {to_s}; the tour is {duration_s:.1} s long").into());
+    }
     let frames = ((to_s - order.from_s) * f64::from(order.fps)).floor().max(1.0) as u32;
     let mut encoder = Encoder::open(&order.out, order.size, order.fps, frames)?;
     let bar = if order.json { ProgressBar::hidden() } else { ProgressBar::new(u64::from(frames)) };
@@ -123,7 +125,8 @@ fn begin(studio: &mut Studio, tour: Tour, order: &FilmOrder) -> Result<f64, Fail
     studio.advance(Duration::ZERO);
     let player = studio.world().resource::<TourPlayer>();
     let Some(duration_s) = player.tour().map(|t| t.duration_s()) else {
-        return Err(player.error().map_or_else(|| "the tour did not start".to_owned(), ToOwned::to_owned).into());
+        let why = player.error().unwrap_or("the tour did not start");
+        return Err(format!("{}: {why}", order.tour.display()).into());
     };
     if order.from_s > 0.0 {
         studio.world().write_message(TourCommand::Seek(order.from_s));

@@ -30,8 +30,12 @@ impl FromStr for At {
         let numbers: Option<Vec<f64>> =
             text.split(',').map(|part| part.trim().parse().ok().filter(|n: &f64| n.is_finite())).collect();
         match numbers.as_deref() {
-            Some(&[x, y, eye_m, heading_deg, pitch_deg]) => Ok(Self { plan_pos: DVec2::new(x, y), eye_m, heading_deg, pitch_deg }),
-            _ => Err(format!("`{text}` is no stand: write \"x,y,eye,heading,pitch\", five numbers, as in \"12,-40,1.65,270,5\"")),
+            Some(&[x, y, eye_m, heading_deg, pitch_deg]) if x.abs().max(y.abs()) < 2e6 && (0.0..1e4).contains(&eye_m) => {
+                Ok(Self { plan_pos: DVec2::new(x, y), eye_m, heading_deg, pitch_deg })
+            }
+            _ => Err(format!(
+                "`{text}` is no stand: write \"x,y,eye,heading,pitch\", five numbers in metres and degrees, as in \"12,-40,1.65,270,5\""
+            )),
         }
     }
 }
@@ -71,6 +75,9 @@ pub struct Picture {
 /// # Errors
 /// As [`picture`], or if the file cannot be written.
 pub fn shot(order: &ShotOrder) -> Result<(), Failure> {
+    if order.out.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("png")) {
+        return Err(format!("{}: stills are written as .png", order.out.display()).into());
+    }
     picture(order)?.image.save(&order.out).map_err(|e| format!("{}: {e}", order.out.display()))?;
     println!("{}", order.out.display());
     Ok(())

@@ -1,8 +1,9 @@
 //! Renders without a display, frame by frame: the same bytes each time on the same machine.
 
 use core::str::FromStr;
+use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use bevy::app::PluginsState;
 use bevy::camera::RenderTarget;
@@ -20,7 +21,7 @@ use veduta::buildings::{Building, BuildingsPlugin};
 use veduta::ecs::StandingCells;
 use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
-use veduta::streaming::{Fetching, Wanted};
+use veduta::streaming::{Fetching, RetryTime, Wanted};
 
 use crate::Failure;
 use crate::camera::camera;
@@ -48,8 +49,10 @@ impl FromStr for Size {
 
 /// Frames rendered until the shaders of a first picture are surely compiled and its textures uploaded.
 const WARM_UP: usize = 4;
-/// Updates in which a city must have opened and what is in sight must stand.
-const PATIENCE: usize = 4_000;
+/// Longest wait for a city to open, or for anything more of what is in sight to stand.
+const PATIENCE: Duration = Duration::from_secs(12);
+/// Updates in which a picture must have come back from the renderer.
+const EXPOSURE: usize = 4_000;
 
 type Captured = Arc<Mutex<Option<RgbaImage>>>;
 
@@ -59,6 +62,7 @@ pub struct Studio {
     target: Handle<Image>,
     viewer: Entity,
     captured: Captured,
+    given_up: BTreeSet<u32>,
 }
 
 impl Studio {
@@ -102,25 +106,38 @@ impl Studio {
         }
         app.finish();
         app.cleanup();
-        let mut studio = Self { app, target, viewer, captured: Captured::default() };
+        let mut studio = Self { app, target, viewer, captured: Captured::default(), given_up: BTreeSet::new() };
         studio.look(false);
         studio.await_city(city)?;
         Ok(studio)
     }
 
     fn await_city(&mut self, city: &str) -> Result<(), Failure> {
-        for _ in 0..PATIENCE {
-            self.app.update();
+        let (began, mut why) = (Instant::now(), String::new());
+        while began.elapsed() < PATIENCE {
+            self.update_waiting(true);
             if self.app.world().get_resource::<City>().is_some_and(|c| c.overview.is_some()) {
                 return Ok(());
             }
             let failures = self.app.world().resource::<Messages<CityFailed>>();
-            if let Some(failure) = failures.iter_current_update_messages().find(|f| !f.will_retry) {
-                return Err(failure.message.clone().into());
+            for failure in failures.iter_current_update_messages() {
+                why.clone_from(&failure.message);
+                if !failure.will_retry {
+                    return Err(why.into());
+                }
             }
+        }
+        Err(format!("{city}: the city did not open in {} s: {why}", PATIENCE.as_secs()).into())
+    }
+
+    /// An update in which the app's time stands, but that of requests to be tried again goes on.
+    fn update_waiting(&mut self, idle: bool) {
+        let began = Instant::now();
+        self.app.update();
+        if idle {
             std::thread::sleep(Duration::from_millis(1));
         }
-        Err(format!("{city}: the city did not open").into())
+        self.app.world_mut().resource_mut::<RetryTime>().0 += began.elapsed().as_secs_f64();
     }
 
     /// Where the camera stands and looks.
@@ -155,24 +172,33 @@ impl Studio {
         self.app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
     }
 
-    /// Cells in sight that do not stand.
+    /// Cells in sight that do not stand at some level that is wanted of them, each once.
     #[must_use]
-    pub fn missing(&self) -> Vec<u32> {
+    pub fn missing(&self) -> BTreeSet<u32> {
         let standing = self.app.world().resource::<StandingCells>();
         let wanted = self.app.world().resource::<Wanted>();
         wanted.order.iter().filter(|&&(cell, level)| !standing.levels(cell).has(level)).map(|&(cell, _)| cell).collect()
     }
 
-    /// Waits, without letting time pass, until all that is wanted stands; gives back what does not even then.
-    pub fn settle(&mut self) -> Vec<u32> {
-        for _ in 0..PATIENCE {
+    /// Waits, without letting the app's time pass, until all that is wanted stands; gives back what does not even then. What
+    /// was waited for in vain once is not waited for again.
+    pub fn settle(&mut self) -> BTreeSet<u32> {
+        let mut came = Instant::now();
+        let mut before = usize::MAX;
+        while came.elapsed() < PATIENCE {
             let missing = self.missing();
-            if missing.is_empty() {
-                break;
+            if missing.is_subset(&self.given_up) {
+                return missing;
             }
-            self.app.update();
+            let idle = missing.len() == before;
+            if !idle {
+                (came, before) = (Instant::now(), missing.len());
+            }
+            self.update_waiting(idle);
         }
-        self.missing()
+        let missing = self.missing();
+        self.given_up.extend(&missing);
+        missing
     }
 
     /// Renders until nothing changes any more: for the first picture.
@@ -202,7 +228,7 @@ impl Studio {
             *captured.lock().unwrap_or_else(PoisonError::into_inner) = picture;
         });
         self.look(true);
-        for _ in 0..PATIENCE {
+        for _ in 0..EXPOSURE {
             self.app.update();
             self.look(false);
             if let Some(picture) = self.captured.lock().unwrap_or_else(PoisonError::into_inner).take() {

@@ -1,6 +1,6 @@
 //! `veduta walk`: the window.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bevy::asset::io::AssetSourceBuilder;
 use bevy::prelude::*;
@@ -23,13 +23,10 @@ pub fn has_display() -> bool {
 /// Opens a window in a city, and stays until it is closed.
 ///
 /// # Errors
-/// If the tour to begin with is not there, or the program ends with a failure.
-pub fn walk(city: &str, chosen: Option<Profile>, tour: Option<&Path>) -> Result<(), Failure> {
-    let first = tour.map_or_else(|| cities::sample_scene().join("royal_route.tour.ron"), Path::to_owned);
-    if tour.is_some() && !first.is_file() {
-        return Err(format!("{}: there is no such tour", first.display()).into());
-    }
-    let tours = first.parent().unwrap_or(Path::new(".")).to_owned();
+/// If the program ends with a failure.
+pub fn walk(city: &str, chosen: Option<Profile>, first: Option<&FirstTour>) -> Result<(), Failure> {
+    let beside = first.and_then(|f| f.path.parent()).filter(|p| !p.as_os_str().is_empty());
+    let tours = beside.unwrap_or(Path::new(".")).to_owned();
     let tours = std::path::absolute(&tours).unwrap_or(tours);
     let mut app = App::new();
     app.register_asset_source("tours", AssetSourceBuilder::platform_default(&tours.display().to_string(), None));
@@ -44,7 +41,10 @@ pub fn walk(city: &str, chosen: Option<Profile>, tour: Option<&Path>) -> Result<
                 watch_for_changes_override: Some(true),
                 ..default()
             })
-            .set(bevy::log::LogPlugin { filter: "info,wgpu=error,naga=warn,bevy_render=warn,symphonia=warn".into(), ..default() }),
+            .set(bevy::log::LogPlugin {
+                filter: "info,wgpu=error,naga=warn,bevy_render=warn,bevy_asset::server=off".into(),
+                ..default()
+            }),
     );
     let start = chosen.unwrap_or(Profile::Low);
     start.apply(&mut app);
@@ -62,9 +62,10 @@ pub fn walk(city: &str, chosen: Option<Profile>, tour: Option<&Path>) -> Result<
     ))
     .insert_resource(ClearColor(Color::BLACK))
     .insert_resource(OpenCity(city.to_owned()))
-    .insert_resource(FirstTour { name: first.file_name().unwrap_or_default().to_string_lossy().into_owned(), now: tour.is_some() })
-    .add_systems(Startup, spawn_walker)
-    .add_systems(Update, offer_tour);
+    .add_systems(Startup, spawn_walker);
+    if let Some(first) = first {
+        app.insert_resource(first.clone()).add_systems(Update, offer_tour);
+    }
     if chosen.is_none() {
         app.add_systems(Startup, profile::adapt.before(spawn_walker));
     }
@@ -79,10 +80,12 @@ fn spawn_walker(mut commands: Commands) {
 }
 
 /// The tour that T begins with.
-#[derive(Resource)]
-struct FirstTour {
-    name: String,
-    now: bool,
+#[derive(Resource, Debug, Clone)]
+pub struct FirstTour {
+    /// Its file.
+    pub path: PathBuf,
+    /// Whether it begins by itself.
+    pub at_once: bool,
 }
 
 /// Opens the first tour once the city is open: at once if it was asked for, else when T is pressed.
@@ -93,9 +96,10 @@ fn offer_tour(
     player: Res<TourPlayer>,
     mut tour: MessageWriter<TourCommand>,
 ) {
-    let begins = opened.read().last().is_some() && first.now;
+    let begins = opened.read().last().is_some() && first.at_once;
     let idle = player.state() == veduta::tour::TourState::Idle;
     if begins || (idle && keys.just_pressed(KeyCode::KeyT)) {
-        tour.write(TourCommand::Open(format!("tours://{}", first.name)));
+        let name = first.path.file_name().unwrap_or_default().to_string_lossy();
+        tour.write(TourCommand::Open(format!("tours://{name}")));
     }
 }

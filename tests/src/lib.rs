@@ -80,7 +80,6 @@ pub fn quiet_app(city: &str, fetching: Fetching, step: Duration) -> App {
 ///
 /// # Panics
 /// If it does not arrive.
-#[must_use]
 pub fn walker_in(city: &Path) -> (App, Entity) {
     let mut app = quiet_app(&city.display().to_string(), Fetching::Inline, Duration::from_millis(33));
     app.add_plugins(WalkerPlugin { input: false });

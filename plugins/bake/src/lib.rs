@@ -36,4 +36,5 @@ pub use input::{Input, InputKind};
 pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, cut, plan, survey};
 pub use scene::overrides_beside;
 pub use svg::map_svg;
+pub use veduta_cells::PARTITION_VERSION;
 pub use veduta_growth::plan::GROWTH_VERSION;

@@ -4,9 +4,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 use veduta_city::{CellShell, FacadeSheet, Level};
-use veduta_ecs::{
-    Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellStands, Eye, LevelFade, MaterialsProvided, StandingCells, Viewer,
-};
+use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellStands, Eye, MaterialsProvided, StandingCells, Viewer};
 use veduta_growth::mesh::{self, MeshData};
 
 use crate::convert::mesh_from;
@@ -138,7 +136,7 @@ pub(crate) fn finish(
     mut assets: ResMut<Assets<Mesh>>,
     mut materials: Option<ResMut<Assets<StandardMaterial>>>,
     mut plain: Local<Option<Handle<StandardMaterial>>>,
-    cells: Query<(&Cell, Option<&LevelFade>)>,
+    cells: Query<(&Cell, &CellContent)>,
     mut standing: ResMut<StandingCells>,
     mut stands: MessageWriter<CellStands>,
 ) {
@@ -157,8 +155,13 @@ pub(crate) fn finish(
             },
         };
         let CellReady { entity, cell, level } = made.order.ready;
-        if !cells.contains(entity) {
-            continue; // released meanwhile
+        let Ok((_, content)) = cells.get(entity) else { continue }; // released meanwhile
+        let same_sheet = || match (&content.sheet, &made.order.sheet) {
+            (Some(now), Some(then)) => Arc::ptr_eq(now, then),
+            _ => false,
+        };
+        if level != Level::One && !same_sheet() {
+            continue; // the level was dropped meanwhile; it may be on its way again
         }
         if let Some(error) = made.error {
             error!("cell {cell}, {level}: {error}; the level before it stays");

@@ -76,6 +76,9 @@ mod skyline;
 mod triangulate;
 mod visible;
 
+/// Version of the partition: the same plan gives the same cells, portals and visible sets by one version; another may differ.
+pub const PARTITION_VERSION: u32 = 2;
+
 pub use check::{CellsError, check};
 pub use partition::{Partition, PartitionSettings, partition};
 pub use sheet::facade_sheets;

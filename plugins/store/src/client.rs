@@ -208,6 +208,13 @@ impl Client {
         self.slots.get(cell as usize).is_some_and(|slots| slots[level.index()].state == State::Here)
     }
 
+    /// Whether a packet cannot be had: asking again cannot help, or did not help twice.
+    #[must_use]
+    pub fn gave_up(&self, cell: u32, level: Level) -> bool {
+        let slot = self.slots.get(cell as usize).map(|slots| slots[level.index()]);
+        slot.is_some_and(|slot| slot.state == State::Dead || slot.failures > 2)
+    }
+
     /// What it has done so far.
     #[must_use]
     pub fn stats(&self) -> ClientStats {

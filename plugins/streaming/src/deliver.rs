@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use bevy::prelude::*;
@@ -26,6 +26,14 @@ pub struct StreamingStats {
     /// Cells that have an entity.
     pub cells: usize,
 }
+
+/// Seconds added to the app's time when failed requests wait to be tried again. Who stops the app's time, as films do, moves
+/// this on instead.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Default)]
+pub struct RetryTime(
+    /// Seconds.
+    pub f64,
+);
 
 /// Entity, last time wanted and bytes of every loaded cell.
 #[derive(Resource, Default)]
@@ -57,9 +65,12 @@ pub(crate) fn deliver(world: &mut World) {
         world.insert_resource(LoadedCells::default());
         world.insert_resource(StreamingStats::default());
     }
-    let now_s = world.resource::<Time>().elapsed_secs_f64();
-    let order = world.resource::<Wanted>().order.clone();
-    store.client.want(order);
+    let now_s = world.resource::<Time>().elapsed_secs_f64() + world.resource::<RetryTime>().0;
+    let wanted = world.resource::<Wanted>();
+    if store.told != Some(wanted.generation) {
+        store.told = Some(wanted.generation);
+        store.client.want(wanted.order.iter().copied());
+    }
     let budget = world.resource::<StreamingSettings>().packets_a_frame.max(1);
     let mut taken = 0;
     loop {
@@ -68,7 +79,7 @@ pub(crate) fn deliver(world: &mut World) {
         }
         let Some((id, result)) = store.answer() else { break };
         for event in store.client.deliver(id, result, now_s) {
-            on_event(world, &store, event);
+            on_event(world, &mut store, event);
         }
         taken += 1;
         if taken >= budget {
@@ -82,7 +93,7 @@ pub(crate) fn deliver(world: &mut World) {
     world.insert_resource(store);
 }
 
-fn on_event(world: &mut World, store: &Store, event: ClientEvent) {
+fn on_event(world: &mut World, store: &mut Store, event: ClientEvent) {
     match event {
         ClientEvent::Opened => {
             if let Some(index) = store.client.index() {
@@ -123,7 +134,7 @@ fn open(world: &mut World, index: &Arc<CityIndex>) {
     world.write_message(CityOpened);
 }
 
-fn arrive(world: &mut World, store: &Store, cell: u32, level: Level, packet: Packet) {
+fn arrive(world: &mut World, store: &mut Store, cell: u32, level: Level, packet: Packet) {
     let now_s = world.resource::<Time>().elapsed_secs_f64();
     let bytes = store.client.index().and_then(|i| i.cells.get(cell as usize)?.packets[level.index()].as_ref().map(|b| b.bytes));
     let bytes = u64::from(bytes.unwrap_or(0));
@@ -146,8 +157,10 @@ fn arrive(world: &mut World, store: &Store, cell: u32, level: Level, packet: Pac
             content.sheet = Some(Arc::new(sheet));
             entity
         }
-        // A level 1 that is already here, or a level 2 whose cell was released meanwhile: nothing to do.
-        (Packet::Shell(_), Some(_)) | (Packet::Facades(_), None) => return,
+        // A level 2 whose cell was released meanwhile: whoever comes back asks for it anew.
+        (Packet::Facades(_), None) => return store.client.forget(cell, level),
+        // A level 1 that is already here: nothing to do.
+        (Packet::Shell(_), Some(_)) => return,
     };
     let mut loaded = world.resource_mut::<LoadedCells>();
     let entry = loaded.cells.entry(cell).or_insert(LoadedCell { entity, levels: Vec::new(), wanted_at_s: now_s });
@@ -197,8 +210,13 @@ pub(crate) fn release_cells(world: &mut World) {
 /// Which cells must go for the cap to hold: what is wanted keeps within it by itself, so those that stay only for a possible
 /// return, longest unwanted first.
 fn over_the_cap(loaded: &LoadedCells, wanted: &Wanted, leaving: &[u32], cap: u64) -> Vec<u32> {
+    let mut bytes: u64 = loaded.cells.values().map(LoadedCell::bytes).sum();
+    if bytes <= cap {
+        return Vec::new();
+    }
+    let leaving: BTreeSet<u32> = leaving.iter().copied().collect();
+    bytes -= leaving.iter().filter_map(|cell| loaded.cells.get(cell)).map(LoadedCell::bytes).sum::<u64>();
     let staying = || loaded.cells.iter().filter(|(cell, _)| !leaving.contains(cell));
-    let mut bytes: u64 = staying().map(|(_, c)| c.bytes()).sum();
     let mut idle: Vec<(f64, u32, u64)> =
         staying().filter(|&(&cell, _)| !wanted.wants(cell)).map(|(&cell, c)| (c.wanted_at_s, cell, c.bytes())).collect();
     idle.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -223,7 +241,7 @@ fn drop_levels(world: &mut World, store: &mut Store, loaded: &mut LoadedCells, w
         while let Some(&(level, size)) = entry.levels.last()
             && bytes > cap
             && level > Level::One
-            && !wanted.order.contains(&(cell, level))
+            && !wanted.wants_level(cell, level)
         {
             entry.levels.pop();
             bytes -= size;

@@ -30,6 +30,8 @@ pub(crate) type Fetched = (RequestId, Result<Payload, StoreError>);
 #[derive(Resource)]
 pub(crate) struct Store {
     pub client: Client,
+    /// The plan of what is wanted that the client has been told of.
+    pub told: Option<u64>,
     fetcher: Fetcher,
 }
 
@@ -49,7 +51,7 @@ impl Store {
             Fetching::Inline => Fetcher::Inline { reader, answers: VecDeque::new() },
             Fetching::Threads(_) => spawn_threads(&reader, threads),
         };
-        Self { client, fetcher }
+        Self { client, told: None, fetcher }
     }
 
     /// Sends a request on its way.

@@ -37,7 +37,7 @@ mod want;
 use bevy::prelude::*;
 use veduta_ecs::VedutaSystems;
 
-pub use deliver::StreamingStats;
+pub use deliver::{RetryTime, StreamingStats};
 pub use fetch::Fetching;
 pub use follow::CurrentCell;
 pub use want::Wanted;
@@ -109,6 +109,7 @@ impl Plugin for StreamingPlugin {
             .init_resource::<StreamingSettings>()
             .init_resource::<Wanted>()
             .init_resource::<StreamingStats>()
+            .init_resource::<RetryTime>()
             .register_type::<StreamingSettings>()
             .configure_sets(Update, (Open, Follow, Want, Deliver, Release).chain().in_set(VedutaSystems::Stream))
             .add_systems(Update, fetch::open_city.in_set(Open))

@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
@@ -16,6 +16,10 @@ pub struct Wanted {
     pub order: Vec<(u32, Level)>,
     /// Cells in sight of a viewer: these must stand at level 1 for a picture without holes.
     pub in_sight: Vec<u32>,
+    /// The order again, to be asked whether it has something.
+    set: BTreeSet<(u32, Level)>,
+    /// Counts the plans made for this city.
+    pub(crate) generation: u64,
     /// What the list was last planned for: a viewer's cell and position, coarsely.
     planned_for: Vec<(Option<u32>, IVec3)>,
 }
@@ -24,18 +28,30 @@ impl Wanted {
     /// Whether a level of a cell is wanted at all.
     #[must_use]
     pub fn wants(&self, cell: u32) -> bool {
-        self.order.iter().any(|&(c, _)| c == cell)
+        self.set.range((cell, Level::One)..).next().is_some_and(|&(c, _)| c == cell)
+    }
+
+    /// Whether this level of a cell is wanted.
+    #[must_use]
+    pub fn wants_level(&self, cell: u32, level: Level) -> bool {
+        self.set.contains(&(cell, level))
     }
 }
 
 /// Counts what is in sight and does not stand.
-pub(crate) fn count_awaited(wanted: Res<Wanted>, standing: Res<StandingCells>, mut awaited: ResMut<Awaited>) {
-    if !wanted.is_changed() && !standing.is_changed() {
+pub(crate) fn count_awaited(
+    store: Option<Res<Store>>,
+    wanted: Res<Wanted>,
+    standing: Res<StandingCells>,
+    mut awaited: ResMut<Awaited>,
+) {
+    if !wanted.is_changed() && !standing.is_changed() && awaited.cells == 0 {
         return;
     }
+    let gave_up = |cell| store.as_ref().is_some_and(|store| store.client.gave_up(cell, Level::One));
     // Level 1 of what is in sight leads the order; what the memory cap leaves out is not in it.
     let lead = wanted.order.iter().take(wanted.in_sight.len()).filter(|&&(_, level)| level == Level::One);
-    let cells = lead.filter(|&&(cell, _)| !standing.levels(cell).has(Level::One)).count();
+    let cells = lead.filter(|&&(cell, _)| !standing.levels(cell).has(Level::One) && !gave_up(cell)).count();
     awaited.set_if_neq(Awaited { cells });
 }
 
@@ -62,7 +78,7 @@ pub(crate) fn plan_wanted(
             (current.and_then(|c| c.0), IVec3::new(p.x as i32, p.y as i32, (eye.eye_m / 8.0) as i32))
         })
         .collect();
-    if standpoints == wanted.planned_for && !settings.is_changed() && !wanted.order.is_empty() {
+    if standpoints == wanted.planned_for && !settings.is_changed() {
         return;
     }
     let mut needs: BTreeMap<u32, Need> = BTreeMap::new();
@@ -70,7 +86,8 @@ pub(crate) fn plan_wanted(
         add_needs(index, &settings, eye, current.and_then(|c| c.0), &mut needs);
     }
     let (order, in_sight) = ranked(index, &needs, &settings);
-    *wanted = Wanted { order, in_sight, planned_for: standpoints };
+    let (set, generation) = (order.iter().copied().collect(), wanted.generation + 1);
+    *wanted = Wanted { order, in_sight, set, generation, planned_for: standpoints };
 }
 
 fn add_needs(index: &CityIndex, settings: &StreamingSettings, eye: &Eye, cell: Option<u32>, needs: &mut BTreeMap<u32, Need>) {

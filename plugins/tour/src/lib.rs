@@ -82,7 +82,10 @@ impl Plugin for TourPlugin {
             .init_resource::<CaptionSettings>()
             .add_message::<TourCommand>()
             .add_message::<TourEnded>()
-            .add_systems(Update, (play::obey, play::compile_tour, play::play).chain().in_set(VedutaSystems::Steer));
+            .add_systems(
+                Update,
+                (play::obey, play::tell_failures, play::compile_tour, play::play).chain().in_set(VedutaSystems::Steer),
+            );
         if self.interface {
             if !app.is_plugin_added::<EguiPlugin>() {
                 app.add_plugins(EguiPlugin::default());

@@ -1,3 +1,4 @@
+use bevy::asset::{AssetLoadError, AssetLoadFailedEvent};
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::Tour;
@@ -5,6 +6,7 @@ use veduta_ecs::{Awaited, City, CityClock, Eye, Steering, Viewer};
 use veduta_route::{CompiledTour, Gazetteer, Pose, ResumeLeg, StreetNet, compile, resume};
 
 use crate::TourAsset;
+use crate::asset::TourLoadError;
 
 /// What to do with the tour.
 #[derive(Message, Debug, Clone, PartialEq)]
@@ -231,6 +233,27 @@ fn pose_of(eye: &Eye, hour: f64) -> Pose {
         fov_deg: eye.fov_deg,
         hour,
         fade: eye.fade,
+    }
+}
+
+/// Tells of a tour that could not be read. The last good version, if there is one, plays on.
+pub(crate) fn tell_failures(mut failed: MessageReader<AssetLoadFailedEvent<TourAsset>>, mut player: ResMut<TourPlayer>) {
+    for failure in failed.read() {
+        if player.handle.as_ref().is_none_or(|handle| handle.id() != failure.id) {
+            continue;
+        }
+        let message = match &failure.error {
+            AssetLoadError::AssetLoaderError(error) => match error.error().downcast_ref::<TourLoadError>() {
+                Some(mistake) => mistake.to_string(),
+                None => format!("{}: the tour cannot be read", failure.path),
+            },
+            error => error.to_string(),
+        };
+        error!("{message}");
+        player.last_error = Some(message);
+        if player.compiled.is_none() {
+            player.state = TourState::Idle;
+        }
     }
 }
 

@@ -161,7 +161,9 @@ mod tests {
         assert_eq!(intent(&mut app), Intent::default());
         assert_eq!(*app.world().resource::<Steering>(), Steering::Guided);
         let mut keys = app.world_mut().resource_mut::<ButtonInput<KeyCode>>();
-        [KeyCode::KeyW, KeyCode::KeyD, KeyCode::ShiftLeft, KeyCode::ArrowRight].map(|key| keys.press(key));
+        for key in [KeyCode::KeyW, KeyCode::KeyD, KeyCode::ShiftLeft, KeyCode::ArrowRight] {
+            keys.press(key);
+        }
         let wish = intent(&mut app);
         assert_eq!(wish.go, DVec3::new(1.0, 1.0, 0.0));
         assert!(wish.run && (wish.turn_deg - 7.0).abs() < 1e-6, "{wish:?}");
