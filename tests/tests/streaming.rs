@@ -135,8 +135,10 @@ fn levels_come_in_order_and_cells_are_released_behind_the_walker() {
         }
     }
     let now: Vec<u32> = app.world().resource::<StandingCells>().iter().map(|(cell, ..)| cell).collect();
-    let stayed = first.iter().filter(|cell| now.contains(cell)).count();
-    assert!(stayed < first.len() / 2, "{stayed} of {} cells are still there, 400 m away", first.len());
+    let idle: Vec<&u32> = now.iter().filter(|&&cell| !app.world().resource::<Wanted>().wants(cell)).collect();
+    assert!(idle.is_empty(), "cells {idle:?} still stand, and nobody has wanted them for five seconds");
+    let gone = first.iter().filter(|cell| !now.contains(cell)).count();
+    assert!(gone > 10, "only {gone} of {} cells are gone, 400 m away", first.len());
     let entities = app.world_mut().query::<&veduta::ecs::Cell>().iter(app.world()).count();
     assert_eq!(entities, now.len(), "each standing cell is one entity");
 }
