@@ -51,7 +51,8 @@ pub fn of_tour(tour: &Tour, path: &Path) -> Result<String, Failure> {
     if tour.city.contains("://") {
         return open(Some(&tour.city));
     }
-    open_path(&path.parent().unwrap_or(Path::new("")).join(&tour.city))
+    let city = path.parent().unwrap_or(Path::new("")).join(&tour.city);
+    open_path(&city).map_err(|e| format!("{}: its city: {e}", path.display()).into())
 }
 
 fn open_path(path: &Path) -> Result<String, Failure> {

@@ -419,4 +419,27 @@ mod tests {
         }
         assert_eq!(hold, Hold::None);
     }
+
+    #[test]
+    fn a_tour_with_a_mistake_is_told_with_its_line_and_ends_the_waiting() {
+        let dir = std::env::temp_dir().join(format!("veduta-tour-{}", std::process::id()));
+        std::fs::create_dir_all(&dir).expect("a folder of our own");
+        std::fs::write(dir.join("bad.tour.ron"), "(\n  title: \"Bad\",\n  city: \"x\"\n  steps: [],\n)").expect("room");
+        let mut app = App::new();
+        let assets = AssetPlugin { file_path: dir.display().to_string(), ..default() };
+        app.add_plugins((MinimalPlugins, assets, crate::TourPlugin { interface: false }));
+        app.world_mut().write_message(TourCommand::Open("bad.tour.ron".into()));
+        for _ in 0..2_000 {
+            app.update();
+            if app.world().resource::<TourPlayer>().error().is_some() {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        let player = app.world().resource::<TourPlayer>();
+        let told = player.error().expect("a message");
+        assert!(told.contains("bad.tour.ron:4") && !told.contains("backtrace"), "{told}");
+        assert_eq!(player.state(), TourState::Idle);
+        let _ = std::fs::remove_dir_all(dir);
+    }
 }
