@@ -110,6 +110,8 @@ pub struct Client {
     /// By cell, then by level.
     slots: Vec<[Slot; 4]>,
     wanted: Vec<(u32, Level)>,
+    /// So many of the most urgent are here: the search for the next begins behind them.
+    all_here_before: usize,
     in_flight: BTreeMap<RequestId, What>,
     next_id: u64,
     stats: ClientStats,
@@ -127,6 +129,7 @@ impl Client {
             overview_slot: Slot::default(),
             slots: Vec::new(),
             wanted: Vec::new(),
+            all_here_before: 0,
             in_flight: BTreeMap::new(),
             next_id: 0,
             stats: ClientStats::default(),
@@ -151,6 +154,7 @@ impl Client {
     pub fn want(&mut self, wanted: impl IntoIterator<Item = (u32, Level)>) {
         self.wanted.clear();
         self.wanted.extend(wanted);
+        self.all_here_before = 0;
     }
 
     /// The next request to send off; `None` while there is nothing to ask for, enough is on its way, or all that is wanted
@@ -166,7 +170,12 @@ impl Client {
             let blob = index.overview;
             return Some(self.request(What::Overview, Some(blob)));
         }
-        let (what, blob) = self.wanted.iter().find_map(|&(cell, level)| {
+        let is_here = |&(cell, level): &(u32, Level)| {
+            self.slots.get(cell as usize).is_some_and(|slots| slots[level.index()].state == State::Here)
+        };
+        let more = self.wanted[self.all_here_before..].iter().take_while(|packet| is_here(packet)).count();
+        self.all_here_before += more;
+        let (what, blob) = self.wanted[self.all_here_before..].iter().find_map(|&(cell, level)| {
             let slots = self.slots.get(cell as usize)?;
             let blob = index.cells.get(cell as usize)?.packet(level)?;
             let is_next = level.index().checked_sub(1).is_none_or(|before| slots[before].state == State::Here);
@@ -199,6 +208,7 @@ impl Client {
             && slot.state == State::Here
         {
             *slot = Slot::default();
+            self.all_here_before = 0;
         }
     }
 

@@ -39,7 +39,12 @@ pub struct RetryTime(
 #[derive(Resource, Default)]
 struct LoadedCells {
     cells: BTreeMap<u32, LoadedCell>,
+    /// When it was last looked through for what may go, and for which plan of what is wanted.
+    swept: Option<(f64, u64)>,
 }
+
+/// Cells that nobody wants are looked for so often; at once where the plan changes or memory runs over.
+const SWEEP_S: f64 = 0.25;
 
 struct LoadedCell {
     entity: Entity,
@@ -180,6 +185,14 @@ pub(crate) fn release_cells(world: &mut World) {
     };
     let now_s = world.resource::<Time>().elapsed_secs_f64();
     let settings = *world.resource::<StreamingSettings>();
+    let plan = world.resource::<Wanted>().generation;
+    let runs_over = world.resource::<StreamingStats>().bytes_loaded > settings.memory_cap_bytes;
+    if !runs_over && loaded.swept.is_some_and(|(at_s, for_plan)| for_plan == plan && now_s - at_s < SWEEP_S) {
+        world.insert_resource(loaded);
+        world.insert_resource(store);
+        return;
+    }
+    loaded.swept = Some((now_s, plan));
     world.resource_scope(|world, wanted: Mut<'_, Wanted>| {
         for (cell, entry) in &mut loaded.cells {
             if wanted.wants(*cell) {
