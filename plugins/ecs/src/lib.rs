@@ -12,7 +12,7 @@
 //!
 //! # Rejected
 //! A shadow world beside the ECS (two truths drift apart) and plan coordinates as `f32` transforms (they jitter a few
-//! kilometres from the anchor; the [`WorldOrigin`] floats instead).
+//! kilometres from the anchor; the [`WorldOrigin`] is set where a city begins).
 
 mod cell;
 mod clock;
