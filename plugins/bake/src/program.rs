@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use veduta_bake::{BakeSettings, Input, Planned, Stage, bake, map_svg, plan, survey};
+use veduta_bake::{BakeSettings, Input, Planned, Stage, bake, map_svg, plan, survey_bare};
 use veduta_city::file;
 
 use report::report;
@@ -30,7 +30,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Turn a map into a city graph.
+    /// Turn a map into a city graph; edits in `X.graph.overrides.ron` stay there and are applied when it is grown.
     Survey {
         /// OpenStreetMap extract or graph.
         input: PathBuf,
@@ -114,7 +114,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
     let quiet = arguments.quiet;
     match arguments.command {
         Command::Survey { input, output } => {
-            let (graph, _, findings) = survey(&Input::of(&input)?)?;
+            let (graph, findings) = survey_bare(&Input::of(&input)?)?;
             file::write(&graph, &output)?;
             report(&findings, quiet, false);
             println!(

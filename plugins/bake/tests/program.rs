@@ -136,3 +136,29 @@ fn wrong_usage_and_missing_files_have_their_exit_codes() {
     assert!(err.contains("lane"), "{err}");
     assert!(folder.names().is_empty());
 }
+
+fn write(path: &Path, text: &str) {
+    std::fs::write(path, text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+}
+
+#[test]
+fn edits_are_applied_once_by_either_way() {
+    let folder = Folder::new("edits");
+    let map = folder.0.join("town.osm");
+    std::fs::copy(place("crossroads/crossroads.osm"), &map).unwrap_or_else(|e| panic!("{e}"));
+    write(
+        &folder.0.join("town.graph.overrides.ron"),
+        "(edits: [AddObject((kind: Bench, pos: (-200, 3), name: \"the only one\")),
+                  AddBuilding((name: \"At the Edge\", outline: [(-240, 40), (-230, 40), (-230, 50), (-240, 50)]))])",
+    );
+    let (graph, plan) = (folder.0.join("town.graph.ron"), folder.0.join("town.plan.ron"));
+    let straight = folder.0.join("straight.plan.ron");
+    assert_eq!(run(&[&"grow", &map, &"-o", &straight]).0, 0);
+    let (code, _, err) = run(&[&"survey", &map, &"-o", &graph]);
+    assert_eq!(code, 0, "{err}");
+    assert_eq!(run(&[&"grow", &graph, &"-o", &plan]).0, 0);
+    let text = |path: &Path| std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    assert_eq!(text(&graph).matches("At the Edge").count(), 0, "edits stay in their own file");
+    assert_eq!(text(&plan).matches("name: \"At the Edge\"").count(), 1);
+    assert_eq!(text(&plan), text(&straight), "a stop between the steps changes nothing");
+}
