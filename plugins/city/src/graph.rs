@@ -140,6 +140,7 @@ pub enum Surfacing {
 
 /// What a link is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum LinkKind {
     /// A street or way for people.
     Street(StreetClass),
