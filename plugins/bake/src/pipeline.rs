@@ -82,14 +82,26 @@ pub fn survey(input: &Input) -> Result<(CityGraph, Vec<Style>, Vec<Finding>), Ba
     let (mut graph, mut findings) = read_graph(input)?;
     let beside = overrides_beside(&input.path);
     let mut styles = Vec::new();
+    // What is wrong before is the graph's, what is wrong after and was not before is the edits'; an edit may mend a graph.
+    let own = graph.validate();
     if beside.exists() {
-        let overrides: GraphOverrides = file::read(&beside)?;
+        let overrides = read_overrides(&beside)?;
         findings.extend(overrides.apply(&mut graph));
         graph.fill_ids();
         styles = overrides.styles;
     }
-    let errors = graph.validate();
-    if errors.is_empty() { Ok((graph, styles, findings)) } else { Err(BakeError::Graph { path: input.path.clone(), errors }) }
+    let (old, new): (Vec<_>, Vec<_>) = graph.validate().into_iter().partition(|error| own.contains(error));
+    if !new.is_empty() {
+        return Err(BakeError::Graph { path: beside, errors: new });
+    }
+    if old.is_empty() { Ok((graph, styles, findings)) } else { Err(BakeError::Graph { path: input.path.clone(), errors: old }) }
+}
+
+/// Overrides whose edits may be applied.
+fn read_overrides(path: &Path) -> Result<GraphOverrides, BakeError> {
+    let overrides: GraphOverrides = file::read(path)?;
+    let errors = overrides.validate();
+    if errors.is_empty() { Ok(overrides) } else { Err(BakeError::Overrides { path: path.to_owned(), errors }) }
 }
 
 /// A graph as it was written or surveyed; not validated yet, because an edit may mend it.

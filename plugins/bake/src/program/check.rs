@@ -24,7 +24,9 @@ fn check_one(path: &Path) -> Result<String, Vec<String>> {
     let one = |e: file::FileError| vec![e.to_string()];
     if name.ends_with(".overrides.ron") {
         let overrides: GraphOverrides = file::read(path).map_err(one)?;
-        let mistakes = Styles(overrides.styles.clone()).validate();
+        let edits = overrides.validate().into_iter().map(|e| e.to_string());
+        let mistakes: Vec<String> =
+            edits.chain(Styles(overrides.styles.clone()).validate().iter().map(ToString::to_string)).collect();
         return told(path, mistakes, format!("{} edits, {} styles", overrides.edits.len(), overrides.styles.len()));
     }
     if name.ends_with(".graph.ron") {
