@@ -137,7 +137,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
         Command::Check { files } => check::check(&files)?,
         Command::Map { input, output } => {
             let planned = planned(&input, None, quiet)?;
-            std::fs::write(&output, map_svg(&planned.plan)).map_err(|e| format!("{}: {e}", output.display()))?;
+            file::write_text(&map_svg(&planned.plan), &output)?;
             println!("{}", output.display());
         }
         Command::Serve { city, port } => serve::serve(&city, port)?,

@@ -212,3 +212,16 @@ fn a_town_is_baked_up_to_the_farthest_place_and_not_beyond() {
         assert!(err.contains(&format!("t.graph.ron: node 1 lies at ({x}, 0)")), "{err}");
     }
 }
+
+#[test]
+fn what_cannot_be_written_leaves_no_part() {
+    let folder = Folder::new("part");
+    let taken = folder.0.join("taken");
+    std::fs::create_dir(&taken).unwrap_or_else(|e| panic!("{e}"));
+    for command in ["survey", "grow", "map"] {
+        let (code, _, err) = run(&[&command, &place("lane/lane.graph.ron"), &"-o", &taken]);
+        assert_eq!(code, 1, "{command}");
+        assert!(err.contains("taken"), "{command}: {err}");
+        assert_eq!(folder.names(), ["taken"], "{command}");
+    }
+}

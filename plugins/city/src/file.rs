@@ -146,18 +146,30 @@ pub fn to_text<T: Serialize>(value: &T) -> Result<String, ron::Error> {
     Ok(text)
 }
 
-/// Writes a value to a RON file, whole or not at all: first beside it, then renamed.
+/// Writes a value to a RON file, whole or not at all.
 ///
 /// # Errors
-/// [`FileError`] if the system says no.
+/// [`FileError`] if the system says no; nothing is left behind then.
 pub fn write<T: Serialize>(value: &T, path: &Path) -> Result<(), FileError> {
     let text = to_text(value).map_err(|source| FileError::Write { path: path.to_owned(), source })?;
+    write_text(&text, path)
+}
+
+/// Writes a file, whole or not at all: first beside it, then renamed.
+///
+/// # Errors
+/// [`FileError::Io`] if the system says no; nothing is left behind then.
+pub fn write_text(text: &str, path: &Path) -> Result<(), FileError> {
     let io = |source| FileError::Io { path: path.to_owned(), source };
     let mut beside = path.as_os_str().to_owned();
     beside.push(".part");
     let beside = PathBuf::from(beside);
-    std::fs::write(&beside, text).map_err(io)?;
-    std::fs::rename(&beside, path).map_err(io)
+    let written = std::fs::write(&beside, text).and_then(|()| std::fs::rename(&beside, path));
+    if written.is_err() {
+        // The first error is the one to tell.
+        let _ = std::fs::remove_file(&beside);
+    }
+    written.map_err(io)
 }
 
 #[cfg(test)]
@@ -224,6 +236,21 @@ mod tests {
         refuses::<CityGraph>("(name: \"T\", anchor: (lat: 50, lon: 14, alt: 3))", "alt");
         refuses::<CityPlan>("(extent: (outer: [], hole: []))", "hole");
         refuses::<Style>("(nam: \"x\")", "nam");
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_written_leaves_nothing() {
+        let dir = std::env::temp_dir().join(format!("veduta-city-file-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&dir);
+        std::fs::create_dir_all(dir.join("taken")).expect("a folder");
+        let names = || std::fs::read_dir(&dir).expect("a folder").count();
+        let error = write_text("x", &dir.join("taken")).expect_err("a folder is there");
+        assert!(error.to_string().contains("taken"), "{error}");
+        assert_eq!(names(), 1, "only what stood there");
+        write_text("x", &dir.join("free")).expect("nothing is there");
+        write_text("y", &dir.join("free")).expect("a file is replaced");
+        assert_eq!((names(), std::fs::read_to_string(dir.join("free")).expect("a file").as_str()), (2, "y"));
+        std::fs::remove_dir_all(&dir).expect("ours");
     }
 
     #[test]
