@@ -114,9 +114,9 @@ fn seal(content: &[u8]) -> Vec<u8> {
     stored
 }
 
-/// Takes the first `N` bytes off.
-fn head<'a, const N: usize>(bytes: &mut &'a [u8]) -> Result<&'a [u8; N], StoreError> {
-    let short = StoreError::Length { what: WHAT, expected: HEADER as u64, found: bytes.len() as u64 };
+/// Takes the first `N` bytes off what is left of `stored` bytes.
+fn head<'a, const N: usize>(bytes: &mut &'a [u8], stored: usize) -> Result<&'a [u8; N], StoreError> {
+    let short = StoreError::Length { what: WHAT, expected: HEADER as u64, found: stored as u64 };
     let (first, rest) = bytes.split_first_chunk().ok_or(short)?;
     *bytes = rest;
     Ok(first)
@@ -132,21 +132,21 @@ pub fn decode_index(stored: &[u8]) -> Result<CityIndex, StoreError> {
     if !rest.starts_with(MAGIC) {
         return Err(StoreError::NotACity);
     }
-    let _: &[u8; 7] = head(&mut rest)?;
-    let &[kind] = head(&mut rest)?;
+    let _: &[u8; 7] = head(&mut rest, stored.len())?;
+    let &[kind] = head(&mut rest, stored.len())?;
     if kind != KIND {
         return Err(StoreError::Kind { expected: WHAT, found: format!("a file of kind {kind}") });
     }
-    match u32::from_le_bytes(*head(&mut rest)?) {
+    match u32::from_le_bytes(*head(&mut rest, stored.len())?) {
         FORMAT_VERSION => {}
         found if found > FORMAT_VERSION => return Err(StoreError::Newer { found }),
         found => return Err(StoreError::Older { found }),
     }
-    let sum: &[u8; 32] = head(&mut rest)?;
+    let sum: &[u8; 32] = head(&mut rest, stored.len())?;
     if blake3::hash(rest).as_bytes() != sum {
         return Err(StoreError::Checksum { what: WHAT });
     }
-    let size = u32::from_le_bytes(*head(&mut rest)?);
+    let size = u32::from_le_bytes(*head(&mut rest, stored.len())?);
     let wire: WireIndex = from_bytes(WHAT, &inflate(WHAT, rest, u64::from(size), INFLATED_CAP)?)?;
     let index = CityIndex::try_from(wire).map_err(|malformed| malformed.of(WHAT))?;
     valid::check_index(&index).map_err(|reason| StoreError::Invalid { what: WHAT, reason })?;
