@@ -213,6 +213,32 @@ mod tests {
         assert_eq!((FORMAT_VERSION, &form[..16]), (1, "e5d0179e08061f6c"), "raise FORMAT_VERSION if this is on purpose");
     }
 
+    #[test]
+    fn an_index_that_claims_gigabytes_is_refused() {
+        let claims: [(&str, fn(&mut CityIndex) -> &mut BlobRef, u32); 3] = [
+            ("a packet of level 1", |index| index.cells[1].packets[0].as_mut().expect("a packet"), 17 << 20),
+            ("the overview", |index| &mut index.overview, 66 << 20),
+            ("the styles", |index| index.styles.as_mut().expect("styles"), u32::MAX),
+        ];
+        for (what, blob, bytes) in claims {
+            let mut index = index();
+            blob(&mut index).bytes = 16 << 20;
+            assert_eq!(decode_index(&encode_index(&index)).as_ref(), Ok(&index), "{what}: large, but possible");
+            blob(&mut index).bytes = bytes;
+            let error = decode_index(&encode_index(&index)).expect_err(what).to_string();
+            assert!(error.contains(&format!("{what} claims {bytes} bytes")), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_shrink_stays_below_the_cap_of_its_kind() {
+        let mut reader = blake3::Hasher::new().finalize_xof();
+        let mut noise = vec![0; 16 << 20];
+        reader.fill(&mut noise);
+        let stored = crate::blob::pack(crate::blob::BlobKind::Shell, &noise);
+        assert!(stored.len() as u64 <= crate::blob::BlobKind::Shell.stored_cap(), "{} bytes", stored.len());
+    }
+
     proptest! {
         /// Someone who can compute checksums makes indices that no encoder would.
         #[test]
