@@ -66,7 +66,7 @@ enum Command {
         #[arg(long)]
         findings: bool,
     },
-    /// Look into a baked city: figures, and whether every packet is whole.
+    /// Look into a baked city: figures, and whether every part of it is whole.
     Inspect {
         /// City directory or URL.
         city: String,

@@ -225,3 +225,40 @@ fn what_cannot_be_written_leaves_no_part() {
         assert_eq!(folder.names(), ["taken"], "{command}");
     }
 }
+
+/// A baked city of the lane, with its index.
+fn baked(folder: &Folder) -> (PathBuf, veduta_store::CityIndex) {
+    let city = folder.0.join("a.city");
+    assert_eq!(run(&[&"bake", &place("lane/lane.graph.ron"), &"-o", &city, &"--quiet"]).0, 0);
+    let stored = std::fs::read(city.join(veduta_store::INDEX_NAME)).unwrap_or_else(|e| panic!("{e}"));
+    (city, veduta_store::decode_index(&stored).unwrap_or_else(|e| panic!("{e}")))
+}
+
+#[test]
+fn every_part_of_a_city_is_inspected() {
+    let folder = Folder::new("parts");
+    let (city, index) = baked(&folder);
+    let styles = index.styles.unwrap_or_else(|| panic!("a baked city has styles"));
+    for (name, blob) in [("overview", index.overview), ("styles", styles)] {
+        let path = city.join(blob.path());
+        let bytes = std::fs::read(&path).unwrap_or_else(|e| panic!("{e}"));
+        std::fs::remove_file(&path).unwrap_or_else(|e| panic!("{e}"));
+        let (code, _, err) = run(&[&"inspect", &city]);
+        assert_eq!(code, 1, "without its {name}");
+        assert!(err.contains(&format!("{name}: `{}` is missing", blob.path())) && err.contains("one part is broken"), "{err}");
+        std::fs::write(&path, bytes).unwrap_or_else(|e| panic!("{e}"));
+    }
+    assert_eq!(run(&[&"inspect", &city]).0, 0);
+
+    // Two cells swap their façades.
+    let mut forged = index.clone();
+    let with_walls: Vec<usize> = (0..index.cells.len()).filter(|&i| index.cells[i].packets[1].is_some()).collect();
+    let pair = with_walls.windows(2).find(|pair| index.cells[pair[0]].walls != index.cells[pair[1]].walls);
+    let &[a, b] = pair.unwrap_or_else(|| panic!("two cells with different numbers of walls")) else { unreachable!("a pair") };
+    (forged.cells[a].packets[1], forged.cells[b].packets[1]) = (index.cells[b].packets[1], index.cells[a].packets[1]);
+    let bytes = veduta_store::encode_index(&forged);
+    std::fs::write(city.join(veduta_store::INDEX_NAME), bytes).unwrap_or_else(|e| panic!("{e}"));
+    let (code, _, err) = run(&[&"inspect", &city]);
+    assert_eq!(code, 1);
+    assert!(err.contains(&format!("cell {a}, level 2")) && err.contains("2 parts are broken"), "{err}");
+}
