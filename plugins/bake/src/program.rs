@@ -2,6 +2,7 @@ mod check;
 mod inspect;
 mod report;
 mod serve;
+mod town;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -74,7 +75,7 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Check RON files: graphs, overrides, plans, styles, tours.
+    /// Check RON files: graphs, overrides, plans, styles, and tours against their city.
     Check {
         /// The files.
         #[arg(required = true)]

@@ -262,3 +262,67 @@ fn every_part_of_a_city_is_inspected() {
     assert_eq!(code, 1);
     assert!(err.contains(&format!("cell {a}, level 2")) && err.contains("2 parts are broken"), "{err}");
 }
+
+#[test]
+fn styles_are_told_by_their_folder_or_content() {
+    let folder = Folder::new("styles");
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/styles");
+    let (code, out, err) = run(&[&"check", &assets.join("modern.ron"), &assets.join("old_town.ron")]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    assert!(out.contains("style `modern`") && out.contains("style `old_town`"), "{out}");
+    let good = std::fs::read_to_string(assets.join("modern.ron")).unwrap_or_else(|e| panic!("{e}"));
+    let here = folder.0.join("glass.ron");
+    write(&here, &good);
+    assert_eq!(run(&[&"check", &here]).0, 0, "by content");
+    write(&here, &good.replace("(18.0, 30.0)", "(30.0, 18.0)"));
+    let (code, _, err) = run(&[&"check", &here]);
+    assert!(code == 1 && err.contains("glass.ron") && err.contains("frontage_m"), "{err}");
+    write(&here, "(unknown: 3)");
+    let (code, _, err) = run(&[&"check", &here]);
+    assert!(code == 1 && err.contains("not a file of ours"), "{err}");
+    std::fs::create_dir(folder.0.join("styles")).unwrap_or_else(|e| panic!("{e}"));
+    let meant = folder.0.join("styles/glass.ron");
+    write(&meant, &good.replace("shops:", "shop:"));
+    let (code, _, err) = run(&[&"check", &meant]);
+    assert!(code == 1 && err.contains("glass.ron:19:") && err.contains("`shop`"), "a mistake is shown in its place: {err}");
+}
+
+#[test]
+fn tours_are_checked_against_the_city_beside_them() {
+    let folder = Folder::new("tours");
+    let (graph, tour) = (folder.0.join("t.graph.ron"), folder.0.join("t.tour.ron"));
+    let check = |city: &str, rest: &str| {
+        write(&tour, &format!("(title: \"T\", city: \"{city}\", {rest})"));
+        run(&[&"check", &tour])
+    };
+    let walk = "steps: [Start(at: At(0, 0)), Walk(to: Place(\"The Wel\"))]";
+    // No city is here yet.
+    for city in ["t.graph.ron", "https://example.org/t.city"] {
+        for speed in ["NaN", "-1.0", "1e300"] {
+            let (code, _, err) = check(city, &format!("speed: {speed}, {walk}"));
+            assert!(code == 1 && err.contains("t.tour.ron: the tour's speed in metres a second is"), "{city}, {speed}: {err}");
+        }
+    }
+    write(&graph, &small_town(0.0).replace("buildings:", "places: [(name: \"The Well\", pos: (50, 1))], buildings:"));
+    for city in ["t.graph.ron", "t.city"] {
+        let (code, _, err) = check(city, walk);
+        assert_eq!(code, 1, "{city}");
+        assert!(
+            err.contains("t.tour.ron: step 2 (Walk): there is no place named \"The Wel\"; did you mean \"The Well\"?"),
+            "{err}"
+        );
+        let (code, out, err) = check(city, &walk.replace("Wel", "Well"));
+        assert!(code == 0 && out.contains("2 steps"), "{out}{err}");
+    }
+    let (code, _, err) = check("t.graph.ron", &format!("speed: NaN, {walk}"));
+    assert!(code == 1 && err.contains("t.tour.ron: the tour's speed in metres a second is NaN"), "{err}");
+    let (code, out, _) = check("https://example.org/t.city", walk);
+    assert!(code == 0 && out.contains("were not looked at"), "{out}");
+
+    let city = folder.0.join("t.city");
+    assert_eq!(run(&[&"bake", &graph, &"-o", &city, &"--quiet"]).0, 0);
+    std::fs::remove_file(&graph).unwrap_or_else(|e| panic!("{e}"));
+    let (code, _, err) = check("t.city", walk);
+    assert!(code == 1 && err.contains("The Well"), "a baked city will do: {err}");
+    assert_eq!(check("t.city", &walk.replace("Wel", "Well")).0, 0);
+}
