@@ -645,7 +645,6 @@ impl CityGraph {
         }
         for o in &self.objects {
             errors.extend(check_positions("object", o.id, &[o.pos]));
-            errors.extend(check_numbers("object", o.id, &[("heading_deg", o.heading_deg), ("height_m", o.height_m)]));
         }
         for p in &self.places {
             errors.extend(check_positions("place", p.id, &[p.pos]));

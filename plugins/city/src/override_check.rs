@@ -85,6 +85,9 @@ fn check(edit: &GraphOverride, reasons: &mut Vec<String>) {
         GraphOverride::AddObject(object) => {
             check_alone(CityGraph { objects: vec![object.clone()], ..CityGraph::default() }, reasons);
             check_range("height_m", object.height_m, 0.0, HIGHEST_M, reasons);
+            if !object.heading_deg.is_finite() {
+                reasons.push("`heading_deg` of object is not a number".to_owned());
+            }
         }
         GraphOverride::AddPlace(place) => {
             check_alone(CityGraph { places: vec![place.clone()], ..CityGraph::default() }, reasons);
