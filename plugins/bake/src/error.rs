@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use veduta_city::file::FileError;
-use veduta_city::{GraphError, StyleError};
+use veduta_city::{GraphError, OverrideError, StyleError};
 
 /// A bake that came to nothing. What stood at the output's place before still stands.
 #[derive(Debug, thiserror::Error)]
@@ -43,13 +43,21 @@ pub enum BakeError {
     /// The map could not be surveyed.
     #[error("{0}")]
     Survey(#[from] veduta_survey::SurveyError),
-    /// The graph is not one that can be grown.
+    /// The graph is not one that can be grown, or, where the file is one of overrides, not any more after its edits.
     #[error("{path}: {}", list(.errors))]
     Graph {
         /// Which file.
         path: PathBuf,
         /// What is wrong.
         errors: Vec<GraphError>,
+    },
+    /// The overrides have edits that cannot be meant.
+    #[error("{path}: {}", list(.errors))]
+    Overrides {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        errors: Vec<OverrideError>,
     },
     /// The styles are not ones to draw from.
     #[error("{path}: {}", list(.errors))]

@@ -33,7 +33,7 @@ mod svg;
 pub use enlarge::enlarged;
 pub use error::BakeError;
 pub use input::{Input, InputKind};
-pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, cut, plan, survey};
+pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, cut, plan, survey, survey_bare};
 pub use scene::overrides_beside;
 pub use svg::map_svg;
 pub use veduta_cells::PARTITION_VERSION;

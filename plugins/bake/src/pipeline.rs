@@ -63,12 +63,50 @@ pub struct Planned {
     pub findings: Vec<Finding>,
 }
 
+/// The city graph of an input as it is, without its overrides: what `veduta-bake survey` writes, so that the overrides
+/// beside it are applied once, by whoever reads that graph.
+///
+/// # Errors
+/// If the input cannot be read or is not what it should be.
+pub fn survey_bare(input: &Input) -> Result<(CityGraph, Vec<Finding>), BakeError> {
+    let (graph, findings) = read_graph(input)?;
+    let errors = graph.validate();
+    if errors.is_empty() { Ok((graph, findings)) } else { Err(BakeError::Graph { path: input.path.clone(), errors }) }
+}
+
 /// The city graph of an input, with its overrides applied, and the styles that they bring.
 ///
 /// # Errors
 /// If the input or its overrides cannot be read or are not what they should be.
 pub fn survey(input: &Input) -> Result<(CityGraph, Vec<Style>, Vec<Finding>), BakeError> {
-    let (mut graph, mut findings) = match input.kind {
+    let (mut graph, mut findings) = read_graph(input)?;
+    let beside = overrides_beside(&input.path);
+    let mut styles = Vec::new();
+    // What is wrong before is the graph's, what is wrong after and was not before is the edits'; an edit may mend a graph.
+    let own = graph.validate();
+    if beside.exists() {
+        let overrides = read_overrides(&beside)?;
+        findings.extend(overrides.apply(&mut graph));
+        graph.fill_ids();
+        styles = overrides.styles;
+    }
+    let (old, new): (Vec<_>, Vec<_>) = graph.validate().into_iter().partition(|error| own.contains(error));
+    if !new.is_empty() {
+        return Err(BakeError::Graph { path: beside, errors: new });
+    }
+    if old.is_empty() { Ok((graph, styles, findings)) } else { Err(BakeError::Graph { path: input.path.clone(), errors: old }) }
+}
+
+/// Overrides whose edits may be applied.
+fn read_overrides(path: &Path) -> Result<GraphOverrides, BakeError> {
+    let overrides: GraphOverrides = file::read(path)?;
+    let errors = overrides.validate();
+    if errors.is_empty() { Ok(overrides) } else { Err(BakeError::Overrides { path: path.to_owned(), errors }) }
+}
+
+/// A graph as it was written or surveyed; not validated yet, because an edit may mend it.
+fn read_graph(input: &Input) -> Result<(CityGraph, Vec<Finding>), BakeError> {
+    let (mut graph, findings) = match input.kind {
         InputKind::Osm => {
             let name = input.path.file_name().unwrap_or_default().to_string_lossy();
             let survey = veduta_survey::survey_osm(&input.content()?, &name)?;
@@ -78,16 +116,7 @@ pub fn survey(input: &Input) -> Result<(CityGraph, Vec<Style>, Vec<Finding>), Ba
         InputKind::Plan => return Err(BakeError::UnknownKind(input.path.clone())),
     };
     graph.fill_ids();
-    let beside = overrides_beside(&input.path);
-    let mut styles = Vec::new();
-    if beside.exists() {
-        let overrides: GraphOverrides = file::read(&beside)?;
-        findings.extend(overrides.apply(&mut graph));
-        graph.fill_ids();
-        styles = overrides.styles;
-    }
-    let errors = graph.validate();
-    if errors.is_empty() { Ok((graph, styles, findings)) } else { Err(BakeError::Graph { path: input.path.clone(), errors }) }
+    Ok((graph, findings))
 }
 
 /// The plan of an input.

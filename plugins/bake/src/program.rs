@@ -2,6 +2,7 @@ mod check;
 mod inspect;
 mod report;
 mod serve;
+mod town;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -9,7 +10,7 @@ use std::time::Instant;
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use veduta_bake::{BakeSettings, Input, Planned, Stage, bake, map_svg, plan, survey};
+use veduta_bake::{BakeSettings, Input, Planned, Stage, bake, map_svg, plan, survey_bare};
 use veduta_city::file;
 
 use report::report;
@@ -30,7 +31,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Turn a map into a city graph.
+    /// Turn a map into a city graph; edits in `X.graph.overrides.ron` stay there and are applied when it is grown.
     Survey {
         /// OpenStreetMap extract or graph.
         input: PathBuf,
@@ -66,7 +67,7 @@ enum Command {
         #[arg(long)]
         findings: bool,
     },
-    /// Look into a baked city: figures, and whether every packet is whole.
+    /// Look into a baked city: figures, and whether every part of it is whole.
     Inspect {
         /// City directory or URL.
         city: String,
@@ -74,7 +75,7 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Check RON files: graphs, overrides, plans, styles, tours.
+    /// Check RON files: graphs, overrides, plans, styles, and tours against their city.
     Check {
         /// The files.
         #[arg(required = true)]
@@ -114,7 +115,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
     let quiet = arguments.quiet;
     match arguments.command {
         Command::Survey { input, output } => {
-            let (graph, _, findings) = survey(&Input::of(&input)?)?;
+            let (graph, findings) = survey_bare(&Input::of(&input)?)?;
             file::write(&graph, &output)?;
             report(&findings, quiet, false);
             println!(
@@ -137,7 +138,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
         Command::Check { files } => check::check(&files)?,
         Command::Map { input, output } => {
             let planned = planned(&input, None, quiet)?;
-            std::fs::write(&output, map_svg(&planned.plan)).map_err(|e| format!("{}: {e}", output.display()))?;
+            file::write_text(&map_svg(&planned.plan), &output)?;
             println!("{}", output.display());
         }
         Command::Serve { city, port } => serve::serve(&city, port)?,

@@ -136,3 +136,193 @@ fn wrong_usage_and_missing_files_have_their_exit_codes() {
     assert!(err.contains("lane"), "{err}");
     assert!(folder.names().is_empty());
 }
+
+fn write(path: &Path, text: &str) {
+    std::fs::write(path, text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+}
+
+#[test]
+fn edits_are_applied_once_by_either_way() {
+    let folder = Folder::new("edits");
+    let map = folder.0.join("town.osm");
+    std::fs::copy(place("crossroads/crossroads.osm"), &map).unwrap_or_else(|e| panic!("{e}"));
+    write(
+        &folder.0.join("town.graph.overrides.ron"),
+        "(edits: [AddObject((kind: Bench, pos: (-200, 3), name: \"the only one\")),
+                  AddBuilding((name: \"At the Edge\", outline: [(-240, 40), (-230, 40), (-230, 50), (-240, 50)]))])",
+    );
+    let (graph, plan) = (folder.0.join("town.graph.ron"), folder.0.join("town.plan.ron"));
+    let straight = folder.0.join("straight.plan.ron");
+    assert_eq!(run(&[&"grow", &map, &"-o", &straight]).0, 0);
+    let (code, _, err) = run(&[&"survey", &map, &"-o", &graph]);
+    assert_eq!(code, 0, "{err}");
+    assert_eq!(run(&[&"grow", &graph, &"-o", &plan]).0, 0);
+    let text = |path: &Path| std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    assert_eq!(text(&graph).matches("At the Edge").count(), 0, "edits stay in their own file");
+    assert!(text(&plan).contains("At the Edge"));
+    assert_eq!(text(&plan), text(&straight), "a stop between the steps changes nothing");
+}
+
+/// A street and a square of ground, `x` metres east of the anchor.
+fn small_town(x: f64) -> String {
+    format!(
+        "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 1, pos: ({x}, 0)), (id: 2, pos: ({}, 0))],
+          links: [(id: 9, from: 1, to: 2, kind: Street(Lane))],
+          buildings: [(id: 4, outline: [({x}, 5), ({}, 5), ({}, 15), ({x}, 15)])])",
+        x + 60.0,
+        x + 12.0,
+        x + 12.0
+    )
+}
+
+#[test]
+fn a_mistake_in_the_overrides_is_not_laid_at_the_graphs_door() {
+    let folder = Folder::new("overrides");
+    let (graph, overrides) = (folder.0.join("t.graph.ron"), folder.0.join("t.graph.overrides.ron"));
+    write(&graph, &small_town(0.0));
+    let wrong = [
+        ("Width(target: (at: (9, 0)), width_m: NaN)", "edit 1 (Width)"),
+        ("AddBuilding((outline: [(0, 0), (1, 0)]))", "edit 1 (AddBuilding)"),
+        ("AddBuilding((id: 4, outline: [(40, 5), (50, 5), (50, 15)]))", "two buildings have the id 4"),
+    ];
+    for (edit, reason) in wrong {
+        write(&overrides, &format!("(edits: [{edit}])"));
+        let (code, _, err) = run(&[&"grow", &graph, &"-o", &folder.0.join("t.plan.ron")]);
+        assert_eq!(code, 1);
+        assert!(err.contains(&format!("{}: {reason}", overrides.display())), "{edit}: {err}");
+        let (code, _, err) = run(&[&"check", &overrides]);
+        assert_eq!(code == 1, reason.starts_with("edit"), "checked alone: {err}");
+    }
+}
+
+#[test]
+fn a_town_is_baked_up_to_the_farthest_place_and_not_beyond() {
+    let folder = Folder::new("far");
+    let (graph, city) = (folder.0.join("t.graph.ron"), folder.0.join("t.city"));
+    for x in [899_900.0, -900_000.0] {
+        write(&graph, &small_town(x));
+        let (code, _, err) = run(&[&"bake", &graph, &"-o", &city]);
+        assert_eq!(code, 0, "{x}: {err}");
+        assert_eq!(run(&[&"inspect", &city]).0, 0);
+    }
+    for x in [900_001.0, 1_040_000.0, 2e6] {
+        write(&graph, &small_town(x));
+        let (code, _, err) = run(&[&"bake", &graph, &"-o", &city]);
+        assert_eq!(code, 1);
+        assert!(err.contains(&format!("t.graph.ron: node 1 lies at ({x}, 0)")), "{err}");
+    }
+}
+
+#[test]
+fn what_cannot_be_written_leaves_no_part() {
+    let folder = Folder::new("part");
+    let taken = folder.0.join("taken");
+    std::fs::create_dir(&taken).unwrap_or_else(|e| panic!("{e}"));
+    for command in ["survey", "grow", "map"] {
+        let (code, _, err) = run(&[&command, &place("lane/lane.graph.ron"), &"-o", &taken]);
+        assert_eq!(code, 1, "{command}");
+        assert!(err.contains("taken"), "{command}: {err}");
+        assert_eq!(folder.names(), ["taken"], "{command}");
+    }
+}
+
+/// A baked city of the lane, with its index.
+fn baked(folder: &Folder) -> (PathBuf, veduta_store::CityIndex) {
+    let city = folder.0.join("a.city");
+    assert_eq!(run(&[&"bake", &place("lane/lane.graph.ron"), &"-o", &city, &"--quiet"]).0, 0);
+    let stored = std::fs::read(city.join(veduta_store::INDEX_NAME)).unwrap_or_else(|e| panic!("{e}"));
+    (city, veduta_store::decode_index(&stored).unwrap_or_else(|e| panic!("{e}")))
+}
+
+#[test]
+fn every_part_of_a_city_is_inspected() {
+    let folder = Folder::new("parts");
+    let (city, index) = baked(&folder);
+    let styles = index.styles.unwrap_or_else(|| panic!("a baked city has styles"));
+    for (name, blob) in [("overview", index.overview), ("styles", styles)] {
+        let path = city.join(blob.path());
+        let bytes = std::fs::read(&path).unwrap_or_else(|e| panic!("{e}"));
+        std::fs::remove_file(&path).unwrap_or_else(|e| panic!("{e}"));
+        let (code, _, err) = run(&[&"inspect", &city]);
+        assert_eq!(code, 1, "without its {name}");
+        assert!(err.contains(&format!("{name}: `{}` is missing", blob.path())) && err.contains("one part is broken"), "{err}");
+        std::fs::write(&path, bytes).unwrap_or_else(|e| panic!("{e}"));
+    }
+    assert_eq!(run(&[&"inspect", &city]).0, 0);
+
+    // Two cells swap their façades.
+    let mut forged = index.clone();
+    let with_walls: Vec<usize> = (0..index.cells.len()).filter(|&i| index.cells[i].packets[1].is_some()).collect();
+    let pair = with_walls.windows(2).find(|pair| index.cells[pair[0]].walls != index.cells[pair[1]].walls);
+    let &[a, b] = pair.unwrap_or_else(|| panic!("two cells with different numbers of walls")) else { unreachable!("a pair") };
+    (forged.cells[a].packets[1], forged.cells[b].packets[1]) = (index.cells[b].packets[1], index.cells[a].packets[1]);
+    let bytes = veduta_store::encode_index(&forged);
+    std::fs::write(city.join(veduta_store::INDEX_NAME), bytes).unwrap_or_else(|e| panic!("{e}"));
+    let (code, _, err) = run(&[&"inspect", &city]);
+    assert_eq!(code, 1);
+    assert!(err.contains(&format!("cell {a}, level 2")) && err.contains("2 parts are broken"), "{err}");
+}
+
+#[test]
+fn styles_are_told_by_their_folder_or_content() {
+    let folder = Folder::new("styles");
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/styles");
+    let (code, out, err) = run(&[&"check", &assets.join("modern.ron"), &assets.join("old_town.ron")]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    assert!(out.contains("style `modern`") && out.contains("style `old_town`"), "{out}");
+    let good = std::fs::read_to_string(assets.join("modern.ron")).unwrap_or_else(|e| panic!("{e}"));
+    let here = folder.0.join("glass.ron");
+    write(&here, &good);
+    assert_eq!(run(&[&"check", &here]).0, 0, "by content");
+    write(&here, &good.replace("(18.0, 30.0)", "(30.0, 18.0)"));
+    let (code, _, err) = run(&[&"check", &here]);
+    assert!(code == 1 && err.contains("glass.ron") && err.contains("frontage_m"), "{err}");
+    write(&here, "(unknown: 3)");
+    let (code, _, err) = run(&[&"check", &here]);
+    assert!(code == 1 && err.contains("not a file of ours"), "{err}");
+    std::fs::create_dir(folder.0.join("styles")).unwrap_or_else(|e| panic!("{e}"));
+    let meant = folder.0.join("styles/glass.ron");
+    write(&meant, &good.replace("shops:", "shop:"));
+    let (code, _, err) = run(&[&"check", &meant]);
+    assert!(code == 1 && err.contains("glass.ron:19:") && err.contains("`shop`"), "a mistake is shown in its place: {err}");
+}
+
+#[test]
+fn tours_are_checked_against_the_city_beside_them() {
+    let folder = Folder::new("tours");
+    let (graph, tour) = (folder.0.join("t.graph.ron"), folder.0.join("t.tour.ron"));
+    let check = |city: &str, rest: &str| {
+        write(&tour, &format!("(title: \"T\", city: \"{city}\", {rest})"));
+        run(&[&"check", &tour])
+    };
+    let walk = "steps: [Start(at: At(0, 0)), Walk(to: Place(\"The Wel\"))]";
+    // No city is here yet.
+    for city in ["t.graph.ron", "https://example.org/t.city"] {
+        for speed in ["NaN", "-1.0", "1e300"] {
+            let (code, _, err) = check(city, &format!("speed: {speed}, {walk}"));
+            assert!(code == 1 && err.contains("t.tour.ron: the tour's speed in metres a second is"), "{city}, {speed}: {err}");
+        }
+    }
+    write(&graph, &small_town(0.0).replace("buildings:", "places: [(name: \"The Well\", pos: (50, 1))], buildings:"));
+    for city in ["t.graph.ron", "t.city"] {
+        let (code, _, err) = check(city, walk);
+        assert_eq!(code, 1, "{city}");
+        assert!(
+            err.contains("t.tour.ron: step 2 (Walk): there is no place named \"The Wel\"; did you mean \"The Well\"?"),
+            "{err}"
+        );
+        let (code, out, err) = check(city, &walk.replace("Wel", "Well"));
+        assert!(code == 0 && out.contains("2 steps"), "{out}{err}");
+    }
+    let (code, _, err) = check("t.graph.ron", &format!("speed: NaN, {walk}"));
+    assert!(code == 1 && err.contains("t.tour.ron: the tour's speed in metres a second is NaN"), "{err}");
+    let (code, out, _) = check("https://example.org/t.city", walk);
+    assert!(code == 0 && out.contains("were not looked at"), "{out}");
+
+    let city = folder.0.join("t.city");
+    assert_eq!(run(&[&"bake", &graph, &"-o", &city, &"--quiet"]).0, 0);
+    std::fs::remove_file(&graph).unwrap_or_else(|e| panic!("{e}"));
+    let (code, _, err) = check("t.city", walk);
+    assert!(code == 1 && err.contains("The Well"), "a baked city will do: {err}");
+    assert_eq!(check("t.city", &walk.replace("Wel", "Well")).0, 0);
+}

@@ -3,6 +3,7 @@ use serde::{Deserialize, Serialize};
 
 /// Where on Earth plan coordinates (0, 0) lie: WGS 84 latitude and longitude in degrees.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Anchor {
     /// Degrees north.
     pub lat: f64,

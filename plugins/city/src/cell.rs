@@ -47,6 +47,7 @@ pub struct Cell {
 
 /// What lies beyond a portal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum PortalSide {
     /// Another cell: the portal can be crossed.
     Cell(u32),

@@ -146,24 +146,36 @@ pub fn to_text<T: Serialize>(value: &T) -> Result<String, ron::Error> {
     Ok(text)
 }
 
-/// Writes a value to a RON file, whole or not at all: first beside it, then renamed.
+/// Writes a value to a RON file, whole or not at all.
 ///
 /// # Errors
-/// [`FileError`] if the system says no.
+/// [`FileError`] if the system says no; nothing is left behind then.
 pub fn write<T: Serialize>(value: &T, path: &Path) -> Result<(), FileError> {
     let text = to_text(value).map_err(|source| FileError::Write { path: path.to_owned(), source })?;
+    write_text(&text, path)
+}
+
+/// Writes a file, whole or not at all: first beside it, then renamed.
+///
+/// # Errors
+/// [`FileError::Io`] if the system says no; nothing is left behind then.
+pub fn write_text(text: &str, path: &Path) -> Result<(), FileError> {
     let io = |source| FileError::Io { path: path.to_owned(), source };
     let mut beside = path.as_os_str().to_owned();
     beside.push(".part");
     let beside = PathBuf::from(beside);
-    std::fs::write(&beside, text).map_err(io)?;
-    std::fs::rename(&beside, path).map_err(io)
+    let written = std::fs::write(&beside, text).and_then(|()| std::fs::rename(&beside, path));
+    if written.is_err() {
+        // The first error is the one to tell.
+        let _ = std::fs::remove_file(&beside);
+    }
+    written.map_err(io)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{CityGraph, Tour};
+    use crate::{CityGraph, CityPlan, GraphOverrides, Style, Tour};
 
     #[test]
     fn a_mistake_shows_its_line_and_column() {
@@ -173,6 +185,72 @@ mod tests {
         let shown = error.to_string();
         assert!(shown.contains("5 |     Wait(second: 3),"), "{shown}");
         assert!(shown.contains("second"), "{shown}");
+    }
+
+    /// That a text is refused for a field that its type does not have.
+    fn refuses<T: DeserializeOwned + fmt::Debug>(text: &str, field: &str) {
+        let error = parse::<T>(text, "typo").expect_err(text);
+        assert!(error.message.contains(&format!("`{field}`")), "{text}: {error}");
+    }
+
+    #[test]
+    fn a_misspelt_field_is_refused_though_it_might_be_left_out() {
+        let steps = [
+            ("Start(at: At(0, 0), eye_mm: 2)", "eye_mm"),
+            ("Walk(to: At(0, 0), sped: 2)", "sped"),
+            ("Fly(through: [(0, 0, 9)], speed: 2, eas: Linear)", "eas"),
+            ("Look(at: Heading(deg: 4, pitch: 2), seconds: 1)", "pitch"),
+            ("Look(at: Spot(at: At(0, 0), height: 2), seconds: 1)", "height"),
+            ("Wait(seconds: 1, second: 2)", "second"),
+            ("Say(text: \"x\", second: 2)", "second"),
+            ("Fov(deg: 50, second: 2)", "second"),
+            ("Time(hour: 9, second: 2)", "second"),
+            ("Cut(to: At(0, 0), second: 2)", "second"),
+        ];
+        for (step, field) in steps {
+            refuses::<Tour>(&format!("(title: \"\", city: \"\", steps: [{step}])"), field);
+        }
+        refuses::<Tour>("(title: \"\", city: \"\", steps: [], sped: 2)", "sped");
+        let edits = [
+            ("Building(target: (at: (0, 0)), color: \"#FFFFFF\")", "color"),
+            ("Building(target: (at: (0, 0), idd: 4))", "idd"),
+            ("Building(target: (at: (0, 0)), roof: (shap: Flat))", "shap"),
+            ("Block(target: (at: (0, 0)), distrikt: \"x\")", "distrikt"),
+            ("Width(target: (at: (0, 0)), width_m: 3, widht: 3)", "widht"),
+            ("AddObject((kind: Bench, pos: (0, 0), heading: 3))", "heading"),
+            ("AddPlace((name: \"x\", pos: (0, 0), radius: 3))", "radius"),
+            ("AddPlace((name: \"x\", pos: (0, 0), view: (pos: (0, 0), heading: 3)))", "heading"),
+        ];
+        for (edit, field) in edits {
+            refuses::<GraphOverrides>(&format!("(edits: [{edit}])"), field);
+        }
+        let things = [
+            ("places: [(name: \"x\", pos: (0, 0), txt: \"\")]", "txt"),
+            ("links: [(from: 1, to: 2, kind: Railway(tram: true, gauge: 1))]", "gauge"),
+            ("start: (pos: (0, 0), heading: 4)", "heading"),
+            ("atribution: \"x\"", "atribution"),
+        ];
+        for (thing, field) in things {
+            refuses::<CityGraph>(&format!("(name: \"T\", anchor: (lat: 50, lon: 14), {thing})"), field);
+        }
+        refuses::<CityGraph>("(name: \"T\", anchor: (lat: 50, lon: 14, alt: 3))", "alt");
+        refuses::<CityPlan>("(extent: (outer: [], hole: []))", "hole");
+        refuses::<Style>("(nam: \"x\")", "nam");
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_written_leaves_nothing() {
+        let dir = std::env::temp_dir().join(format!("veduta-city-file-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&dir);
+        std::fs::create_dir_all(dir.join("taken")).expect("a folder");
+        let names = || std::fs::read_dir(&dir).expect("a folder").count();
+        let error = write_text("x", &dir.join("taken")).expect_err("a folder is there");
+        assert!(error.to_string().contains("taken"), "{error}");
+        assert_eq!(names(), 1, "only what stood there");
+        write_text("x", &dir.join("free")).expect("nothing is there");
+        write_text("y", &dir.join("free")).expect("a file is replaced");
+        assert_eq!((names(), std::fs::read_to_string(dir.join("free")).expect("a file").as_str()), (2, "y"));
+        std::fs::remove_dir_all(&dir).expect("ours");
     }
 
     #[test]

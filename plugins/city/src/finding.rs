@@ -19,6 +19,7 @@ pub enum Severity {
 /// Something a stage dropped or repaired, with its place and the reason. Importers and growers return these beside their
 /// result, so that nothing is lost in silence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Finding {
     /// How much it matters.
     pub severity: Severity,

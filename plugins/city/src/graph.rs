@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::{Anchor, Id, Opening, Place, Rgb, Viewpoint};
+use crate::{Anchor, FARTHEST_M, Id, Opening, Place, Rgb, Viewpoint};
 
 /// A closed ring in plan metres; the last vertex joins the first and is not repeated.
 pub type Ring = Vec<DVec2>;
@@ -140,6 +140,7 @@ pub enum Surfacing {
 
 /// What a link is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum LinkKind {
     /// A street or way for people.
     Street(StreetClass),
@@ -434,13 +435,39 @@ pub struct StandingObject {
 /// What is wrong with a graph, naming the thing.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GraphError {
-    /// A number that is not finite, or lies beyond the grid.
-    #[error("{what} {id} has a coordinate that is not a number within 2,000 km of the anchor")]
+    /// A position that is none.
+    #[error("{} has a coordinate that is not a number", named(what, *id))]
     Coordinate {
         /// Kind of thing.
         what: &'static str,
         /// Which one.
         id: Id,
+    },
+    /// A position beyond what the grid can hold.
+    #[error(
+        "{} lies at ({x}, {y}), farther from the anchor than {} km; move the anchor, or cut a smaller city out",
+        named(what, *id),
+        FARTHEST_M / 1000.0
+    )]
+    TooFar {
+        /// Kind of thing.
+        what: &'static str,
+        /// Which one.
+        id: Id,
+        /// Metres east.
+        x: f64,
+        /// Metres north.
+        y: f64,
+    },
+    /// Another number that is none.
+    #[error("`{field}` of {} is not a number", named(what, *id))]
+    Number {
+        /// Kind of thing.
+        what: &'static str,
+        /// Which one.
+        id: Id,
+        /// Which of its fields.
+        field: &'static str,
     },
     /// Two things of one kind with one id.
     #[error("two {what}s have the id {id}: give one of them another")]
@@ -459,7 +486,7 @@ pub enum GraphError {
         node: Id,
     },
     /// A ring of fewer than three vertices.
-    #[error("{what} {id} has an outline of {n} vertices; it needs at least three")]
+    #[error("{} has an outline of {n} vertices; it needs at least three", named(what, *id))]
     ShortRing {
         /// Kind of thing.
         what: &'static str,
@@ -478,8 +505,31 @@ pub enum GraphError {
     },
 }
 
-/// Farthest coordinate from the anchor that the grid can hold, with room to spare; metres.
-const FARTHEST_M: f64 = 2_000_000.0;
+/// A thing in words; one without an id by its kind alone.
+fn named(what: &str, id: Id) -> String {
+    if id.is_given() { format!("{what} {id}") } else { what.to_owned() }
+}
+
+/// What is wrong with the positions of a thing: the first that is wrong counts.
+fn check_positions(what: &'static str, id: Id, positions: &[DVec2]) -> Option<GraphError> {
+    positions.iter().find_map(|p| {
+        if !p.is_finite() {
+            return Some(GraphError::Coordinate { what, id });
+        }
+        (p.abs().max_element() > FARTHEST_M).then_some(GraphError::TooFar { what, id, x: p.x, y: p.y })
+    })
+}
+
+/// Fields of a thing that must be numbers and are not.
+fn check_numbers(what: &'static str, id: Id, fields: &[(&'static str, f64)]) -> impl Iterator<Item = GraphError> {
+    fields.iter().filter(|(_, value)| !value.is_finite()).map(move |&(field, _)| GraphError::Number { what, id, field })
+}
+
+/// What is wrong with a stand.
+fn check_view(what: &'static str, id: Id, view: &Viewpoint) -> Vec<GraphError> {
+    let numbers = [("eye_m", view.eye_m), ("heading_deg", view.heading_deg), ("pitch_deg", view.pitch_deg)];
+    check_positions(what, id, &[view.pos]).into_iter().chain(check_numbers(what, id, &numbers)).collect()
+}
 
 impl CityGraph {
     /// Ground kept beyond the outermost thing where a file says nothing; metres.
@@ -541,12 +591,13 @@ impl CityGraph {
         if !(self.anchor.lat.abs() <= 85.0 && self.anchor.lon.abs() <= 180.0) {
             errors.push(GraphError::Anchor { lat: self.anchor.lat, lon: self.anchor.lon });
         }
-        let bad = |p: DVec2| !(p.x.abs() <= FARTHEST_M && p.y.abs() <= FARTHEST_M);
+        if let Some(start) = &self.start {
+            errors.extend(check_view("the start", Id::NONE, start));
+        }
         let mut nodes = HashSet::new();
         for node in &self.nodes {
-            if bad(node.pos) || !node.z.is_finite() {
-                errors.push(GraphError::Coordinate { what: "node", id: node.id });
-            }
+            errors.extend(check_positions("node", node.id, &[node.pos]));
+            errors.extend(check_numbers("node", node.id, &[("z", node.z)]));
             if !nodes.insert(node.id) {
                 errors.push(GraphError::DuplicateId { what: "node", id: node.id });
             }
@@ -558,9 +609,8 @@ impl CityGraph {
                     errors.push(GraphError::UnknownNode { link: link.id, node });
                 }
             }
-            if link.via.iter().copied().any(bad) || !link.width_m.is_finite() {
-                errors.push(GraphError::Coordinate { what: "link", id: link.id });
-            }
+            errors.extend(check_positions("link", link.id, &link.via));
+            errors.extend(check_numbers("link", link.id, &[("width_m", link.width_m)]));
             if link.id.is_given() && !links.insert(link.id) {
                 errors.push(GraphError::DuplicateId { what: "link", id: link.id });
             }
@@ -569,9 +619,7 @@ impl CityGraph {
             if ring.len() < 3 {
                 errors.push(GraphError::ShortRing { what, id, n: ring.len() });
             }
-            if ring.iter().copied().any(bad) {
-                errors.push(GraphError::Coordinate { what, id });
-            }
+            errors.extend(check_positions(what, id, ring));
         };
         for s in &self.squares {
             ring("square", s.id, &s.outline);
@@ -596,14 +644,12 @@ impl CityGraph {
             }
         }
         for o in &self.objects {
-            if bad(o.pos) {
-                errors.push(GraphError::Coordinate { what: "object", id: o.id });
-            }
+            errors.extend(check_positions("object", o.id, &[o.pos]));
         }
         for p in &self.places {
-            if bad(p.pos) {
-                errors.push(GraphError::Coordinate { what: "place", id: p.id });
-            }
+            errors.extend(check_positions("place", p.id, &[p.pos]));
+            errors.extend(check_numbers("place", p.id, &[("radius_m", p.radius_m)]));
+            errors.extend(p.view.iter().flat_map(|view| check_view("the view of place", p.id, view)));
         }
         errors
     }
@@ -671,6 +717,26 @@ mod tests {
     fn not_a_number_is_found() {
         let graph = CityGraph { nodes: vec![node(1, f64::NAN, 0.0)], ..Default::default() };
         assert_eq!(graph.validate(), [GraphError::Coordinate { what: "node", id: Id(1) }]);
+    }
+
+    #[test]
+    fn what_lies_too_far_away_is_told_with_its_place() {
+        let graph = CityGraph { nodes: vec![node(1, FARTHEST_M, 0.0), node(2, 0.0, -2e6)], ..Default::default() };
+        let errors = graph.validate();
+        assert_eq!(errors, [GraphError::TooFar { what: "node", id: Id(2), x: 0.0, y: -2e6 }]);
+        assert!(
+            errors[0].to_string().contains("node 2 lies at (0, -2000000), farther from the anchor than 900 km"),
+            "{}",
+            errors[0]
+        );
+    }
+
+    #[test]
+    fn a_start_or_view_of_no_number_is_found() {
+        let mut graph = CityGraph { start: Some(Viewpoint { pitch_deg: f64::NAN, ..Default::default() }), ..Default::default() };
+        graph.places.push(Place { view: Some(Viewpoint { pos: DVec2::NAN, ..Default::default() }), ..Default::default() });
+        let told: Vec<String> = graph.validate().iter().map(ToString::to_string).collect();
+        assert_eq!(told, ["`pitch_deg` of the start is not a number", "the view of place has a coordinate that is not a number"]);
     }
 
     #[test]

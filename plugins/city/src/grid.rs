@@ -69,6 +69,7 @@ pub type GridRing = Vec<GridPos>;
 
 /// A polygon on the grid: outer ring counter-clockwise, holes clockwise.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GridPolygon {
     /// Outer ring, counter-clockwise.
     pub outer: GridRing,

@@ -31,6 +31,8 @@ mod graph;
 mod grid;
 mod holes;
 mod id;
+mod limits;
+mod override_check;
 mod overrides;
 mod overview;
 mod packet;
@@ -51,6 +53,8 @@ pub use graph::{
 };
 pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres};
 pub use id::Id;
+pub use limits::{FARTHEST_M, HIGHEST_M, MOST_LEVELS, WIDEST_M};
+pub use override_check::OverrideError;
 pub use overrides::{GraphOverride, GraphOverrides, Target};
 pub use overview::{HouseName, Overview};
 pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, VolumeShell};

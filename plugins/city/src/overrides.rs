@@ -28,6 +28,7 @@ pub struct Target {
 
 /// One edit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum GraphOverride {
     /// Change a building; what is not given stays.
     Building {

@@ -4,6 +4,7 @@ use crate::{CityPlan, GridPolygon, GridPos, Id, ObjectKind, PlanStreet, SurfaceK
 
 /// What maps, search and routes need of a whole city, without its façades.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Overview {
     /// Centre lines with names.
     pub streets: Vec<PlanStreet>,
@@ -20,6 +21,7 @@ pub struct Overview {
 
 /// How people call a house.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct HouseName {
     /// Index of the house's first entry in [`Overview::houses`].
     pub house: u32,

@@ -86,6 +86,7 @@ impl Levels {
 /// Content of a level-1 packet: all that stands and lies in a cell, walls as coloured outlines. Positions are relative to
 /// [`CellShell::origin`] in plan, heights to the city's zero.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CellShell {
     /// Plan position that the others are relative to.
     pub origin: GridPos,
@@ -103,6 +104,7 @@ pub struct CellShell {
 
 /// A house, or that part of it which faces the cell.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct HouseShell {
     /// Stable id.
     pub id: Id,
@@ -114,6 +116,7 @@ pub struct HouseShell {
 
 /// A volume, or that part of it which faces the cell.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct VolumeShell {
     /// Whole outline.
     pub footprint: GridPolygon,
@@ -136,6 +139,7 @@ pub struct VolumeShell {
 /// Content of a level-2 packet: the openings of every wall of the cell, in the order in which [`CellShell`] lists them
 /// (house by house, volume by volume, wall by wall).
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FacadeSheet {
     /// One for each wall.
     pub walls: Vec<Wall>,

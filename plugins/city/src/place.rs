@@ -25,6 +25,7 @@ pub enum PlaceKind {
 
 /// Something with a name.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Place {
     /// Stable id; hashed from kind and position when not given.
     #[serde(default)]
@@ -57,6 +58,7 @@ impl Place {
 
 /// A stand and a direction of view.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Viewpoint {
     /// Plan metres.
     pub pos: DVec2,

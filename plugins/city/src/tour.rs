@@ -42,6 +42,7 @@ impl Tour {
 
 /// A spot: a place's name, or plan metres.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum Where {
     /// The place of that name.
     Place(String),
@@ -62,6 +63,7 @@ impl Where {
 
 /// Where the eye turns.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum LookAt {
     /// Along the way, a little ahead.
     #[default]
@@ -100,6 +102,7 @@ pub enum Ease {
 
 /// One step of a tour.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum Step {
     /// Stand somewhere at once, behind a fade.
     Start {

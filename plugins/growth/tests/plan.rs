@@ -308,7 +308,7 @@ fn unsound_input_is_refused() {
 
 /// Any graph that passes its validation, sound in meaning or not.
 fn any_graph() -> impl Strategy<Value = CityGraph> {
-    let number = prop_oneof![8 => -120.0..120.0, 1 => Just(0.0), 1 => Just(1.9e6), 1 => Just(1e-9)];
+    let number = prop_oneof![8 => -120.0..120.0, 1 => Just(0.0), 1 => Just(8.9e5), 1 => Just(1e-9)];
     let point = (number.clone(), number.clone()).prop_map(|(x, y)| DVec2::new(x, y)).boxed();
     let ring = prop::collection::vec(point.clone(), 3..9).boxed();
     let odd = prop_oneof![Just(f64::NAN), Just(-3.0), Just(0.0), Just(1e12), 0.1..60.0].boxed();

@@ -21,7 +21,8 @@ const DEFLATE_RATIO: u64 = 1032;
 pub struct BlobRef {
     /// blake3 hash of the bytes as stored.
     pub hash: [u8; 32],
-    /// Bytes as stored, which is what travels.
+    /// Bytes as stored, which is what travels. An index is refused in which a packet claims more than some 16 MiB, or the
+    /// overview or the styles more than some 64 MiB.
     pub bytes: u32,
 }
 
@@ -87,6 +88,12 @@ impl BlobKind {
             Self::Shell | Self::Facades => PACKET_CAP,
             Self::Overview | Self::Styles => INFLATED_CAP,
         }
+    }
+
+    /// Most bytes that a blob of the kind may have as stored: a little more than inflated, for deflate adds five bytes to
+    /// each block that it cannot shrink.
+    pub(crate) const fn stored_cap(self) -> u64 {
+        self.cap() + self.cap() / 1024 + 64
     }
 
     fn of(byte: u8) -> Option<Self> {

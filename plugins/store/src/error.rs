@@ -155,6 +155,16 @@ pub enum StoreError {
         /// What is wrong, and where.
         reason: String,
     },
+    /// A file of a city was read and is not what it should be.
+    #[error("`{path}` in {place}: {error}{}", mend(error))]
+    File {
+        /// The city.
+        place: String,
+        /// Path within it.
+        path: String,
+        /// What is wrong with it.
+        error: Box<Self>,
+    },
     /// The directory to write to holds something else.
     #[error("`{}` exists and is not a city: name an empty or new directory, or remove what is in it", .0.display())]
     Occupied(PathBuf),
@@ -175,6 +185,33 @@ impl StoreError {
     /// they are wrong. What did not arrive, or arrived damaged, may arrive next time.
     #[must_use]
     pub const fn is_permanent(&self) -> bool {
-        !matches!(self, Self::Read(_) | Self::Length { .. } | Self::Checksum { .. })
+        match self {
+            Self::Read(_) | Self::Length { .. } | Self::Checksum { .. } => false,
+            Self::File { error, .. } => error.is_permanent(),
+            _ => true,
+        }
+    }
+
+    /// The error with the file in which it was found, and with what to do; one that names its place already stays as it is.
+    #[must_use]
+    pub fn in_file(self, place: String, path: &str) -> Self {
+        match self {
+            Self::Read(_) | Self::File { .. } | Self::Occupied(_) | Self::Write { .. } => self,
+            error => Self::File { place, path: path.to_owned(), error: Box::new(error) },
+        }
+    }
+}
+
+/// What to do about what was found in a file, where the error does not say so itself.
+const fn mend(error: &StoreError) -> &'static str {
+    match error {
+        StoreError::Length { .. }
+        | StoreError::Checksum { .. }
+        | StoreError::Kind { .. }
+        | StoreError::NoSuchLevel(_)
+        | StoreError::TooLarge { .. }
+        | StoreError::Malformed { .. }
+        | StoreError::Invalid { .. } => "; bake the city again, or copy it whole",
+        _ => "",
     }
 }

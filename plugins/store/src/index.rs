@@ -114,9 +114,9 @@ fn seal(content: &[u8]) -> Vec<u8> {
     stored
 }
 
-/// Takes the first `N` bytes off.
-fn head<'a, const N: usize>(bytes: &mut &'a [u8]) -> Result<&'a [u8; N], StoreError> {
-    let short = StoreError::Length { what: WHAT, expected: HEADER as u64, found: bytes.len() as u64 };
+/// Takes the first `N` bytes off what is left of `stored` bytes.
+fn head<'a, const N: usize>(bytes: &mut &'a [u8], stored: usize) -> Result<&'a [u8; N], StoreError> {
+    let short = StoreError::Length { what: WHAT, expected: HEADER as u64, found: stored as u64 };
     let (first, rest) = bytes.split_first_chunk().ok_or(short)?;
     *bytes = rest;
     Ok(first)
@@ -132,21 +132,21 @@ pub fn decode_index(stored: &[u8]) -> Result<CityIndex, StoreError> {
     if !rest.starts_with(MAGIC) {
         return Err(StoreError::NotACity);
     }
-    let _: &[u8; 7] = head(&mut rest)?;
-    let &[kind] = head(&mut rest)?;
+    let _: &[u8; 7] = head(&mut rest, stored.len())?;
+    let &[kind] = head(&mut rest, stored.len())?;
     if kind != KIND {
         return Err(StoreError::Kind { expected: WHAT, found: format!("a file of kind {kind}") });
     }
-    match u32::from_le_bytes(*head(&mut rest)?) {
+    match u32::from_le_bytes(*head(&mut rest, stored.len())?) {
         FORMAT_VERSION => {}
         found if found > FORMAT_VERSION => return Err(StoreError::Newer { found }),
         found => return Err(StoreError::Older { found }),
     }
-    let sum: &[u8; 32] = head(&mut rest)?;
+    let sum: &[u8; 32] = head(&mut rest, stored.len())?;
     if blake3::hash(rest).as_bytes() != sum {
         return Err(StoreError::Checksum { what: WHAT });
     }
-    let size = u32::from_le_bytes(*head(&mut rest)?);
+    let size = u32::from_le_bytes(*head(&mut rest, stored.len())?);
     let wire: WireIndex = from_bytes(WHAT, &inflate(WHAT, rest, u64::from(size), INFLATED_CAP)?)?;
     let index = CityIndex::try_from(wire).map_err(|malformed| malformed.of(WHAT))?;
     valid::check_index(&index).map_err(|reason| StoreError::Invalid { what: WHAT, reason })?;
@@ -211,6 +211,32 @@ mod tests {
     fn a_form_that_changed_has_a_new_version() {
         let form = blake3::hash(&to_bytes(&WireIndex::from(&index()))).to_hex();
         assert_eq!((FORMAT_VERSION, &form[..16]), (1, "e5d0179e08061f6c"), "raise FORMAT_VERSION if this is on purpose");
+    }
+
+    #[test]
+    fn an_index_that_claims_gigabytes_is_refused() {
+        let claims: [(&str, fn(&mut CityIndex) -> &mut BlobRef, u32); 3] = [
+            ("a packet of level 1", |index| index.cells[1].packets[0].as_mut().expect("a packet"), 17 << 20),
+            ("the overview", |index| &mut index.overview, 66 << 20),
+            ("the styles", |index| index.styles.as_mut().expect("styles"), u32::MAX),
+        ];
+        for (what, blob, bytes) in claims {
+            let mut index = index();
+            blob(&mut index).bytes = 16 << 20;
+            assert_eq!(decode_index(&encode_index(&index)).as_ref(), Ok(&index), "{what}: large, but possible");
+            blob(&mut index).bytes = bytes;
+            let error = decode_index(&encode_index(&index)).expect_err(what).to_string();
+            assert!(error.contains(&format!("{what} claims {bytes} bytes")), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_shrink_stays_below_the_cap_of_its_kind() {
+        let mut reader = blake3::Hasher::new().finalize_xof();
+        let mut noise = vec![0; 16 << 20];
+        reader.fill(&mut noise);
+        let stored = crate::blob::pack(crate::blob::BlobKind::Shell, &noise);
+        assert!(stored.len() as u64 <= crate::blob::BlobKind::Shell.stored_cap(), "{} bytes", stored.len());
     }
 
     proptest! {

@@ -44,14 +44,26 @@ impl DirReader {
     /// A reader of a directory that holds a city.
     ///
     /// # Errors
-    /// [`ReadError::NoDirectory`] or [`ReadError::NoIndex`].
+    /// [`ReadError::NoDirectory`] or [`ReadError::NoIndex`]; [`ReadError::Failed`] if the system does not let it be seen.
     pub fn new(dir: impl AsRef<Path>) -> Result<Self, ReadError> {
+        use std::io::ErrorKind::{NotADirectory, NotFound};
         let dir = dir.as_ref();
-        let root = dir.canonicalize().map_err(|_| ReadError::NoDirectory(dir.to_owned()))?;
-        if !root.join(INDEX_NAME).is_file() {
-            return Err(ReadError::NoIndex(dir.to_owned()));
+        let fail = |error: std::io::Error| ReadError::Failed {
+            place: dir.display().to_string(),
+            path: INDEX_NAME.to_owned(),
+            message: error.to_string(),
+        };
+        let root = match dir.canonicalize() {
+            Ok(root) => root,
+            Err(error) if matches!(error.kind(), NotFound | NotADirectory) => return Err(ReadError::NoDirectory(dir.to_owned())),
+            Err(error) => return Err(fail(error)),
+        };
+        match root.join(INDEX_NAME).metadata() {
+            Ok(about) if about.is_file() => Ok(Self { root }),
+            Ok(_) => Err(ReadError::NoIndex(dir.to_owned())),
+            Err(error) if matches!(error.kind(), NotFound | NotADirectory) => Err(ReadError::NoIndex(dir.to_owned())),
+            Err(error) => Err(fail(error)),
         }
-        Ok(Self { root })
     }
 }
 

@@ -87,8 +87,8 @@ impl Request {
     /// Reads and decodes; waits for the reader.
     ///
     /// # Errors
-    /// If reading or decoding fails.
+    /// If reading or decoding fails; the error names the city and the file.
     pub fn fetch(&self, reader: &dyn Reader) -> Result<Payload, StoreError> {
-        self.decode(reader.read(&self.path, self.limit)?)
+        self.decode(reader.read(&self.path, self.limit)?).map_err(|error| error.in_file(reader.describe(), &self.path))
     }
 }

@@ -5,7 +5,8 @@
 
 use veduta_city::{CellShell, GridPolygon, GridPos, HouseShell, Overview, PortalSide, VolumeShell};
 
-use crate::{CellEntry, CityIndex};
+use crate::blob::BlobKind;
+use crate::{BlobRef, CellEntry, CityIndex};
 
 /// A reason in a sentence without a full stop.
 type Check = Result<(), String>;
@@ -120,8 +121,20 @@ pub(crate) fn check_overview(overview: &Overview) -> Check {
     Ok(())
 }
 
+/// Fails if a blob claims more bytes than any of its kind has: so much would be read before it could be looked at.
+fn check_blob(kind: BlobKind, blob: Option<&BlobRef>) -> Check {
+    match blob {
+        Some(blob) if u64::from(blob.bytes) > kind.stored_cap() => {
+            Err(format!("{} claims {} bytes, more than the {} that it may have", kind.words(), blob.bytes, kind.stored_cap()))
+        }
+        _ => Ok(()),
+    }
+}
+
 pub(crate) fn check_index(index: &CityIndex) -> Check {
     check_numbers(index)?;
+    check_blob(BlobKind::Overview, Some(&index.overview))?;
+    check_blob(BlobKind::Styles, index.styles.as_ref())?;
     // A city may have no edge, if nothing lies in it.
     if !(index.extent.outer.is_empty() && index.extent.holes.is_empty()) {
         check_polygon("the city's edge", &index.extent, FAR)?;
@@ -181,6 +194,10 @@ fn check_cell(index: &CityIndex, number: usize, cell: &CellEntry) -> Check {
     check_ascending("its visible cells", &cell.visible, index.cells.len())?;
     if cell.visible.binary_search(&(number as u32)).is_err() {
         return Err("it is not in its own visible set".to_owned());
+    }
+    // Further levels have no kind of their own in this format; they are packets all the same.
+    for (n, packet) in cell.packets.iter().enumerate() {
+        check_blob(if n == 0 { BlobKind::Shell } else { BlobKind::Facades }, packet.as_ref())?;
     }
     if let Some(level) = (1..4).find(|&n| cell.packets[n].is_some() && cell.packets[n - 1].is_none()) {
         return Err(format!("it has a packet of level {} but none of level {level}", level + 1));

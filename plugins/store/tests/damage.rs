@@ -36,10 +36,32 @@ fn any_flipped_byte_of_an_index_is_noticed() {
 fn a_cut_or_lengthened_index_is_noticed() {
     let good = index();
     for n in 0..good.len() {
-        assert!(decode_index(&good[..n]).is_err(), "{n} bytes of {}", good.len());
+        let error = decode_index(&good[..n]).expect_err("cut");
+        if (7..44).contains(&n) {
+            assert_eq!(error, StoreError::Length { what: "the index", expected: 48, found: n as u64 });
+        }
     }
     let longer = [good.as_slice(), &[0]].concat();
     assert_eq!(decode_index(&longer), Err(StoreError::Checksum { what: "the index" }));
+}
+
+#[test]
+fn what_is_wrong_with_a_file_is_told_with_its_name_and_what_to_do() {
+    let temp = TempDir::new("told");
+    city(1, 1).write(&temp.0).expect("written");
+    let path = temp.join(INDEX_NAME);
+    let mut bytes = std::fs::read(&path).expect("an index");
+    let request = Client::new(ClientSettings::default()).next_request(0.0).expect("the index is asked for");
+    let reader = DirReader::new(&temp.0).expect("a city");
+    *bytes.last_mut().expect("some bytes") ^= 1;
+    std::fs::write(&path, &bytes).expect("written");
+    let error = request.fetch(&reader).expect_err("damaged").to_string();
+    let told = "the index is damaged: its checksum does not match; bake the city again, or copy it whole";
+    assert_eq!(error, format!("`city.veduta` in {}: {told}", reader.describe()));
+    bytes[8] = 9;
+    std::fs::write(&path, &bytes).expect("written");
+    let error = request.fetch(&reader).expect_err("newer").to_string();
+    assert!(error.contains("city.veduta") && error.ends_with("update the program"), "one thing to do is enough: {error}");
 }
 
 #[test]

@@ -24,6 +24,18 @@ fn places_that_hold_no_city_are_told_apart_and_say_what_to_do() {
     assert!(open_reader("HTTP://localhost/x.city").is_ok());
 }
 
+#[cfg(unix)]
+#[test]
+fn an_index_that_the_system_withholds_is_not_called_missing() {
+    let temp = TempDir::new("withheld");
+    // A link to itself: unlike a folder without permission, it is refused to every user.
+    std::os::unix::fs::symlink(INDEX_NAME, temp.join(INDEX_NAME)).expect("a link");
+    let error = DirReader::new(&temp.0).expect_err("a loop");
+    assert!(matches!(&error, ReadError::Failed { path, .. } if path == INDEX_NAME), "{error}");
+    std::os::unix::fs::symlink("round", temp.join("round")).expect("a link");
+    assert!(matches!(DirReader::new(temp.join("round")), Err(ReadError::Failed { .. })));
+}
+
 #[test]
 fn what_is_read_is_whole_and_within_the_limit() {
     let temp = TempDir::new("limit");

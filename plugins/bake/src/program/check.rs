@@ -1,14 +1,16 @@
 use std::path::{Path, PathBuf};
 
-use veduta_city::{CityGraph, CityPlan, GraphOverrides, Styles, Tour, file};
+use veduta_city::{CityGraph, CityPlan, GraphOverrides, Style, Styles, Tour, file};
 
 use super::Failure;
+use super::town::{Towns, check_tour};
 
 /// Checks every file and names every mistake; fails if there is one.
 pub(crate) fn check(files: &[PathBuf]) -> Result<(), Failure> {
     let mut bad = 0;
+    let mut towns = Towns::default();
     for path in files {
-        match check_one(path) {
+        match check_one(path, &mut towns) {
             Ok(words) => println!("{}: {words}", path.display()),
             Err(mistakes) => {
                 bad += 1;
@@ -19,13 +21,15 @@ pub(crate) fn check(files: &[PathBuf]) -> Result<(), Failure> {
     if bad == 0 { Ok(()) } else { Err(format!("{bad} of {} files have mistakes", files.len()).into()) }
 }
 
-fn check_one(path: &Path) -> Result<String, Vec<String>> {
+fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let one = |e: file::FileError| vec![e.to_string()];
     if name.ends_with(".overrides.ron") {
         let overrides: GraphOverrides = file::read(path).map_err(one)?;
-        let mistakes = Styles(overrides.styles.clone()).validate();
-        return told(path, mistakes, format!("{} edits, {} styles", overrides.edits.len(), overrides.styles.len()));
+        let edits = overrides.validate().into_iter().map(|e| e.to_string());
+        let styles = Styles(overrides.styles.clone()).validate().into_iter().map(|e| e.to_string());
+        let words = format!("{} edits, {} styles", overrides.edits.len(), overrides.styles.len());
+        return told(path, edits.chain(styles).collect(), words);
     }
     if name.ends_with(".graph.ron") {
         let mut graph: CityGraph = file::read(path).map_err(one)?;
@@ -39,16 +43,30 @@ fn check_one(path: &Path) -> Result<String, Vec<String>> {
     }
     if name.ends_with(".tour.ron") {
         let tour: Tour = file::read(path).map_err(one)?;
-        return Ok(format!("“{}”, {} steps", tour.title, tour.steps.len()));
+        return check_tour(path, &tour, towns);
     }
-    if name.ends_with(".style.ron") {
-        let style: veduta_city::Style = file::read(path).map_err(one)?;
-        return told(path, Styles(vec![style]).validate(), "a style".to_owned());
+    if let Some(read) = as_style(path, &name) {
+        let style = read.map_err(one)?;
+        let words = format!("style `{}`", style.name);
+        return told(path, Styles(vec![style]).validate(), words);
     }
     Err(vec![format!(
-        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .plan.ron, .style.ron or .tour.ron",
+        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .plan.ron, .style.ron or .tour.ron, or lie in a \
+         folder `styles`",
         path.display()
     )])
+}
+
+/// A file read as a style, if it is meant to be one: by its name, its folder, or because it can be read as one.
+fn as_style(path: &Path, name: &str) -> Option<Result<Style, file::FileError>> {
+    if !name.ends_with(".ron") {
+        return None;
+    }
+    // What has no folder in its path lies in the present one.
+    let folder = path.canonicalize().ok().and_then(|path| Some(path.parent()?.file_name()?.to_owned()));
+    let is_meant = name.ends_with(".style.ron") || folder.is_some_and(|folder| folder == "styles");
+    let read = file::read(path);
+    (is_meant || read.is_ok()).then_some(read)
 }
 
 fn told<E: core::fmt::Display>(path: &Path, mistakes: Vec<E>, words: String) -> Result<String, Vec<String>> {

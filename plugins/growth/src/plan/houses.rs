@@ -3,7 +3,10 @@
 use std::collections::HashSet;
 
 use veduta_city::draw::Draw;
-use veduta_city::{BlockKind, Building, CityGraph, Finding, GridPolygon, Id, Opening, Rgb, RoofTags, Severity, Style, Styles};
+use veduta_city::{
+    BlockKind, Building, CityGraph, Finding, GridPolygon, HIGHEST_M, Id, MOST_LEVELS, Opening, Rgb, RoofTags, Severity, Style,
+    Styles,
+};
 
 use super::extent::Extent;
 use super::ground::Index;
@@ -11,10 +14,6 @@ use super::{Area, boolean, outline};
 
 /// Smaller footprints are left out; square metres.
 const LEAST_M2: f64 = 1.0;
-/// Greater heights are mistakes; metres.
-const HIGHEST_M: f64 = 1_000.0;
-/// More storeys are mistakes.
-const MOST_LEVELS: f64 = 200.0;
 /// Footprints larger than this without a style of their own are halls and office blocks; square metres.
 const LARGE_M2: f64 = 2_500.0;
 

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use glam::DVec2;
 use veduta_city::{
     Block, BlockKind, CityGraph, Finding, GridPolygon, GridPos, Id, Link, LinkKind, PlanStreet, Severity, StreetClass, SurfaceKind,
-    Surfacing,
+    Surfacing, WIDEST_M,
 };
 
 use super::band::{Ends, band};
@@ -13,8 +13,8 @@ use super::{Area, outline};
 
 /// Kerb: how far pavements stand above the carriageway, metres.
 pub(super) const KERB_M: f64 = 0.12;
-/// Width of a watercourse or street that is wider than this is a mistake; metres.
-const WIDEST_M: f64 = 400.0;
+/// Narrower ones are laid this wide; metres.
+const NARROWEST_M: f64 = 0.5;
 /// Streets narrower than this have no pavements; metres.
 const NARROWEST_WITH_PAVEMENTS_M: f64 = 6.0;
 
@@ -69,7 +69,7 @@ pub(super) fn pavement_m(class: StreetClass, width_m: f64) -> f64 {
 
 /// A link's width in metres: its own or its class's, at most 400.
 pub(super) fn width_m(link: &Link) -> f64 {
-    link.width().clamp(0.5, WIDEST_M)
+    link.width().clamp(NARROWEST_M, WIDEST_M)
 }
 
 const fn surface(surfacing: Surfacing) -> SurfaceKind {
@@ -124,6 +124,15 @@ fn link_shapes(
     let at = graph.node_positions();
     let mut strips = Vec::new();
     for link in &graph.links {
+        // 0 leaves the width to the class.
+        if link.width_m != 0.0 && !(NARROWEST_M..=WIDEST_M).contains(&link.width_m) {
+            let message = format!(
+                "a width of {:?} m is not within {NARROWEST_M} to {WIDEST_M} m: {} m is taken",
+                link.width_m,
+                width_m(link)
+            );
+            findings.push(Finding::new(Severity::Repaired, link.id, at.get(&link.from).copied(), message));
+        }
         if link.layer < 0 {
             let what = match link.kind {
                 LinkKind::Street(_) => "tunnel",
@@ -247,6 +256,25 @@ pub(super) fn areas<'a>(blocks: &'a [Block], findings: &mut Vec<Finding>) -> Vec
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_width_that_cannot_be_meant_is_told() {
+        for (given, taken) in
+            [("1e300", Some("400 m is taken")), ("-4", Some("6.5 m is taken")), ("0.1", Some("0.5 m")), ("0", None), ("7", None)]
+        {
+            let text = format!(
+                "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 1, pos: (0, 0)), (id: 2, pos: (40, 0))],
+                  links: [(id: 3, from: 1, to: 2, kind: Street(Lane), width_m: {given})])"
+            );
+            let graph: CityGraph = veduta_city::file::parse(&text, "t").unwrap_or_else(|e| panic!("{e}"));
+            let mut findings = Vec::new();
+            layers(&graph, &[], &mut findings);
+            assert_eq!(findings.len(), usize::from(taken.is_some()), "{given}: {findings:?}");
+            let is_told =
+                |f: &Finding| f.id == Id(3) && f.plan_pos == Some(DVec2::ZERO) && taken.is_some_and(|t| f.message.contains(t));
+            assert!(findings.iter().all(is_told), "{given}: {findings:?}");
+        }
+    }
 
     #[test]
     fn pavements_leave_a_carriageway() {

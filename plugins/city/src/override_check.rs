@@ -1,0 +1,166 @@
+use core::fmt;
+
+use glam::DVec2;
+
+use crate::{
+    BuildingPart, CityGraph, FARTHEST_M, GraphOverride, GraphOverrides, HIGHEST_M, MOST_LEVELS, RoofTags, Target, WIDEST_M,
+};
+
+/// What is wrong with an edit, naming it by its number.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OverrideError {
+    /// Which edit, from 1.
+    pub edit: usize,
+    /// What kind of edit it is, as the file calls it.
+    pub kind: &'static str,
+    /// What is wrong, in a sentence without a full stop.
+    pub reason: String,
+}
+
+impl fmt::Display for OverrideError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "edit {} ({}): {}", self.edit, self.kind, self.reason)
+    }
+}
+
+impl std::error::Error for OverrideError {}
+
+impl GraphOverride {
+    /// Name of the kind of edit, as the file calls it.
+    #[must_use]
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::Building { .. } => "Building",
+            Self::RemoveBuilding(_) => "RemoveBuilding",
+            Self::AddBuilding(_) => "AddBuilding",
+            Self::Width { .. } => "Width",
+            Self::Name { .. } => "Name",
+            Self::Block { .. } => "Block",
+            Self::AddObject(_) => "AddObject",
+            Self::RemoveObject(_) => "RemoveObject",
+            Self::AddPlace(_) => "AddPlace",
+        }
+    }
+}
+
+impl GraphOverrides {
+    /// Everything wrong with the edits by themselves, in order; whether their things are there is told by
+    /// [`GraphOverrides::apply`].
+    #[must_use]
+    pub fn validate(&self) -> Vec<OverrideError> {
+        let mut errors = Vec::new();
+        for (i, edit) in self.edits.iter().enumerate() {
+            let mut reasons = Vec::new();
+            check(edit, &mut reasons);
+            errors.extend(reasons.into_iter().map(|reason| OverrideError { edit: i + 1, kind: edit.kind(), reason }));
+        }
+        errors
+    }
+}
+
+fn check(edit: &GraphOverride, reasons: &mut Vec<String>) {
+    match edit {
+        GraphOverride::Building { target, height_m, levels, roof, .. } => {
+            check_target(target, reasons);
+            check_heights(*height_m, *levels, roof.as_ref(), reasons);
+        }
+        GraphOverride::Width { target, width_m } => {
+            check_target(target, reasons);
+            // 0 gives the class's own width back.
+            check_range("width_m", *width_m, 0.0, WIDEST_M, reasons);
+        }
+        GraphOverride::RemoveBuilding(target)
+        | GraphOverride::RemoveObject(target)
+        | GraphOverride::Name { target, .. }
+        | GraphOverride::Block { target, .. } => check_target(target, reasons),
+        GraphOverride::AddBuilding(building) => {
+            check_alone(CityGraph { buildings: vec![(**building).clone()], ..CityGraph::default() }, reasons);
+            check_heights(building.height_m, building.levels, Some(&building.roof), reasons);
+            check_range("min_height_m", building.min_height_m, 0.0, HIGHEST_M, reasons);
+            for BuildingPart { height_m, levels, roof, min_height_m, .. } in &building.parts {
+                check_heights(*height_m, *levels, Some(roof), reasons);
+                check_range("min_height_m", *min_height_m, 0.0, HIGHEST_M, reasons);
+            }
+        }
+        GraphOverride::AddObject(object) => {
+            check_alone(CityGraph { objects: vec![object.clone()], ..CityGraph::default() }, reasons);
+            check_range("height_m", object.height_m, 0.0, HIGHEST_M, reasons);
+            if !object.heading_deg.is_finite() {
+                reasons.push("`heading_deg` of object is not a number".to_owned());
+            }
+        }
+        GraphOverride::AddPlace(place) => {
+            check_alone(CityGraph { places: vec![place.clone()], ..CityGraph::default() }, reasons);
+        }
+    }
+}
+
+/// What a graph would say of the one thing in it.
+fn check_alone(graph: CityGraph, reasons: &mut Vec<String>) {
+    reasons.extend(graph.validate().iter().map(ToString::to_string));
+}
+
+fn check_target(target: &Target, reasons: &mut Vec<String>) {
+    let DVec2 { x, y } = target.at;
+    if !(x.abs() <= FARTHEST_M && y.abs() <= FARTHEST_M) {
+        reasons.push(format!("`at` is ({x:?}, {y:?}); both numbers must lie between -{FARTHEST_M} and {FARTHEST_M}"));
+    }
+}
+
+fn check_heights(height_m: Option<f64>, levels: Option<f64>, roof: Option<&RoofTags>, reasons: &mut Vec<String>) {
+    for (field, value, most) in [("height_m", height_m, HIGHEST_M), ("levels", levels, MOST_LEVELS)] {
+        if let Some(value) = value.filter(|value| !(*value > 0.0 && *value <= most)) {
+            reasons.push(format!("`{field}` is {value:?}; it must be above 0 and at most {most}"));
+        }
+    }
+    if let Some(height_m) = roof.and_then(|roof| roof.height_m) {
+        check_range("roof.height_m", height_m, 0.0, HIGHEST_M, reasons);
+    }
+    if let Some(deg) = roof.and_then(|roof| roof.direction_deg).filter(|deg| !deg.is_finite()) {
+        reasons.push(format!("`roof.direction_deg` is {deg:?}; it must be a number of degrees"));
+    }
+}
+
+fn check_range(field: &str, value: f64, least: f64, most: f64, reasons: &mut Vec<String>) {
+    if !(least..=most).contains(&value) {
+        reasons.push(format!("`{field}` is {value:?}; it must lie between {least} and {most}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::file;
+
+    fn told(edits: &str) -> Vec<String> {
+        let overrides: GraphOverrides = file::parse(&format!("(edits: [{edits}])"), "t").unwrap_or_else(|e| panic!("{e}"));
+        overrides.validate().iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn an_edit_that_cannot_be_meant_is_told_by_its_number() {
+        let wrong = [
+            ("Width(target: (at: (0, 0)), width_m: 1e300)", "(Width): `width_m` is 1e300; it must lie between 0 and 400"),
+            ("Width(target: (at: (0, 0)), width_m: -4)", "(Width): `width_m` is -4.0;"),
+            ("Width(target: (at: (0, 0)), width_m: NaN)", "(Width): `width_m` is NaN;"),
+            ("RemoveObject((at: (0, NaN)))", "(RemoveObject): `at` is (0.0, NaN);"),
+            ("Name(target: (at: (1e7, 0)), name: \"x\")", "(Name): `at` is (10000000.0, 0.0);"),
+            ("Building(target: (at: (0, 0)), height_m: -3)", "(Building): `height_m` is -3.0;"),
+            ("Building(target: (at: (0, 0)), levels: inf)", "(Building): `levels` is inf;"),
+            ("Building(target: (at: (0, 0)), roof: (height_m: NaN))", "(Building): `roof.height_m` is NaN;"),
+            ("Building(target: (at: (0, 0)), roof: (direction_deg: NaN))", "(Building): `roof.direction_deg` is NaN;"),
+            ("AddBuilding((outline: [(0, 0), (1, 0)]))", "(AddBuilding): building has an outline of 2 vertices"),
+            ("AddBuilding((outline: [(0, 0), (1, 0), (1, 1)], parts: [(outline: [(0, 0), (1, 0), (1, 1)], height_m: 0)]))", "0.0;"),
+            ("AddObject((kind: Bench, pos: (inf, 0)))", "(AddObject): object has a coordinate that is not a number"),
+            ("AddObject((kind: Bench, pos: (0, 0), heading_deg: NaN))", "(AddObject): `heading_deg` of object is not a number"),
+            ("AddPlace((name: \"x\", pos: (0, 2e6)))", "(AddPlace): place lies at (0, 2000000)"),
+            ("AddPlace((name: \"x\", pos: (0, 0), radius_m: NaN))", "(AddPlace): `radius_m` of place is not a number"),
+        ];
+        for (edit, reason) in wrong {
+            let told = told(&format!("RemoveBuilding((at: (0, 0))), {edit}"));
+            assert_eq!(told.len(), 1, "{edit}: {told:?}");
+            assert!(told[0].starts_with("edit 2 (") && told[0].contains(reason), "{edit}: {told:?}");
+        }
+        assert_eq!(told("Width(target: (at: (0, 0)), width_m: 0), Building(target: (at: (0, 0)), roof: (height_m: 0))"), [""; 0]);
+    }
+}
