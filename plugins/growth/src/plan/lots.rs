@@ -211,12 +211,15 @@ fn trimmed(lot: GridPolygon, site: &GridPolygon, earlier: &[GridPolygon]) -> Opt
         (Some((alo, ahi)), Some((blo, bhi))) => alo.0 < bhi.0 && blo.0 < ahi.0 && alo.1 < bhi.1 && blo.1 < ahi.1,
         _ => false,
     };
+    let overlaps = |a: &GridPolygon, b: &GridPolygon| meets(a, b) && boolean::overlap_m2(a, b) > TOLERATED_M2 / 5.0;
     for other in earlier {
-        if meets(&lot, other) && boolean::overlap_m2(&lot, other) > TOLERATED_M2 / 5.0 {
+        if overlaps(&lot, other) {
             lot = largest(boolean::difference(&boolean::rings([&lot]), &boolean::rings([other])))?;
         }
     }
-    largest(outline::straightened(&lot))
+    // Straight walls, unless they would push into a neighbour.
+    let straight = largest(outline::straightened(&lot))?;
+    Some(if earlier.iter().any(|other| overlaps(&straight, other)) { lot } else { straight })
 }
 
 fn is_buildable(footprint: &GridPolygon) -> bool {
