@@ -83,7 +83,7 @@ impl Hold {
             Self::Cut => (Self::Dark(0.0), 0.0),
             Self::Dark(_) if awaited.cells == 0 && seconds <= 0.0 => (Self::None, 0.0),
             Self::Dark(for_s) if awaited.cells == 0 || for_s > Awaited::PATIENCE_S => (Self::Clearing(1.0), 1.0),
-            Self::Dark(for_s) => (Self::Dark(for_s + seconds), 1.0),
+            Self::Dark(for_s) => (Self::Dark(for_s + seconds), if seconds > 0.0 { 1.0 } else { 0.0 }),
             Self::Clearing(dark) => {
                 let left = dark - seconds / CLEAR_S;
                 (if left > 0.0 { Self::Clearing(left) } else { Self::None }, left.max(0.0))
@@ -413,8 +413,7 @@ mod tests {
         let mut hold = Hold::Cut;
         for cells in [2, 1, 0] {
             let (next, dark) = hold.next(0.0, &Awaited { cells });
-            let expected = if cells == 1 { 1.0 } else { 0.0 };
-            assert_eq!(dark, expected, "dark only while it waits, when nothing is drawn");
+            assert_eq!(dark, 0.0, "{cells} cells awaited");
             hold = next;
         }
         assert_eq!(hold, Hold::None);
