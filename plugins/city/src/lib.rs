@@ -28,6 +28,7 @@ mod faces;
 pub mod file;
 mod finding;
 mod graph;
+mod graph_check;
 mod grid;
 mod holes;
 mod id;
@@ -48,9 +49,10 @@ pub use colour::{ParseColourError, Rgb};
 pub use faces::{BorderEdge, connected_faces};
 pub use finding::{Finding, Severity};
 pub use graph::{
-    Block, BlockKind, Building, BuildingPart, CityGraph, GraphError, Link, LinkKind, Node, NodeKind, ObjectKind, Ring, RoofShape,
-    RoofTags, Square, StandingObject, StreetClass, Surfacing,
+    Block, BlockKind, Building, BuildingPart, CityGraph, Link, LinkKind, Node, NodeKind, ObjectKind, Ring, RoofShape, RoofTags,
+    Square, StandingObject, StreetClass, Surfacing,
 };
+pub use graph_check::GraphError;
 pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres};
 pub use id::Id;
 pub use limits::{FARTHEST_M, HIGHEST_M, MOST_LEVELS, WIDEST_M};
