@@ -48,12 +48,17 @@ pub fn has_ffmpeg() -> bool {
     asked.is_ok_and(|status| status.success())
 }
 
+/// Where frame `n` of a film in a folder lies.
+fn frame_path(dir: &Path, n: u32) -> PathBuf {
+    dir.join(format!("{n:05}.png"))
+}
+
 impl Encoder {
     /// An encoder for what `out` names: `x.mp4`, `x.png`, or a directory. An mp4 without ffmpeg becomes an animated PNG of the
     /// same name.
     ///
     /// # Errors
-    /// If the place cannot be written to.
+    /// If the place cannot be written to, or is a folder that holds an earlier film's frames.
     pub fn open(out: &Path, size: Size, fps: u32, frames: u32) -> Result<Self, Failure> {
         let ending = out.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         match ending.as_str() {
@@ -69,6 +74,14 @@ impl Encoder {
             }
             _ => {
                 std::fs::create_dir_all(out).map_err(|e| format!("{}: {e}", out.display()))?;
+                if frame_path(out, 0).exists() {
+                    // A shorter film would end in the older one's last frames.
+                    return Err(format!(
+                        "{}: holds the frames of an earlier film; remove them or name another folder",
+                        out.display()
+                    )
+                    .into());
+                }
                 Ok(Self::Frames { dir: out.to_owned() })
             }
         }
@@ -118,7 +131,7 @@ impl Encoder {
     pub fn add(&mut self, n: u32, picture: &RgbaImage) -> Result<(), Failure> {
         match self {
             Self::Frames { dir } => {
-                let path = dir.join(format!("{n:05}.png"));
+                let path = frame_path(dir, n);
                 picture.save(&path).map_err(|e| format!("{}: {e}", path.display()))?;
             }
             Self::Video { ffmpeg, path } => {
@@ -153,5 +166,22 @@ impl Encoder {
                 Ok(path)
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_film_is_not_mixed_with_an_older_one() {
+        let out = std::env::temp_dir().join(format!("veduta-encode-{}", std::process::id()));
+        let size = Size { width: 4, height: 2 };
+        let mut first = Encoder::open(&out, size, 12, 1).unwrap();
+        first.add(0, &RgbaImage::new(4, 2)).unwrap();
+        first.finish().unwrap();
+        let Err(refused) = Encoder::open(&out, size, 12, 1) else { panic!("an older film's frames would be overwritten") };
+        assert!(refused.to_string().contains("earlier film"), "{refused}");
+        std::fs::remove_dir_all(&out).unwrap();
     }
 }
