@@ -1,0 +1,440 @@
+use core::fmt;
+
+/// Words a chunk: 512 pixels, the widest register there is.
+pub(crate) const CHUNK: usize = 8;
+/// Pixels a chunk.
+pub(crate) const CHUNK_PX: usize = CHUNK * 64;
+
+/// A picture of one bit a pixel, 64 pixels a word, the leftmost in the lowest bit.
+///
+/// Rows are padded to whole chunks of 512 pixels, and a blank word stands between them, so that a word's left and right
+/// neighbours can be read without a question. Pixels outside of the picture are not set.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Bitmap {
+    width: usize,
+    height: usize,
+    /// Words from one row to the next: those of its chunks and the blank one after them.
+    stride: usize,
+    /// A blank word, then the rows.
+    words: Vec<u64>,
+}
+
+impl Bitmap {
+    /// A bitmap with no pixel set.
+    #[must_use]
+    pub fn new(width: usize, height: usize) -> Self {
+        let stride = width.div_ceil(CHUNK_PX) * CHUNK + 1;
+        Self { width, height, stride, words: vec![0; 1 + stride * height] }
+    }
+
+    /// A bitmap with the pixels set for which `is_set(x, y)` holds.
+    #[must_use]
+    pub fn from_fn(width: usize, height: usize, mut is_set: impl FnMut(usize, usize) -> bool) -> Self {
+        let mut bitmap = Self::new(width, height);
+        for y in 0..height {
+            for x in 0..width {
+                if is_set(x, y) {
+                    bitmap.set(x, y, true);
+                }
+            }
+        }
+        bitmap
+    }
+
+    /// Pixels a row.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Whether a pixel is set; pixels outside are not.
+    #[must_use]
+    #[inline]
+    pub fn get(&self, x: isize, y: isize) -> bool {
+        let inside = x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height;
+        inside && self.words[self.index(x as usize, y as usize)] >> (x as usize % 64) & 1 == 1
+    }
+
+    /// Sets or clears a pixel inside of the picture.
+    ///
+    /// # Panics
+    /// If it is outside.
+    #[inline]
+    pub fn set(&mut self, x: usize, y: usize, on: bool) {
+        assert!(x < self.width && y < self.height, "pixel ({x}, {y}) is outside of {self:?}");
+        let i = self.index(x, y);
+        let bit = 1 << (x % 64);
+        if on { self.words[i] |= bit } else { self.words[i] &= !bit }
+    }
+
+    /// How many pixels are set.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.words.iter().map(|w| w.count_ones() as usize).sum()
+    }
+
+    #[inline]
+    fn index(&self, x: usize, y: usize) -> usize {
+        1 + y * self.stride + x / 64
+    }
+
+    /// Words from one row to the next.
+    pub(crate) fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// Chunks a row.
+    pub(crate) fn chunks(&self) -> usize {
+        self.stride / CHUNK
+    }
+
+    /// A row's words between the blank ones beside it: `stride + 1` words.
+    #[inline]
+    pub(crate) fn padded(&self, y: usize) -> &[u64] {
+        &self.words[y * self.stride..(y + 1) * self.stride + 1]
+    }
+
+    /// A row's words.
+    #[inline]
+    pub(crate) fn row(&self, y: usize) -> &[u64] {
+        &self.words[y * self.stride + 1..(y + 1) * self.stride]
+    }
+
+    /// A row's words; pixels beyond the width must stay clear.
+    #[inline]
+    pub(crate) fn row_mut(&mut self, y: usize) -> &mut [u64] {
+        &mut self.words[y * self.stride + 1..(y + 1) * self.stride]
+    }
+
+    /// A row between blank words, and the words of the next or the one before, to be written.
+    #[inline(always)]
+    pub(crate) fn padded_and_row(&mut self, from: usize, to: usize) -> (&[u64], &mut [u64]) {
+        let (stride, padded) = (self.stride, self.stride + 1);
+        if from < to {
+            let (head, tail) = self.words.split_at_mut(to * stride + 1);
+            (&head[from * stride..][..padded], &mut tail[..stride - 1])
+        } else {
+            let (head, tail) = self.words.split_at_mut(from * stride);
+            (&tail[..padded], &mut head[to * stride + 1..][..stride - 1])
+        }
+    }
+
+    /// All words, blank ones included.
+    pub(crate) fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    /// All words, blank ones included, which must stay blank.
+    pub(crate) fn words_mut(&mut self) -> &mut [u64] {
+        &mut self.words
+    }
+
+    /// Sets every pixel for which `f(own, other)` has a bit, word by word.
+    #[inline]
+    fn combine(&mut self, other: &Self, f: impl Fn(u64, u64) -> u64) {
+        assert!(self.width == other.width && self.height == other.height, "{self:?} and {other:?} differ in size");
+        for (a, &b) in self.words.iter_mut().zip(&other.words) {
+            *a = f(*a, b);
+        }
+    }
+
+    /// Adds the pixels of another bitmap of the same size.
+    pub fn add(&mut self, other: &Self) {
+        self.combine(other, |a, b| a | b);
+    }
+
+    /// Keeps only the pixels that another bitmap of the same size has too.
+    pub fn keep(&mut self, other: &Self) {
+        self.combine(other, |a, b| a & b);
+    }
+
+    /// Takes out the pixels of another bitmap of the same size.
+    pub fn remove(&mut self, other: &Self) {
+        self.combine(other, |a, b| a & !b);
+    }
+
+    /// The pixels that are not set.
+    #[must_use]
+    pub fn inverted(&self) -> Self {
+        let mut inverted = Self::new(self.width, self.height);
+        let last = self.last_word();
+        for y in 0..self.height {
+            let (to, from) = (inverted.row_mut(y), self.row(y));
+            let used = self.width.div_ceil(64);
+            for (to, from) in to[..used].iter_mut().zip(from) {
+                *to = !from;
+            }
+            if let Some(word) = to[..used].last_mut() {
+                *word &= last;
+            }
+        }
+        inverted
+    }
+
+    /// The bits in use of a row's last used word.
+    pub(crate) fn last_word(&self) -> u64 {
+        match self.width % 64 {
+            0 => u64::MAX,
+            n => (1 << n) - 1,
+        }
+    }
+
+    /// The three pixels (x-1, y), (x, y), (x+1, y), in this order from the lowest bit.
+    #[inline]
+    pub(crate) fn three(&self, x: usize, y: usize) -> u64 {
+        let at = y * self.stride + 1;
+        let (word, bit) = (at + x / 64, x % 64);
+        match bit {
+            0 => (self.words[word] << 1 | self.words[word - 1] >> 63) & 7,
+            63 => (self.words[word] >> 62 | self.words[word + 1] << 2) & 7,
+            bit => self.words[word] >> (bit - 1) & 7,
+        }
+    }
+
+    /// The eight pixels around one, clockwise from the pixel above it in the lowest bit.
+    #[inline]
+    pub(crate) fn around(&self, x: usize, y: usize) -> u8 {
+        let above = if y > 0 { self.three(x, y - 1) } else { 0 };
+        let at = self.three(x, y);
+        let below = if y + 1 < self.height { self.three(x, y + 1) } else { 0 };
+        let n_ne = above >> 1; // bit 0: north, bit 1: north-east
+        let s_sw = (below >> 1 & 1) | (below & 1) << 1; // south, south-west
+        ((n_ne & 3) | (at >> 2) << 2 | (below >> 2) << 3 | s_sw << 4 | (at & 1) << 6 | (above & 1) << 7) as u8
+    }
+
+    /// The places of all set pixels, row by row from the left.
+    pub fn pixels(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        (0..self.height).flat_map(move |y| {
+            self.row(y).iter().enumerate().flat_map(move |(i, &word)| ones(word).map(move |bit| (i * 64 + bit, y)))
+        })
+    }
+
+    /// The picture with `margin` (a multiple of 64) more pixels on every side, as its border pixels have it.
+    pub(crate) fn with_margin(&self, margin: usize) -> Self {
+        debug_assert!(margin.is_multiple_of(64));
+        let mut wide = Self::new(self.width + 2 * margin, self.height + 2 * margin);
+        if self.width == 0 || self.height == 0 {
+            return wide;
+        }
+        let (pad, used, bit) = (margin / 64, self.width.div_ceil(64), self.width % 64);
+        for y in 0..self.height {
+            let (first, last) = (self.get(0, y as isize), self.get(self.width as isize - 1, y as isize));
+            let from = self.row(y);
+            let to = wide.row_mut(y + margin);
+            to[..pad].fill(if first { u64::MAX } else { 0 });
+            to[pad..pad + used].copy_from_slice(&from[..used]);
+            if last {
+                if bit > 0 {
+                    to[pad + used - 1] |= u64::MAX << bit;
+                }
+                to[pad + used..][..pad].fill(u64::MAX);
+                if bit > 0 {
+                    to[pad + used + pad - 1] &= (1 << bit) - 1;
+                }
+            }
+        }
+        for y in 0..margin {
+            let stride = wide.stride;
+            let (top, bottom) = (margin, margin + self.height - 1);
+            wide.words.copy_within(1 + top * stride..(top + 1) * stride, 1 + y * stride);
+            wide.words.copy_within(1 + bottom * stride..(bottom + 1) * stride, 1 + (bottom + 1 + y) * stride);
+        }
+        wide
+    }
+
+    /// The picture with rows and columns exchanged.
+    #[must_use]
+    pub(crate) fn transposed(&self) -> Self {
+        let mut result = Self::new(self.height, self.width);
+        let mut block = [0u64; 64];
+        for top in (0..self.height).step_by(64) {
+            let rows = (self.height - top).min(64);
+            for k in 0..self.width.div_ceil(64) {
+                block[rows..].fill(0);
+                let mut any = 0;
+                for (i, word) in block[..rows].iter_mut().enumerate() {
+                    *word = self.row(top + i)[k];
+                    any |= *word;
+                }
+                if any == 0 {
+                    continue;
+                }
+                transpose(&mut block);
+                for (i, &word) in block.iter().enumerate().take((self.width - k * 64).min(64)) {
+                    result.row_mut(k * 64 + i)[top / 64] = word;
+                }
+            }
+        }
+        result
+    }
+
+    /// The picture at a quarter of its size: a pixel is set if at least five of its sixteen are.
+    #[must_use]
+    pub(crate) fn quartered(&self) -> Self {
+        let mut small = Self::new(self.width.div_ceil(4), self.height.div_ceil(4));
+        for y in 0..small.height {
+            let rows = 4 * y..(4 * y + 4).min(self.height);
+            for x in 0..small.width {
+                let (k, bit) = (x / 16, 4 * (x % 16));
+                let set: u32 = rows.clone().map(|row| (self.row(row)[k] >> bit & 15).count_ones()).sum();
+                if set >= 5 {
+                    small.set(x, y, true);
+                }
+            }
+        }
+        small
+    }
+
+    /// How many pixels are set in a stretch of a row.
+    pub(crate) fn count_between(&self, y: usize, from: usize, to: usize) -> usize {
+        let row = self.row(y);
+        let mask = |k: usize| {
+            let low = from.saturating_sub(k * 64).min(64);
+            let high = to.saturating_sub(k * 64).min(64);
+            let below = |n: usize| if n == 64 { u64::MAX } else { (1 << n) - 1 };
+            below(high) & !below(low)
+        };
+        (from / 64..to.div_ceil(64)).map(|k| (row[k] & mask(k)).count_ones() as usize).sum()
+    }
+
+    /// A window of another picture; what lies outside of that is not set.
+    pub(crate) fn from_window(of: &Self, left: isize, top: isize, width: usize, height: usize) -> Self {
+        let mut window = Self::new(width, height);
+        let (used, last) = (width.div_ceil(64), window.last_word());
+        for y in 0..height {
+            let from_y = top + y as isize;
+            if from_y < 0 || from_y >= of.height as isize {
+                continue;
+            }
+            let from = of.row(from_y as usize);
+            let word = |i: isize| if i >= 0 && (i as usize) < from.len() { from[i as usize] } else { 0 };
+            let (first, bit) = (left.div_euclid(64), left.rem_euclid(64) as u32);
+            let to = &mut window.row_mut(y)[..used];
+            for (k, to) in to.iter_mut().enumerate() {
+                let i = first + k as isize;
+                *to = if bit == 0 { word(i) } else { word(i) >> bit | word(i + 1) << (64 - bit) };
+            }
+            if let Some(word) = to.last_mut() {
+                *word &= last;
+            }
+        }
+        window
+    }
+
+    /// The picture without `margin` (a multiple of 64) pixels on every side.
+    pub(crate) fn without_margin(&self, margin: usize) -> Self {
+        debug_assert!(margin.is_multiple_of(64));
+        let mut inner = Self::new(self.width - 2 * margin, self.height - 2 * margin);
+        let (used, last) = (inner.width.div_ceil(64), inner.last_word());
+        for y in 0..inner.height {
+            let from = &self.row(y + margin)[margin / 64..][..used];
+            let to = &mut inner.row_mut(y)[..used];
+            to.copy_from_slice(from);
+            if let Some(word) = to.last_mut() {
+                *word &= last;
+            }
+        }
+        inner
+    }
+}
+
+impl fmt::Debug for Bitmap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "bitmap of {} × {} pixels", self.width, self.height)
+    }
+}
+
+/// Exchanges rows and columns of 64 × 64 bits, by exchanging ever smaller quarters.
+fn transpose(block: &mut [u64; 64]) {
+    let (mut half, mut mask) = (32, 0x0000_0000_FFFF_FFFFu64);
+    while half > 0 {
+        let mut i = 0;
+        while i < 64 {
+            let t = (block[i] >> half ^ block[i + half]) & mask;
+            block[i] ^= t << half;
+            block[i + half] ^= t;
+            i = (i + half + 1) & !half;
+        }
+        half /= 2;
+        mask ^= mask << half;
+    }
+}
+
+/// The numbers of a word's set bits, from the lowest.
+#[inline]
+pub(crate) fn ones(mut word: u64) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let bit = word.trailing_zeros() as usize;
+        (word != 0).then(|| {
+            word &= word - 1;
+            bit
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_around_are_told_clockwise_from_above() {
+        let around = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)];
+        for x in [1usize, 62, 63, 64, 65, 127, 128, 511, 512] {
+            for (i, (dx, dy)) in around.into_iter().enumerate() {
+                let mut bitmap = Bitmap::new(600, 3);
+                bitmap.set((x as isize + dx) as usize, (1 + dy) as usize, true);
+                assert_eq!(bitmap.around(x, 1), 1 << i, "neighbour {i} of x = {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_margin_repeats_the_border_and_comes_off_again() {
+        for width in [3, 64, 100, 512, 700] {
+            let bitmap = Bitmap::from_fn(width, 5, |x, y| (x * 7 + y * 3) % 5 < 2);
+            let wide = bitmap.with_margin(64);
+            for y in 0..wide.height() {
+                for x in 0..wide.width() {
+                    let (px, py) = (x as isize - 64, y as isize - 64);
+                    let inside = bitmap.get(px.clamp(0, width as isize - 1), py.clamp(0, 4));
+                    assert_eq!(wide.get(x as isize, y as isize), inside, "({px}, {py}) of width {width}");
+                }
+            }
+            assert_eq!(wide.without_margin(64), bitmap);
+            assert_eq!(wide.count(), wide.pixels().count());
+        }
+    }
+
+    #[test]
+    fn rows_become_columns() {
+        for (width, height) in [(1, 1), (64, 64), (70, 130), (513, 40)] {
+            let bitmap = Bitmap::from_fn(width, height, |x, y| (x * 11 + y * y * 7) % 13 < 5);
+            let turned = bitmap.transposed();
+            assert_eq!(turned, Bitmap::from_fn(height, width, |x, y| bitmap.get(y as isize, x as isize)));
+        }
+    }
+
+    #[test]
+    fn a_window_shows_what_is_there_and_nothing_outside() {
+        let bitmap = Bitmap::from_fn(150, 20, |x, y| (x * 5 + y * 3) % 7 < 3);
+        for (left, top) in [(-70, -3), (0, 0), (13, 5), (64, 2), (100, 15)] {
+            let window = Bitmap::from_window(&bitmap, left, top, 90, 12);
+            let is_same = |x: isize, y: isize| window.get(x, y) == bitmap.get(x + left, y + top);
+            assert!((0..90).all(|x| (0..12).all(|y| is_same(x, y))), "window at ({left}, {top})");
+            assert_eq!(window.count(), window.pixels().count());
+        }
+    }
+
+    #[test]
+    fn what_is_not_set_is_set_in_the_inverse_and_nothing_outside() {
+        let bitmap = Bitmap::from_fn(70, 4, |x, y| x == y);
+        assert_eq!(bitmap.inverted().count(), 70 * 4 - 4);
+        assert_eq!(bitmap.inverted().inverted(), bitmap);
+    }
+}

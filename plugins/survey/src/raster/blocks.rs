@@ -1,0 +1,51 @@
+//! Blocks: what lies between the streets.
+
+use glam::DVec2;
+use veduta_city::BlockKind;
+
+use super::bitmap::Bitmap;
+use super::classify::Classes;
+use super::clean::SPECK_M2;
+use super::filter::median5;
+use super::outline::{Corners, outlines, simplified_ring};
+
+/// Rows of a block in which it is looked at what it holds.
+const LOOKS: i32 = 24;
+
+/// The outlines of what is neither street nor course, with what they hold.
+pub(crate) fn blocks(street: &Bitmap, courses: [&Bitmap; 2], classes: &Classes, mpp: f64) -> Vec<(BlockKind, Vec<DVec2>)> {
+    let mut area = street.inverted();
+    for course in courses {
+        area.remove(course);
+    }
+    let mut ponds = classes.water.clone();
+    ponds.keep(&area);
+    let ponds = median5(&ponds);
+    let least = (2.0 * SPECK_M2 / (mpp * mpp)) as i64;
+    let height = street.height() as f64;
+    outlines(&area, Corners::Part)
+        .into_iter()
+        .filter(|o| o.area_px > least)
+        .map(|outline| {
+            let (low, high) = outline.extent();
+            let every = ((high.y - low.y) / LOOKS).max(1);
+            let (mut all, mut park, mut water) = (0, 0, 0);
+            for (y, from, to) in outline.spans(|y| (y - low.y) % every == every / 2) {
+                let (y, from, to) = (y as usize, from as usize, to as usize);
+                all += to - from;
+                park += classes.park.count_between(y, from, to);
+                water += ponds.count_between(y, from, to);
+            }
+            let kind = if 2 * park > all {
+                BlockKind::Park
+            } else if 2 * water > all {
+                BlockKind::Water
+            } else {
+                BlockKind::Built
+            };
+            let ring: Vec<DVec2> = outline.corners.iter().map(|c| c.as_dvec2()).collect();
+            let ring = simplified_ring(&ring, 1.0).into_iter().rev();
+            (kind, ring.map(|p| DVec2::new(p.x, height - p.y) * mpp).collect())
+        })
+        .collect()
+}

@@ -1,0 +1,88 @@
+//! Streets that a label interrupts, led through in the graph.
+
+use glam::DVec2;
+
+use super::bitmap::Bitmap;
+use super::sketch::{Sketch, SketchStreet};
+
+/// Longest stretch that is led through, metres.
+const REACH_M: f64 = 70.0;
+/// Cosine of the most that either end may turn away.
+const FACING: f64 = 0.8;
+/// Share of what lies between that must be hidden.
+const HIDDEN: f64 = 0.5;
+/// Pixels before its end that tell where a street was going.
+const COURSE_PX: usize = 14;
+
+/// A street's blind end.
+#[derive(Debug, Clone, Copy)]
+struct Tip {
+    node: usize,
+    street: usize,
+    at: DVec2,
+    ahead: DVec2,
+}
+
+/// Joins blind ends that face each other across what is hidden.
+pub(crate) fn lead_through(sketch: &mut Sketch, paved: &Bitmap, hidden: &Bitmap, mpp: f64) {
+    let tips = tips(sketch);
+    let reach = REACH_M / mpp;
+    let mut pairs = Vec::new();
+    for (i, a) in tips.iter().enumerate() {
+        for (j, b) in tips.iter().enumerate().skip(i + 1) {
+            let gap = b.at - a.at;
+            let length = gap.length();
+            if length > reach || a.street == b.street || length < 1.0 {
+                continue;
+            }
+            let is_facing = length < 8.0 || (a.ahead.dot(gap) > FACING * length && b.ahead.dot(-gap) > FACING * length);
+            if is_facing && share_hidden(hidden, paved, a.at, b.at) > HIDDEN {
+                pairs.push((length, i, j));
+            }
+        }
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let mut joined = vec![false; tips.len()];
+    for (length, i, j) in pairs {
+        if joined[i] || joined[j] {
+            continue;
+        }
+        (joined[i], joined[j]) = (true, true);
+        let (a, b) = (tips[i], tips[j]);
+        let n = (length as usize).max(2);
+        let line = (0..=n).map(|k| a.at.lerp(b.at, k as f64 / n as f64)).collect();
+        let half = sketch.streets[a.street].half.min(sketch.streets[b.street].half);
+        sketch.streets.push(SketchStreet { ends: [a.node, b.node], line, half });
+    }
+}
+
+fn tips(sketch: &Sketch) -> Vec<Tip> {
+    let at = sketch.ends();
+    let mut tips = Vec::new();
+    for (node, ends) in at.iter().enumerate() {
+        let &[(street, end)] = &ends[..] else { continue };
+        let line = &sketch.streets[street];
+        let mut points = line.seen_from(end);
+        let Some(tip) = points.next() else { continue };
+        let back = points.nth(COURSE_PX.min(line.line.len().saturating_sub(2)).saturating_sub(1)).unwrap_or(tip);
+        if let Some(ahead) = (tip - back).try_normalize() {
+            tips.push(Tip { node, street, at: tip, ahead });
+        }
+    }
+    tips
+}
+
+/// The share of the way between two points, where it is not paved, that is hidden.
+fn share_hidden(hidden: &Bitmap, paved: &Bitmap, a: DVec2, b: DVec2) -> f64 {
+    let n = (a.distance(b) as usize).max(2);
+    let (mut open, mut covered) = (0.0, 0.0);
+    for k in 0..=n {
+        let p = a.lerp(b, k as f64 / n as f64);
+        let (x, y) = (p.x.floor() as isize, p.y.floor() as isize);
+        if !paved.get(x, y) {
+            open += 1.0;
+            covered += f64::from(u8::from(hidden.get(x, y)));
+        }
+    }
+    if open > 0.0 { covered / open } else { 1.0 }
+}

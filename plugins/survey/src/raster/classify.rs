@@ -1,0 +1,195 @@
+//! What every pixel of a map stands for, by the nearest colour of the legend.
+
+use super::bitmap::Bitmap;
+use super::legend::{Legend, MapClass};
+use super::picture::Picture;
+
+/// A map's classes, a bitmap each.
+#[derive(Debug, Clone)]
+pub(crate) struct Classes {
+    pub street: Bitmap,
+    pub park: Bitmap,
+    pub water: Bitmap,
+    pub railway: Bitmap,
+    /// Labels and symbols.
+    pub ink: Bitmap,
+}
+
+const STREET: u8 = 0;
+const BUILT: u8 = 1;
+const PARK: u8 = 2;
+const WATER: u8 = 3;
+const RAILWAY: u8 = 4;
+const INK: u8 = 5;
+
+/// Steps a channel of the table of colours.
+const STEPS: usize = 32;
+
+/// Classifies a picture's pixels.
+#[must_use]
+pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
+    let table = table(&palette(picture, legend));
+    let (w, h) = (picture.width, picture.height);
+    let [mut street, mut park, mut water, mut railway, mut ink] = [(); 5].map(|()| Bitmap::new(w, h));
+    for y in 0..h {
+        let row = &picture.pixels[y * w * 3..(y + 1) * w * 3];
+        let [s, p, wa, r, i] = [street.row_mut(y), park.row_mut(y), water.row_mut(y), railway.row_mut(y), ink.row_mut(y)];
+        for (k, pixels) in row.chunks(64 * 3).enumerate() {
+            let mut seen = [0u8; 64];
+            for (class, pixel) in seen.iter_mut().zip(pixels.chunks_exact(3)) {
+                *class = table[colour_index(pixel[0], pixel[1], pixel[2])];
+            }
+            let all = seen.iter().fold(0, |a, b| a | b);
+            for (bit, word) in [(STREET, &mut s[k]), (PARK, &mut p[k]), (WATER, &mut wa[k]), (RAILWAY, &mut r[k]), (INK, &mut i[k])]
+            {
+                if all >> bit & 1 == 1 {
+                    *word = gathered(&seen, bit);
+                }
+            }
+        }
+    }
+    Classes { street, park, water, railway, ink }
+}
+
+/// One bit of each of 64 bytes, as a word.
+fn gathered(bytes: &[u8; 64], bit: u8) -> u64 {
+    let mut word = 0;
+    for (i, eight) in bytes.as_chunks::<8>().0.iter().enumerate() {
+        let lanes = u64::from_le_bytes(*eight) >> bit & 0x0101_0101_0101_0101;
+        word |= (lanes.wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * i);
+    }
+    word
+}
+
+#[inline(always)]
+fn colour_index(r: u8, g: u8, b: u8) -> usize {
+    (usize::from(r) >> 3) << 10 | (usize::from(g) >> 3) << 5 | usize::from(b) >> 3
+}
+
+/// A colour and what it stands for.
+#[derive(Debug, Clone, Copy)]
+struct Shade {
+    class: u8,
+    colour: [f32; 3],
+}
+
+/// For each colour, its class as a bit.
+fn table(shades: &[Shade]) -> Vec<u8> {
+    let middle = |i: usize| (i * 256 / STEPS) as f32 + 3.5;
+    let mut table = vec![0; STEPS * STEPS * STEPS];
+    for (i, class) in table.iter_mut().enumerate() {
+        let at = [middle(i >> 10), middle(i >> 5 & 31), middle(i & 31)];
+        let nearest = shades.iter().fold((f32::MAX, BUILT), |best, shade| {
+            let d = distance2(at, shade.colour);
+            if d < best.0 { (d, shade.class) } else { best }
+        });
+        *class = 1 << nearest.1;
+    }
+    table
+}
+
+fn distance2(a: [f32; 3], b: [f32; 3]) -> f32 {
+    (0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum()
+}
+
+fn mixed(a: [f32; 3], b: [f32; 3], t: f32) -> [f32; 3] {
+    core::array::from_fn(|c| a[c] + (b[c] - a[c]) * t)
+}
+
+/// The legend's colours as they came out on this map's paper, and the mixtures that soft edges show.
+fn palette(picture: &Picture, legend: &Legend) -> Vec<Shade> {
+    let shades: Vec<Shade> =
+        legend.colours.iter().map(|entry| Shade { class: class_of(entry.class), colour: entry.colour.map(f32::from) }).collect();
+    let mut shades = as_printed(picture, &shades);
+    let of = |classes: &[u8]| -> Vec<Shade> { shades.iter().copied().filter(|s| classes.contains(&s.class)).collect() };
+    let (street, blocks, inks) = (of(&[STREET]), of(&[BUILT, PARK, WATER]), of(&[INK]));
+    let ground = of(&[STREET, BUILT, PARK, WATER, RAILWAY]);
+    let mut more = Vec::new();
+    for paper in &street {
+        for block in &blocks {
+            // What lies between the two belongs to the nearer, though a third colour may lie there too.
+            for (t, class) in [(0.2, STREET), (0.4, STREET), (0.6, block.class), (0.8, block.class)] {
+                more.push(Shade { class, colour: mixed(paper.colour, block.colour, t) });
+            }
+        }
+        for ink in &inks {
+            for t in [0.35, 0.5] {
+                let colour = mixed(paper.colour, ink.colour, t);
+                if ground.iter().all(|g| distance2(g.colour, colour) > 1600.0) {
+                    more.push(Shade { class: INK, colour });
+                }
+            }
+        }
+    }
+    shades.extend(more);
+    shades
+}
+
+fn class_of(class: MapClass) -> u8 {
+    match class {
+        MapClass::Street(_) | MapClass::Square => STREET,
+        MapClass::Built => BUILT,
+        MapClass::Park => PARK,
+        MapClass::Water => WATER,
+        MapClass::Railway => RAILWAY,
+        MapClass::Label => INK,
+    }
+}
+
+/// How far a pixel may be from its shade for the fit of the paper, in colour steps.
+const SURE: f32 = 40.0;
+
+/// Ink on tinted, unevenly lit paper: every channel is stretched and shifted, alike for all colours. The fit alternates
+/// between finding the nearest shade of a sample of pixels and the line through the pairs.
+fn as_printed(picture: &Picture, shades: &[Shade]) -> Vec<Shade> {
+    let sample = sample(picture);
+    let mut fit = [(1.0f32, 0.0f32); 3];
+    for (c, fit) in fit.iter_mut().enumerate() {
+        let brightest = shades.iter().map(|s| s.colour[c]).fold(1.0, f32::max);
+        let mut values: Vec<f32> = sample.iter().map(|p| p[c]).collect();
+        values.sort_by(f32::total_cmp);
+        let high = values.get(values.len() * 19 / 20).copied().unwrap_or(255.0);
+        fit.0 = (high / brightest).clamp(0.6, 1.2);
+    }
+    let printed = |fit: &[(f32, f32); 3]| -> Vec<Shade> {
+        let colour = |s: &Shade| core::array::from_fn(|c| s.colour[c] * fit[c].0 + fit[c].1);
+        shades.iter().map(|s| Shade { class: s.class, colour: colour(s) }).collect()
+    };
+    for _ in 0..6 {
+        let now = printed(&fit);
+        let mut pairs: Vec<(usize, [f32; 3])> = Vec::new();
+        for pixel in &sample {
+            let nearest = now.iter().enumerate().map(|(i, s)| (distance2(*pixel, s.colour), i)).min_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((_, i)) = nearest.filter(|(d, _)| *d < SURE * SURE) {
+                pairs.push((i, *pixel));
+            }
+        }
+        if pairs.is_empty() {
+            break;
+        }
+        let n = pairs.len() as f32;
+        for (c, fit) in fit.iter_mut().enumerate() {
+            let x = |p: &(usize, [f32; 3])| shades[p.0].colour[c];
+            let (mean_x, mean_y) = (pairs.iter().map(x).sum::<f32>() / n, pairs.iter().map(|p| p.1[c]).sum::<f32>() / n);
+            let spread: f32 = pairs.iter().map(|p| (x(p) - mean_x) * (x(p) - mean_x)).sum();
+            let shared: f32 = pairs.iter().map(|p| (x(p) - mean_x) * (p.1[c] - mean_y)).sum();
+            if spread > n {
+                fit.0 = (shared / spread).clamp(0.6, 1.2);
+            }
+            fit.1 = mean_y - fit.0 * mean_x;
+        }
+    }
+    printed(&fit)
+}
+
+/// Some 16,000 pixels from all over a picture.
+fn sample(picture: &Picture) -> Vec<[f32; 3]> {
+    let step = ((picture.width * picture.height / 16_000) as f64).sqrt().max(1.0) as usize;
+    let columns = || (step / 2..picture.width).step_by(step);
+    let at = |x: usize, y: usize| (y * picture.width + x) * 3;
+    (step / 2..picture.height)
+        .step_by(step)
+        .flat_map(|y| columns().map(move |x| (x, y)))
+        .map(|(x, y)| core::array::from_fn(|c| f32::from(picture.pixels[at(x, y) + c])))
+        .collect()
+}

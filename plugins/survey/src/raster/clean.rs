@@ -1,0 +1,95 @@
+//! Streets, rails and water free of labels and noise.
+
+use glam::IVec2;
+
+use super::bitmap::Bitmap;
+use super::classify::Classes;
+use super::filter::{crowded, dilated, filled, median5};
+use super::morphology::{grown, shrunk};
+use super::outline::{Corners, outlines};
+use super::sight::seen_as_street;
+
+/// Pixels that a cleaned picture is continued by on every side, so that streets do not end at its border.
+pub(crate) const MARGIN: usize = 64;
+/// Islands of street, and of what is no street, smaller than this are noise; square metres.
+pub(crate) const SPECK_M2: f64 = 60.0;
+/// A street is seen to go on under a railway so wide, metres.
+const VIADUCT_M: f64 = 11.0;
+/// Letters of a word are closer together than twice this, pixels.
+const WORD_GAP_PX: usize = 4;
+/// Half the height of a name's letters that is wider than a street it might hide.
+const LARGE_PX: usize = 7;
+/// What is so much wider than that is letters side by side, what is not is a symbol.
+const SYMBOL_PX: i32 = 20;
+
+/// The streets free of labels and noise, and what a label may hide, both with a margin.
+pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap) {
+    let mut street = classes.street.clone();
+    let mut hidden = Bitmap::new(street.width(), street.height());
+    let has_ink = classes.ink.count() * 2000 > classes.ink.width() * classes.ink.height();
+    if has_ink {
+        let mut ink = crowded(&classes.ink, 4);
+        ink.keep(&classes.ink);
+        ink.remove(&dilated(&dilated(&median5(&classes.railway))));
+        let mut ink = dilated(&dilated(&ink));
+        // Between a letter and the street it stands on, its soft edge looks like a block.
+        let mut seen = street.clone();
+        seen.remove(&ink);
+        let seen = median5(&seen);
+        let mut edges = grown(&ink, 2);
+        edges.keep(&grown(&seen, 2));
+        edges.add(&shrunk(&grown(&ink, 3), 3));
+        edges.remove(&seen);
+        ink.add(&edges);
+        street.remove(&ink);
+        let steady = crowded(&street, 4);
+        street.keep(&steady);
+        let under = seen_as_street(&street, &names(&ink));
+        street.add(&under);
+        hidden = ink.clone();
+        let mut open = ink;
+        open.remove(&under);
+        street = filled(&street, &open);
+    }
+    let has_rails = classes.railway.count() * 5000 > classes.railway.width() * classes.railway.height();
+    if has_rails {
+        // Streets go on under viaducts.
+        let reach = (VIADUCT_M / 2.0 / mpp) as usize + 1;
+        let mut through = shrunk(&grown(&street, reach), reach);
+        let rails = grown(&median5(&classes.railway), 3);
+        hidden.add(&rails);
+        through.keep(&rails);
+        street.add(&through);
+    }
+    let mut street = median5(&street.with_margin(MARGIN));
+    let least = (SPECK_M2 / (mpp * mpp)) as i64;
+    let found = outlines(&street, Corners::Join);
+    for is_hole in [false, true] {
+        for outline in found.iter().filter(|o| o.is_hole() == is_hole && o.area_px.abs() < least) {
+            outline.paint(&mut street, is_hole);
+        }
+    }
+    (street, hidden.with_margin(MARGIN))
+}
+
+/// The parts of what is inked that may hide a street: not the letters of a large, spaced name, which lies where it will.
+fn names(ink: &Bitmap) -> Bitmap {
+    let words = shrunk(&grown(ink, WORD_GAP_PX), WORD_GAP_PX);
+    let mut large = shrunk(&words, LARGE_PX);
+    for outline in outlines(&large.clone(), Corners::Join).iter().filter(|o| !o.is_hole()) {
+        let (low, high) = outline.corners.iter().fold((IVec2::MAX, IVec2::MIN), |(l, h), &c| (l.min(c), h.max(c)));
+        if (high - low).max_element() < SYMBOL_PX {
+            outline.paint(&mut large, false);
+        }
+    }
+    let large = grown(&large, LARGE_PX + 3);
+    let mut names = ink.clone();
+    names.remove(&large);
+    names
+}
+
+/// Water or rails, free of labels and noise.
+pub(crate) fn course_mask(class: &Bitmap, ink: &Bitmap) -> Bitmap {
+    let ink = dilated(&crowded(ink, 4));
+    median5(&filled(class, &ink))
+}

@@ -1,0 +1,100 @@
+//! From what a map shows to a city graph.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::DVec2;
+use veduta_city::{CityGraph, Id, Link, LinkKind, Node, Square, StreetClass};
+
+use super::read::MapReading;
+use crate::log::Log;
+use crate::polygon::{Polygon, even_odd};
+use crate::start;
+
+/// Streets at least so wide are main streets, metres …
+const MAIN_M: f64 = 14.0;
+/// … and those narrower than this are lanes.
+const LANE_M: f64 = 7.0;
+/// Ends closer together than this are one node, metres.
+const WELD_M: f64 = 0.01;
+
+/// The city graph of a reading.
+pub(super) fn graph_of(reading: MapReading, log: &mut Log) -> CityGraph {
+    let mut nodes = Nodes::default();
+    let mut links = Vec::new();
+    let of_streets = reading.streets.into_iter().map(|(line, width)| (LinkKind::Street(class_of(width)), line, width));
+    for (kind, line, width_m) in of_streets.chain(reading.courses) {
+        let (Some(&first), Some(&last)) = (line.first(), line.last()) else { continue };
+        let (from, to) = (nodes.at(first), nodes.at(last));
+        if from == to && line.len() < 4 {
+            log.dropped(Id::NONE, Some(first), "a link shorter than a centimetre was left out");
+            continue;
+        }
+        let via = line[1..line.len() - 1].iter().map(|&p| rounded(p)).collect();
+        let width_m = (width_m * 100.0).round() / 100.0;
+        links.push(Link { id: Id::NONE, from, to, via, kind, width_m, name: String::new(), layer: 0, surfacing: None });
+    }
+    let mut graph = CityGraph { margin_m: CityGraph::default_margin_m(), nodes: nodes.all, links, ..CityGraph::default() };
+    for outline in reading.squares {
+        for polygon in repaired(outline, "square", log) {
+            let Polygon { outer, holes } = polygon;
+            graph.squares.push(Square { id: Id::NONE, name: String::new(), outline: outer, holes, surfacing: Default::default() });
+        }
+    }
+    for (kind, outline) in reading.blocks {
+        for polygon in repaired(outline, "block", log) {
+            graph.blocks.push(crate::grounds::block(Id::NONE, kind, String::new(), &polygon));
+        }
+    }
+    graph.start = start::start(&graph);
+    graph
+}
+
+/// Nodes by place.
+#[derive(Default)]
+struct Nodes {
+    all: Vec<Node>,
+    by_place: BTreeMap<(i64, i64), Id>,
+    taken: BTreeSet<Id>,
+}
+
+impl Nodes {
+    fn at(&mut self, pos: DVec2) -> Id {
+        let pos = rounded(pos);
+        let key = ((pos.x / WELD_M).round() as i64, (pos.y / WELD_M).round() as i64);
+        if let Some(&id) = self.by_place.get(&key) {
+            return id;
+        }
+        let mut id = Id::from_place("node", pos);
+        while !self.taken.insert(id) {
+            id.0 = id.0.wrapping_add(1) | 1 << 63;
+        }
+        self.by_place.insert(key, id);
+        self.all.push(Node { id, pos, z: 0.0 });
+        id
+    }
+}
+
+fn rounded(p: DVec2) -> DVec2 {
+    (p / WELD_M).round() * WELD_M
+}
+
+fn class_of(width_m: f64) -> StreetClass {
+    if width_m >= MAIN_M {
+        StreetClass::Main
+    } else if width_m >= LANE_M {
+        StreetClass::Street
+    } else {
+        StreetClass::Lane
+    }
+}
+
+/// A ring as valid polygons.
+fn repaired(ring: Vec<DVec2>, what: &str, log: &mut Log) -> Vec<Polygon> {
+    let ring: Vec<DVec2> = ring.into_iter().map(rounded).collect();
+    let at = ring.first().copied();
+    let (polygons, is_untouched) = even_odd(&[ring]);
+    if !is_untouched {
+        log.repaired(Id::NONE, at, format!("the outline of a {what} crossed itself"));
+    }
+    polygons
+}

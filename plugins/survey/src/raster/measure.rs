@@ -1,0 +1,126 @@
+//! Distances to the border of what is set, measured where they are needed.
+
+use glam::DVec2;
+
+use super::bitmap::Bitmap;
+
+/// How far one can go from a point in a direction (of length 1) before a pixel that is not set, up to `reach`; pixels.
+#[must_use]
+pub(crate) fn ray(bitmap: &Bitmap, from: DVec2, direction: DVec2, reach: f64) -> f64 {
+    let step = DVec2::new(direction.x.signum(), direction.y.signum());
+    let per = DVec2::new(1.0 / direction.x.abs().max(1e-12), 1.0 / direction.y.abs().max(1e-12));
+    let floor = from.floor();
+    let to_edge = |at: f64, low: f64, forward: bool| if forward { low + 1.0 - at } else { at - low };
+    let mut next = DVec2::new(to_edge(from.x, floor.x, step.x > 0.0), to_edge(from.y, floor.y, step.y > 0.0)) * per;
+    let (mut x, mut y) = (floor.x as isize, floor.y as isize);
+    let mut gone = 0.0;
+    while gone < reach {
+        if !bitmap.get(x, y) {
+            return gone;
+        }
+        if next.x < next.y {
+            gone = next.x;
+            next.x += per.x;
+            x += step.x as isize;
+        } else {
+            gone = next.y;
+            next.y += per.y;
+            y += step.y as isize;
+        }
+    }
+    reach
+}
+
+/// The radius of the largest disc about the middle of a pixel that holds set pixels only, up to `reach`; pixels. Zero
+/// where the pixel is not set.
+#[must_use]
+pub(crate) fn clearance(bitmap: &Bitmap, at: DVec2, reach: f64) -> f64 {
+    let (x, y) = (at.x.floor() as isize, at.y.floor() as isize);
+    let mut best = (reach + 0.5) * (reach + 0.5);
+    let mut dy = 0;
+    while ((dy * dy) as f64) < best {
+        for row in if dy == 0 { [y, y] } else { [y - dy, y + dy] } {
+            let dx = gap(bitmap, x, row, (best.sqrt() as isize) + 1);
+            best = best.min((dx * dx + dy * dy) as f64);
+        }
+        dy += 1;
+    }
+    (best.sqrt() - 0.5).max(0.0)
+}
+
+/// How many pixels to the side the nearest pixel of a row is that is not set, from 0 to `most`.
+fn gap(bitmap: &Bitmap, x: isize, y: isize, most: isize) -> isize {
+    if y < 0 || y >= bitmap.height() as isize || x < 0 || x >= bitmap.width() as isize {
+        return 0;
+    }
+    let row = bitmap.padded(y as usize);
+    let (word, bit) = (x as usize / 64 + 1, x as usize % 64);
+    // To the right.
+    let mut right = (!(row[word] >> bit)).trailing_zeros() as isize;
+    if right >= 64 - bit as isize {
+        right = 64 - bit as isize;
+        for &next in &row[word + 1..] {
+            let run = next.trailing_ones() as isize;
+            right += run;
+            if run < 64 || right > most {
+                break;
+            }
+        }
+    }
+    // To the left.
+    let mut left = (row[word] << (63 - bit)).leading_ones() as isize;
+    if left > bit as isize {
+        left = bit as isize + 1;
+        for &next in row[..word].iter().rev() {
+            let run = next.leading_ones() as isize;
+            left += run;
+            if run < 64 || left > most {
+                break;
+            }
+        }
+    }
+    right.min(left).min(most)
+}
+
+/// The median of some numbers, or nothing of nothing; takes their order.
+pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn clearance_is_the_distance_to_the_nearest_unset_pixel(width in 1usize..300, height in 1usize..60, seed: u64, x in 0usize..300, y in 0usize..60) {
+            let bitmap = Bitmap::from_fn(width, height, |x, y| {
+                let n = ((x / 5) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((y / 5) as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F) ^ seed;
+                (n ^ n >> 29).wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 60 < 15
+            });
+            let (x, y) = ((x % width) as isize, (y % height) as isize);
+            let mut nearest = 20.5f64;
+            for py in -1..=height as isize {
+                for px in -1..=width as isize {
+                    if !bitmap.get(px, py) {
+                        nearest = nearest.min((((px - x).pow(2) + (py - y).pow(2)) as f64).sqrt());
+                    }
+                }
+            }
+            let found = clearance(&bitmap, DVec2::new(x as f64 + 0.5, y as f64 + 0.5), 20.0);
+            prop_assert!((found - (nearest - 0.5).max(0.0)).abs() < 1e-9, "{} for {}", found, nearest - 0.5);
+        }
+
+        #[test]
+        fn a_ray_ends_where_what_is_set_ends(angle in 0.0..core::f64::consts::TAU, half in 1usize..40) {
+            let bitmap = Bitmap::from_fn(200, 100, |_, y| (50 - half..50 + half).contains(&y));
+            let direction = DVec2::new(libm::cos(angle), libm::sin(angle));
+            let reach = ray(&bitmap, DVec2::new(100.0, 50.0), direction, 1e3);
+            let to_band = half as f64 / direction.y.abs();
+            let to_side = 100.0 / direction.x.abs();
+            prop_assert!((reach - to_band.min(to_side).min(1e3)).abs() < 1e-6, "{} for {}", reach, to_band);
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! Outlines of what is set in a bitmap, along the cracks between pixels.
+
+use glam::{DVec2, IVec2};
+
+use super::bitmap::{Bitmap, ones};
+
+/// How pixels that touch by a corner only are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Corners {
+    /// They belong together.
+    Join,
+    /// They do not.
+    Part,
+}
+
+/// A closed line along pixel edges, in pixels from the picture's upper left corner, y down.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Outline {
+    /// Its corners. What is set lies to the left as one goes, seen with y down.
+    pub corners: Vec<IVec2>,
+    /// Pixels inside; negative for the outline of a hole.
+    pub area_px: i64,
+}
+
+impl Outline {
+    /// Whether it goes around what is not set.
+    pub fn is_hole(&self) -> bool {
+        self.area_px < 0
+    }
+
+    /// Its lowest and highest corner coordinates.
+    pub fn extent(&self) -> (IVec2, IVec2) {
+        self.corners.iter().fold((IVec2::MAX, IVec2::MIN), |(low, high), &c| (low.min(c), high.max(c)))
+    }
+
+    /// Made larger, and moved.
+    pub fn scaled(&self, scale: i32, by: i32) -> Self {
+        let corners = self.corners.iter().map(|&c| c * scale + by).collect();
+        Self { corners, area_px: self.area_px * i64::from(scale) * i64::from(scale) }
+    }
+
+    /// The stretches of pixels inside, in some rows: each a row, its first pixel and the one after its last.
+    pub fn spans(&self, mut is_wanted: impl FnMut(i32) -> bool) -> Vec<(i32, i32, i32)> {
+        // Each vertical edge toggles the pixels to its right.
+        let mut edges: Vec<(i32, i32)> = Vec::new();
+        for (i, &a) in self.corners.iter().enumerate() {
+            let b = self.corners[(i + 1) % self.corners.len()];
+            if a.x == b.x {
+                edges.extend((a.y.min(b.y)..a.y.max(b.y)).filter(|&y| is_wanted(y)).map(|y| (y, a.x)));
+            }
+        }
+        edges.sort_unstable();
+        edges.chunks_exact(2).map(|pair| (pair[0].0, pair[0].1, pair[1].1)).collect()
+    }
+
+    /// Sets or clears all pixels inside of it and of the picture.
+    pub fn paint_within(&self, bitmap: &mut Bitmap, on: bool) {
+        let (width, height) = (bitmap.width() as i32, bitmap.height() as i32);
+        for (y, from, to) in self.spans(|y| y >= 0 && y < height) {
+            for x in from.max(0)..to.min(width) {
+                bitmap.set(x as usize, y as usize, on);
+            }
+        }
+    }
+
+    /// Sets or clears all pixels inside.
+    pub fn paint(&self, bitmap: &mut Bitmap, on: bool) {
+        for (y, from, to) in self.spans(|_| true) {
+            for x in from..to {
+                bitmap.set(x as usize, y as usize, on);
+            }
+        }
+    }
+}
+
+/// The outlines of a bitmap, in the order of their uppermost, leftmost edges.
+#[must_use]
+pub(crate) fn outlines(bitmap: &Bitmap, corners: Corners) -> Vec<Outline> {
+    let mut done = Bitmap::new(bitmap.width(), bitmap.height());
+    let mut result = Vec::new();
+    for y in 0..bitmap.height() {
+        let row = bitmap.padded(y);
+        for k in 0..row.len() - 2 {
+            // Pixels whose left neighbour is not set.
+            let left_edges = row[k + 1] & !(row[k + 1] << 1 | row[k] >> 63);
+            for bit in ones(left_edges) {
+                let x = k * 64 + bit;
+                if !done.get(x as isize, y as isize) {
+                    result.push(follow(bitmap, &mut done, IVec2::new(x as i32, y as i32), corners));
+                }
+            }
+        }
+    }
+    result
+}
+
+/// Follows an outline from the top of a pixel's left edge, downwards.
+fn follow(bitmap: &Bitmap, done: &mut Bitmap, start: IVec2, connect: Corners) -> Outline {
+    let (mut at, mut heading) = (start, IVec2::Y);
+    let (mut corners, mut area) = (Vec::new(), 0i64);
+    loop {
+        // One edge.
+        if heading == IVec2::Y {
+            done.set(at.x as usize, at.y as usize, true);
+        }
+        area -= i64::from(heading.y) * i64::from(at.x);
+        at += heading;
+        // With y down, left of east is north.
+        let left = IVec2::new(heading.y, -heading.x);
+        let pixel = |side: IVec2| {
+            // The pixel ahead on that side: the lower of its two corners' coordinates, on each axis.
+            let p = at + (heading + side - IVec2::ONE) / 2;
+            bitmap.get(p.x as isize, p.y as isize)
+        };
+        let (left_ahead, right_ahead) = (pixel(left), pixel(-left));
+        let turn = match connect {
+            Corners::Join if right_ahead => -left,
+            Corners::Join if left_ahead => heading,
+            Corners::Part if left_ahead && right_ahead => -left,
+            Corners::Part if left_ahead => heading,
+            _ => left,
+        };
+        if turn != heading {
+            corners.push(at);
+            heading = turn;
+        }
+        if at == start && heading == IVec2::Y {
+            return Outline { corners, area_px: area };
+        }
+    }
+}
+
+/// A closed line that stays within `tolerance` of the given one, with as few of its vertices as one pass can find. Fewer
+/// than three vertices remain of a ring thinner than that.
+#[must_use]
+pub(crate) fn simplified_ring(ring: &[DVec2], tolerance: f64) -> Vec<DVec2> {
+    // Begin at two far corners, so that the beginning does not matter much.
+    let Some(&first) = ring.first() else { return Vec::new() };
+    let far = |from: DVec2| {
+        ring.iter()
+            .enumerate()
+            .fold((0, -1.0), |best, (i, p)| {
+                let d = p.distance_squared(from);
+                if d > best.1 { (i, d) } else { best }
+            })
+            .0
+    };
+    let a = far(first);
+    let b = far(ring[a]);
+    if a == b {
+        return vec![first];
+    }
+    let (low, high) = (a.min(b), a.max(b));
+    let one: Vec<DVec2> = ring[low..=high].to_vec();
+    let other: Vec<DVec2> = ring[high..].iter().chain(&ring[..=low]).copied().collect();
+    let mut result = simplified(&one, tolerance);
+    result.pop();
+    result.extend(simplified(&other, tolerance));
+    result.pop();
+    result
+}
+
+/// A line with the same ends that stays within `tolerance` of the given one (Ramer, Douglas and Peucker).
+#[must_use]
+pub(crate) fn simplified(line: &[DVec2], tolerance: f64) -> Vec<DVec2> {
+    if line.len() < 3 {
+        return line.to_vec();
+    }
+    let mut keep = vec![false; line.len()];
+    keep[0] = true;
+    keep[line.len() - 1] = true;
+    let mut stack = vec![(0, line.len() - 1)];
+    while let Some((from, to)) = stack.pop() {
+        let (a, along) = (line[from], line[to] - line[from]);
+        let length = along.length();
+        let mut worst = (tolerance, from);
+        for (i, &p) in line.iter().enumerate().take(to).skip(from + 1) {
+            let off = if length > 0.0 { along.perp_dot(p - a).abs() / length } else { p.distance(a) };
+            if off > worst.0 {
+                worst = (off, i);
+            }
+        }
+        if worst.1 != from {
+            keep[worst.1] = true;
+            stack.extend([(from, worst.1), (worst.1, to)]);
+        }
+    }
+    line.iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| *p).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_ring_has_an_outline_and_a_hole() {
+        let ring = Bitmap::from_fn(10, 10, |x, y| {
+            (2..8).contains(&x) && (2..8).contains(&y) && !((4..6).contains(&x) && (4..6).contains(&y))
+        });
+        let found = outlines(&ring, Corners::Part);
+        assert_eq!(found.iter().map(|o| o.area_px).collect::<Vec<_>>(), [36, -4]);
+        assert_eq!(found[0].corners.len(), 4, "corners only");
+    }
+
+    #[test]
+    fn pixels_that_touch_by_a_corner_join_or_part() {
+        let two = Bitmap::from_fn(4, 4, |x, y| (x, y) == (1, 1) || (x, y) == (2, 2));
+        assert_eq!(outlines(&two, Corners::Join).len(), 1);
+        assert_eq!(outlines(&two, Corners::Part).len(), 2);
+    }
+
+    proptest! {
+        #[test]
+        fn outlines_enclose_what_is_set(width in 1usize..90, height in 1usize..30, density in 1u64..16, seed: u64) {
+            let bitmap = Bitmap::from_fn(width, height, |x, y| {
+                let n = (x as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (y as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F) ^ seed;
+                (n ^ n >> 29).wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 60 < density
+            });
+            for corners in [Corners::Join, Corners::Part] {
+                let found = outlines(&bitmap, corners);
+                prop_assert_eq!(found.iter().map(|o| o.area_px).sum::<i64>(), bitmap.count() as i64);
+                let mut painted = Bitmap::new(width, height);
+                // From the outside in: outlines come before the holes in them.
+                let mut sorted: Vec<_> = found.iter().collect();
+                sorted.sort_by_key(|o| core::cmp::Reverse(o.area_px.abs()));
+                for outline in sorted {
+                    outline.paint(&mut painted, !outline.is_hole());
+                }
+                prop_assert_eq!(&painted, &bitmap);
+            }
+        }
+
+        #[test]
+        fn a_simplified_line_stays_near(points in prop::collection::vec((-50.0..50.0f64, -50.0..50.0f64), 2..40), tolerance in 0.1..5.0f64) {
+            let line: Vec<DVec2> = points.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
+            let simple = simplified(&line, tolerance);
+            prop_assert_eq!(simple.first(), line.first());
+            prop_assert_eq!(simple.last(), line.last());
+            prop_assert!(simple.len() <= line.len());
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! The way from a picture to streets, squares and blocks.
+
+use glam::DVec2;
+use veduta_city::{BlockKind, LinkKind};
+
+use super::bitmap::Bitmap;
+use super::blocks::blocks;
+use super::bridge::lead_through;
+use super::classify::classified;
+use super::clean::{MARGIN, cleaned, course_mask};
+use super::course::courses;
+use super::crossing;
+use super::ends::{clipped, run_on};
+use super::legend::Legend;
+use super::outline::simplified;
+use super::picture::Picture;
+use super::sketch::Sketch;
+use super::square::squares;
+use super::thinning::thinned;
+use super::trace::traced;
+
+/// How far a street's line may be from what was traced, metres.
+const SIMPLE_M: f64 = 0.6;
+
+/// What a map shows, in plan metres.
+#[derive(Debug, Clone, Default)]
+pub(super) struct MapReading {
+    /// Streets: line and width.
+    pub streets: Vec<(Vec<DVec2>, f64)>,
+    /// Rivers and railways: kind, line and width.
+    pub courses: Vec<(LinkKind, Vec<DVec2>, f64)>,
+    /// Squares.
+    pub squares: Vec<Vec<DVec2>>,
+    /// Blocks: kind and outline.
+    pub blocks: Vec<(BlockKind, Vec<DVec2>)>,
+}
+
+/// Reads a map of so many metres a pixel. `done` is told the name of each step as it ends.
+pub(super) fn read_map(
+    picture: &Picture,
+    legend: &Legend,
+    mpp: f64,
+    threads: usize,
+    done: &mut dyn FnMut(&'static str),
+) -> MapReading {
+    let classes = classified(picture, legend);
+    done("classify");
+    let (paved, hidden) = cleaned(&classes, mpp);
+    done("clean");
+    let skeleton = thinned(&paved, threads);
+    done("skeleton");
+    let graph = traced(&skeleton);
+    done("trace");
+    let mut sketch = Sketch::of(graph, &paved);
+    sketch.prune();
+    sketch.join_chains();
+    sketch.prune();
+    sketch.join_chains();
+    done("simplify");
+    sketch.measure(&paved);
+    lead_through(&mut sketch, &paved, &hidden, mpp);
+    sketch.join_chains();
+    done("widths");
+    let found = squares(&mut sketch, &paved, MARGIN as i32, mpp);
+    sketch.prune();
+    sketch.join_chains();
+    done("squares");
+    crossing::settle(&mut sketch, &paved, mpp);
+    sketch.join_chains();
+    let ends = sketch.degrees();
+    let size = DVec2::new(picture.width as f64, picture.height as f64);
+    let margin = DVec2::splat(MARGIN as f64);
+    let plan = |p: DVec2| DVec2::new(p.x - margin.x, size.y - (p.y - margin.y)) * mpp;
+    let mut streets = Vec::new();
+    for street in &sketch.streets {
+        let mut line = street.line.clone();
+        for end in 0..2 {
+            if ends[street.ends[end]] == 1 && sketch.nodes[street.ends[end]].square.is_none() {
+                run_on(&mut line, end, street.half, &paved);
+            }
+        }
+        for piece in clipped(&line, margin, margin + size) {
+            let piece: Vec<DVec2> = simplified(&piece, SIMPLE_M / mpp).into_iter().map(plan).collect();
+            streets.push((piece, 2.0 * street.half * mpp));
+        }
+    }
+    done("streets");
+    let street = paved.without_margin(MARGIN);
+    let (mut railway, mut river) = (course_mask(&classes.railway, &classes.ink), course_mask(&classes.water, &classes.ink));
+    let mut courses_found = Vec::new();
+    for (kind, mask) in [(LinkKind::Railway { tram: false }, &mut railway), (LinkKind::Watercourse, &mut river)] {
+        if mask.count() * 2000 < mask.width() * mask.height() {
+            *mask = Bitmap::new(mask.width(), mask.height());
+            continue;
+        }
+        for course in courses(mask, mpp, SIMPLE_M / mpp) {
+            let line = course.line.iter().map(|p| DVec2::new(p.x, size.y - p.y) * mpp).collect();
+            courses_found.push((kind, line, 2.0 * course.half * mpp));
+        }
+    }
+    done("courses");
+    let blocks = blocks(&street, [&railway, &river], &classes, mpp);
+    done("blocks");
+    let squares = found.iter().map(|s| s.outline.iter().rev().map(|&p| plan(p)).collect()).collect();
+    MapReading { streets, courses: courses_found, squares, blocks }
+}

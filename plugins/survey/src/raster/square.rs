@@ -1,0 +1,273 @@
+//! Squares: open space that the streets around it do not account for.
+//!
+//! ```text
+//!  nodes with much room ─► region: what a disc of nearly that room can reach (morphological opening, in a window)
+//!                       ─► how much of it would the streets that enter it cover, if they went on to its middle?
+//!                          most ─► a crossroads of wide streets        little ─► a square
+//! ```
+//!
+//! The papers go the other way, from loops of short streets to their hull. A region of the picture itself keeps its
+//! shape: an L stays an L.
+
+use glam::{DVec2, IVec2};
+
+use super::bitmap::Bitmap;
+use super::morphology::grown;
+use super::outline::{Corners, Outline, outlines, simplified_ring};
+use super::sketch::{Sketch, SketchNode, SketchStreet, length};
+
+/// Least radius of the largest disc in a square, metres.
+const LEAST_RADIUS_M: f64 = 8.0;
+/// The disc whose reach is a square's region, in radii of the largest.
+const REGION_RADII: f64 = 0.72;
+/// Least area of a square, in areas covered by the streets that enter it.
+const LEAST_SURPLUS: f64 = 1.2;
+
+/// A square as found.
+#[derive(Debug, Clone)]
+pub(crate) struct FoundSquare {
+    /// Its outline in pixels, y down, clockwise as seen.
+    pub outline: Vec<DVec2>,
+}
+
+/// Finds squares, cuts the streets at their borders, and gives their outlines.
+pub(crate) fn squares(sketch: &mut Sketch, paved: &Bitmap, margin: i32, mpp: f64) -> Vec<FoundSquare> {
+    let mut taken = Bitmap::new(paved.width(), paved.height());
+    let mut found = Vec::new();
+    for (at, radius) in candidates(sketch, mpp) {
+        if taken.get(at.x as isize, at.y as isize) {
+            continue;
+        }
+        let Some(region) = Region::around(sketch, paved, at, radius, margin) else { continue };
+        if region.is_square(sketch, radius) {
+            region.add_to(&mut taken);
+            found.push((FoundSquare { outline: region.outline() }, region));
+        }
+    }
+    if !found.is_empty() {
+        cut(sketch, &taken, &found, mpp);
+    }
+    found.into_iter().map(|(square, _)| square).collect()
+}
+
+/// Nodes with more room about them than the streets that meet there need, the roomiest first.
+fn candidates(sketch: &Sketch, mpp: f64) -> Vec<(DVec2, f64)> {
+    let at = sketch.ends();
+    let mut result: Vec<(DVec2, f64)> = Vec::new();
+    for (node, ends) in sketch.nodes.iter().zip(&at) {
+        if node.radius * mpp < LEAST_RADIUS_M {
+            continue;
+        }
+        let narrow: Vec<f64> = ends.iter().map(|&(i, _)| sketch.streets[i].half).filter(|h| *h < 0.85 * node.radius).collect();
+        let widest = narrow.iter().copied().fold(0.0, f64::max);
+        if narrow.len() < ends.len() || node.radius > 1.2 * widest {
+            result.push((node.pos, node.radius));
+        }
+    }
+    result.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.x.total_cmp(&b.0.x)).then(a.0.y.total_cmp(&b.0.y)));
+    result
+}
+
+/// A part of the picture about a candidate, and what of it a disc can reach.
+struct Region {
+    /// Upper left corner of the window.
+    origin: IVec2,
+    /// The region.
+    area: Bitmap,
+    border: Outline,
+}
+
+impl Region {
+    fn around(sketch: &Sketch, paved: &Bitmap, at: DVec2, radius: f64, margin: i32) -> Option<Self> {
+        let reach = (6.0 * radius) as i32 + 8;
+        let origin = IVec2::new(at.x as i32, at.y as i32) - reach;
+        let side = 2 * reach as usize;
+        let window = Bitmap::from_window(paved, origin.x as isize, origin.y as isize, side, side);
+        let steps = (REGION_RADII * radius) as usize;
+        let core = grown(&window.inverted(), steps).inverted();
+        // The part of what remains that belongs to this place.
+        let local = at - origin.as_dvec2();
+        let seeds = outlines(&core, Corners::Join);
+        let own = seeds.iter().filter(|o| !o.is_hole()).find(|o| encloses(&o.corners, local))?;
+        let mut area = Bitmap::new(side, side);
+        own.paint(&mut area, true);
+        area.keep(&core);
+        let reached = grown(&area, steps);
+        // A disc does not reach into corners: what is paved there belongs to it, but for the streets that lead away.
+        let mut area = grown(&reached, (0.45 * steps as f64) as usize);
+        area.keep(&window);
+        let mut away = Bitmap::new(side, side);
+        let inside = |p: DVec2| reached.get(p.x.floor() as isize, p.y.floor() as isize);
+        for street in &sketch.streets {
+            let near = |p: &DVec2| (*p - at).abs().max_element() < f64::from(reach);
+            if !near(&street.line[0]) && !near(&street.line[street.line.len() - 1]) {
+                continue;
+            }
+            let local: Vec<DVec2> = street.line.iter().map(|p| *p - origin.as_dvec2()).collect();
+            for stretch in local.windows(4).step_by(3).filter(|w| !inside(w[0]) && !inside(w[3])) {
+                band(&mut away, stretch[0], stretch[3], street.half + 1.5);
+            }
+        }
+        away.remove(&reached);
+        area.remove(&away);
+        let border = outlines(&area, Corners::Part).into_iter().max_by_key(|o| o.area_px)?;
+        // What touches the window's border is no place, and what is cut by the map's is not known.
+        let (low, high) = border.corners.iter().fold((IVec2::MAX, IVec2::MIN), |(l, h), &c| (l.min(c), h.max(c)));
+        let is_inside = low.min_element() > 1 && high.max_element() < side as i32 - 1;
+        let size = IVec2::new(paved.width() as i32, paved.height() as i32);
+        let on_map = (low + origin).cmpgt(IVec2::splat(margin)).all() && (high + origin).cmplt(size - margin).all();
+        (is_inside && on_map).then_some(Self { origin, area, border })
+    }
+
+    /// Whether the streets that enter it leave enough of it open.
+    fn is_square(&self, sketch: &Sketch, radius: f64) -> bool {
+        let middle = self.middle();
+        let mut covered = Bitmap::new(self.area.width(), self.area.height());
+        for street in &sketch.streets {
+            if street.half > 0.9 * radius || street.line.len() < 2 {
+                continue;
+            }
+            for end in 0..2 {
+                let Some(entry) = self.entry(street, end) else { continue };
+                band(&mut covered, entry - self.origin.as_dvec2(), middle, street.half + 0.5);
+            }
+        }
+        covered.keep(&self.area);
+        let covered = covered.count() as f64;
+        self.border.area_px as f64 > LEAST_SURPLUS * covered
+    }
+
+    /// Where a street comes in, as seen from outside, if one of its ends lies in here.
+    fn entry(&self, street: &SketchStreet, end: usize) -> Option<DVec2> {
+        let mut line = street.seen_from(end);
+        if !self.holds(line.next()?) {
+            return None;
+        }
+        line.find(|p| !self.holds(*p))
+    }
+
+    fn holds(&self, at: DVec2) -> bool {
+        self.area.get(at.x.floor() as isize - self.origin.x as isize, at.y.floor() as isize - self.origin.y as isize)
+    }
+
+    /// Its middle, in the window.
+    fn middle(&self) -> DVec2 {
+        let (mut sum, mut n) = (DVec2::ZERO, 0.0);
+        for (x, y) in self.area.pixels() {
+            sum += DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+            n += 1.0;
+        }
+        sum / f64::max(n, 1.0)
+    }
+
+    fn add_to(&self, taken: &mut Bitmap) {
+        for (x, y) in self.area.pixels() {
+            let (x, y) = (x as i32 + self.origin.x, y as i32 + self.origin.y);
+            if x >= 0 && y >= 0 && (x as usize) < taken.width() && (y as usize) < taken.height() {
+                taken.set(x as usize, y as usize, true);
+            }
+        }
+    }
+
+    /// Its outline in the picture.
+    fn outline(&self) -> Vec<DVec2> {
+        let ring: Vec<DVec2> = self.border.corners.iter().map(|&c| (c + self.origin).as_dvec2()).collect();
+        simplified_ring(&ring, 1.2)
+    }
+}
+
+/// Whether a closed line of horizontal and vertical edges goes around a point.
+fn encloses(corners: &[IVec2], at: DVec2) -> bool {
+    let mut inside = false;
+    for (i, a) in corners.iter().enumerate() {
+        let b = corners[(i + 1) % corners.len()];
+        if a.x == b.x && f64::from(a.x) > at.x && (f64::from(a.y) > at.y) != (f64::from(b.y) > at.y) {
+            inside = !inside;
+        }
+    }
+    inside
+}
+
+/// Sets the pixels within `half` of a stretch.
+fn band(bitmap: &mut Bitmap, a: DVec2, b: DVec2, half: f64) {
+    let (low, high) = (a.min(b) - half, a.max(b) + half);
+    let along = b - a;
+    let length2 = along.length_squared().max(1e-9);
+    for y in low.y.max(0.0) as usize..(high.y.max(0.0) as usize + 1).min(bitmap.height()) {
+        for x in low.x.max(0.0) as usize..(high.x.max(0.0) as usize + 1).min(bitmap.width()) {
+            let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - a;
+            let t = (p.dot(along) / length2).clamp(0.0, 1.0);
+            if (p - along * t).length_squared() < half * half {
+                bitmap.set(x, y, true);
+            }
+        }
+    }
+}
+
+/// The point of a ring nearest to another.
+fn nearest_on(ring: &[DVec2], p: DVec2) -> DVec2 {
+    let mut best = (f64::MAX, p);
+    for (i, &a) in ring.iter().enumerate() {
+        let along = ring[(i + 1) % ring.len()] - a;
+        let t = ((p - a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
+        let q = a + along * t;
+        if q.distance_squared(p) < best.0 {
+            best = (q.distance_squared(p), q);
+        }
+    }
+    best.1
+}
+
+/// Least length of a street that leads to a square, metres …
+const LEAST_M: f64 = 2.0;
+/// … and of one between two squares.
+const LEAST_BETWEEN_M: f64 = 14.0;
+
+/// Cuts streets where they enter a square; what is inside goes.
+fn cut(sketch: &mut Sketch, taken: &Bitmap, found: &[(FoundSquare, Region)], mpp: f64) {
+    let inside = |p: DVec2| taken.get(p.x.floor() as isize, p.y.floor() as isize);
+    let square_at = |p: DVec2| found.iter().position(|(_, region)| region.holds(p));
+    let mut streets = Vec::new();
+    for street in core::mem::take(&mut sketch.streets) {
+        if !street.line.iter().any(|&p| inside(p)) {
+            streets.push(street);
+            continue;
+        }
+        let mut i = 0;
+        while i < street.line.len() {
+            if inside(street.line[i]) {
+                i += 1;
+                continue;
+            }
+            let from = i;
+            while i < street.line.len() && !inside(street.line[i]) {
+                i += 1;
+            }
+            let mut line = street.line[from..i].to_vec();
+            let border = |p: DVec2, sketch: &mut Sketch| {
+                let square = square_at(p);
+                let p = square.map_or(p, |i| nearest_on(&found[i].0.outline, p));
+                sketch.nodes.push(SketchNode { pos: p, radius: street.half, square });
+                sketch.nodes.len() - 1
+            };
+            let mut ends = street.ends;
+            let mut cuts = 0;
+            if from > 0 {
+                ends[0] = border(street.line[from - 1], sketch);
+                line.insert(0, sketch.nodes[ends[0]].pos);
+                cuts += 1;
+            }
+            if i < street.line.len() {
+                ends[1] = border(street.line[i], sketch);
+                line.push(sketch.nodes[ends[1]].pos);
+                cuts += 1;
+            }
+            let least = if cuts == 2 { LEAST_BETWEEN_M } else { LEAST_M };
+            if length(&line) * mpp > least {
+                streets.push(SketchStreet { ends, line, half: street.half });
+            }
+        }
+    }
+    sketch.streets = streets;
+    sketch.drop_lone_nodes();
+}

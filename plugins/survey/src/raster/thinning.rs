@@ -1,0 +1,333 @@
+//! Thinning after Zhang and Suen ("A fast parallel algorithm for thinning digital patterns", 1984), 64 pixels at a time.
+//!
+//! ```text
+//!  bands of rows ─► step 1 ─► step 2 ─► step 1 … until neither takes anything
+//!  (one a thread)   marks of a word = one expression of the 8 words of its neighbours; chunks are skipped in
+//!                   which, and beside which, nothing has changed in the last two steps
+//! ```
+//!
+//! The picture's outermost pixels count as neighbours and are never taken, as in OpenCV's `ximgproc.thinning`, whose
+//! result this equals pixel by pixel.
+
+use pulp::{Arch, NullaryFnOnce};
+
+use super::bitmap::{Bitmap, CHUNK};
+
+/// The skeleton of a bitmap, on so many threads (at least one), with the same result for any number.
+///
+/// # Panics
+/// If the bitmap is wider than 32,768 pixels.
+#[must_use]
+pub fn thinned(bitmap: &Bitmap, threads: usize) -> Bitmap {
+    thin_on(bitmap, threads, Arch::new())
+}
+
+/// As [`thinned`], without the wide registers of newer processors: for measuring what they bring.
+#[must_use]
+pub fn thinned_portably(bitmap: &Bitmap, threads: usize) -> Bitmap {
+    thin_on(bitmap, threads, Arch::Scalar)
+}
+
+fn thin_on(bitmap: &Bitmap, threads: usize, arch: Arch) -> Bitmap {
+    assert!(bitmap.chunks() <= 64, "{bitmap:?} is too wide to be thinned");
+    let mut result = bitmap.clone();
+    if bitmap.width() < 3 || bitmap.height() < 3 {
+        return result;
+    }
+    let inner = bitmap.height() - 2;
+    let threads = threads.clamp(1, inner.div_ceil(64));
+    let mut bands: Vec<Band> =
+        (0..threads).map(|i| Band::of(bitmap, 1 + inner * i / threads, 1 + inner * (i + 1) / threads)).collect();
+    let mut quiet = 0;
+    for step in [Step::First, Step::Second].into_iter().cycle() {
+        let taken = if let [band] = &mut bands[..] {
+            band.advance(step, arch)
+        } else {
+            rayon::scope(|scope| {
+                for band in &mut bands {
+                    scope.spawn(move |_| band.taken = band.advance(step, arch));
+                }
+            });
+            share_borders(&mut bands);
+            bands.iter().any(|band| band.taken)
+        };
+        quiet = if taken { 0 } else { quiet + 1 };
+        if quiet == 2 {
+            break;
+        }
+    }
+    let stride = result.stride();
+    for band in bands {
+        let from = 1 + band.first * stride;
+        result.words_mut()[from..from + band.rows * stride].copy_from_slice(&band.words[1 + stride..][..band.rows * stride]);
+    }
+    result
+}
+
+/// The two steps of an iteration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Step {
+    First,
+    Second,
+}
+
+/// One step of a band, compiled once for each kind of processor.
+struct Sweep<'a> {
+    band: &'a mut Band,
+    step: Step,
+}
+
+impl NullaryFnOnce for Sweep<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn call(self) -> bool {
+        match self.step {
+            Step::First => self.band.sweep::<true>(),
+            Step::Second => self.band.sweep::<false>(),
+        }
+    }
+}
+
+/// Rows that one thread thins, with a copy of the row above and the row below.
+struct Band {
+    /// Number of its first row in the picture.
+    first: usize,
+    /// How many rows it has, without the copies.
+    rows: usize,
+    /// Words from row to row.
+    stride: usize,
+    /// As a bitmap's.
+    words: Vec<u64>,
+    /// For each step, and each row from the copy above: the chunks in which it last took something, a bit each.
+    changed: [Vec<u64>; 2],
+    /// The leftmost and rightmost words' pixels that are never taken, by index of the word in the row.
+    fixed: [(usize, u64); 2],
+    /// Marks of two rows: of the one before, and of the one at hand.
+    marks: [Vec<u64>; 2],
+    /// Whether its last step took anything.
+    taken: bool,
+}
+
+impl Band {
+    fn of(bitmap: &Bitmap, first: usize, end: usize) -> Self {
+        let (stride, rows, right) = (bitmap.stride(), end - first, bitmap.width() - 1);
+        let from = (first - 1) * stride;
+        let all = u64::MAX >> (64 - bitmap.chunks());
+        Self {
+            first,
+            rows,
+            stride,
+            words: bitmap.words()[from..from + (rows + 2) * stride + 1].to_vec(),
+            changed: [vec![all; rows + 2], vec![all; rows + 2]],
+            fixed: [(0, 1), (right / 64, 1 << (right % 64))],
+            marks: [vec![0; stride], vec![0; stride]],
+            taken: false,
+        }
+    }
+
+    /// Takes one step and says whether anything was taken.
+    fn advance(&mut self, step: Step, arch: Arch) -> bool {
+        arch.dispatch(Sweep { band: self, step })
+    }
+
+    #[inline(always)]
+    fn sweep<const FIRST: bool>(&mut self) -> bool {
+        let now = usize::from(!FIRST);
+        let (mut before, mut taken, mut any) = (self.changed[0][0] | self.changed[1][0], 0, 0);
+        for i in 1..=self.rows {
+            let at = self.changed[0][i] | self.changed[1][i];
+            let around = before | at | self.changed[0][i + 1] | self.changed[1][i + 1];
+            before = at;
+            let active = around | around << 1 | around >> 1;
+            let found = if around == 0 { 0 } else { self.mark::<FIRST>(i, active) };
+            // What is marked in a row is taken only after the next row has been marked.
+            self.take(i - 1, taken, 1 - i % 2);
+            self.changed[now][i] = found;
+            taken = found;
+            any |= found;
+        }
+        self.take(self.rows, taken, self.rows % 2);
+        any != 0
+    }
+
+    /// Marks what goes of a row's active chunks; gives the chunks with marks.
+    #[inline(always)]
+    fn mark<const FIRST: bool>(&mut self, i: usize, active: u64) -> u64 {
+        let (stride, marks) = (self.stride, &mut self.marks[i % 2]);
+        let mut rest = active & (u64::MAX >> (64 - stride / CHUNK));
+        let mut found = 0;
+        while rest != 0 {
+            let chunk = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let from = i * stride + chunk * CHUNK;
+            let Some(above) = ten(&self.words, from - stride) else { continue };
+            let Some(at) = ten(&self.words, from) else { continue };
+            let Some(below) = ten(&self.words, from + stride) else { continue };
+            let mut gone = marked::<FIRST>(above, at, below);
+            for (word, bits) in self.fixed {
+                if word / CHUNK == chunk {
+                    gone[word % CHUNK] &= !bits;
+                }
+            }
+            let has_any = gone.iter().fold(0, |a, b| a | b) != 0;
+            found |= u64::from(has_any) << chunk;
+            if has_any {
+                marks[chunk * CHUNK..][..CHUNK].copy_from_slice(&gone);
+            }
+        }
+        found
+    }
+
+    /// Takes the marked pixels of some chunks of a row.
+    #[inline(always)]
+    fn take(&mut self, i: usize, mut chunks: u64, marks: usize) {
+        while chunks != 0 {
+            let chunk = chunks.trailing_zeros() as usize;
+            chunks &= chunks - 1;
+            let words = &mut self.words[1 + i * self.stride + chunk * CHUNK..][..CHUNK];
+            for (word, gone) in words.iter_mut().zip(&self.marks[marks][chunk * CHUNK..][..CHUNK]) {
+                *word &= !gone;
+            }
+        }
+    }
+}
+
+/// A chunk's words with the word before and the word after.
+#[inline(always)]
+fn ten(words: &[u64], from: usize) -> Option<&[u64; CHUNK + 2]> {
+    words.get(from..from + CHUNK + 2)?.try_into().ok()
+}
+
+/// A chunk's words: one wide register, or two, or what the processor has.
+type Words = [u64; CHUNK];
+
+/// A word by word function of two chunks.
+#[inline(always)]
+fn zip(a: Words, b: Words, f: impl Fn(u64, u64) -> u64) -> Words {
+    let mut result = [0; CHUNK];
+    for k in 0..CHUNK {
+        result[k] = f(a[k], b[k]);
+    }
+    result
+}
+
+/// A chunk of a row, as its pixels' western neighbours, its pixels, and its pixels' eastern neighbours.
+#[inline(always)]
+fn side_by_side(row: &[u64; CHUNK + 2]) -> (Words, Words, Words) {
+    let (mut west, mut at, mut east) = ([0; CHUNK], [0; CHUNK], [0; CHUNK]);
+    for k in 0..CHUNK {
+        west[k] = row[k + 1] << 1 | row[k] >> 63;
+    }
+    at.copy_from_slice(&row[1..=CHUNK]);
+    for k in 0..CHUNK {
+        east[k] = row[k + 1] >> 1 | row[k + 2] << 63;
+    }
+    (west, at, east)
+}
+
+/// The pixels of a chunk that a step takes: those with two to six neighbours, all in one run around them, where the
+/// step's two triples of side neighbours are not full.
+#[inline(always)]
+fn marked<const FIRST: bool>(above: &[u64; CHUNK + 2], at: &[u64; CHUNK + 2], below: &[u64; CHUNK + 2]) -> Words {
+    let (nw, n, ne) = side_by_side(above);
+    let (w, own, e) = side_by_side(at);
+    let (sw, s, se) = side_by_side(below);
+    let ring = [n, ne, e, se, s, sw, w, nw];
+    // Of the changes from unset to set around the pixel there is exactly one; of set and of unset at least two.
+    let (mut one_rise, mut two_rises) = ([0; CHUNK], [0; CHUNK]);
+    let (mut one_set, mut two_set) = ([0; CHUNK], [0; CHUNK]);
+    let (mut all_set, mut all_but_one_set) = ([u64::MAX; CHUNK], [u64::MAX; CHUNK]);
+    for j in 0..8 {
+        let (here, next) = (ring[j], ring[(j + 1) % 8]);
+        let rise = zip(here, next, |here, next| !here & next);
+        two_rises = zip(two_rises, zip(one_rise, rise, |a, b| a & b), |a, b| a | b);
+        one_rise = zip(one_rise, rise, |a, b| a | b);
+        two_set = zip(two_set, zip(one_set, here, |a, b| a & b), |a, b| a | b);
+        one_set = zip(one_set, here, |a, b| a | b);
+        all_but_one_set = zip(all_but_one_set, zip(all_set, here, |a, b| a | b), |a, b| a & b);
+        all_set = zip(all_set, here, |a, b| a & b);
+    }
+    let pair = if FIRST { zip(e, s, |a, b| a & b) } else { zip(n, w, |a, b| a & b) };
+    let third = if FIRST { zip(n, w, |a, b| a | b) } else { zip(e, s, |a, b| a | b) };
+    let full = zip(pair, third, |a, b| a & b);
+    let one_run = zip(one_rise, two_rises, |a, b| a & !b);
+    let some = zip(two_set, all_but_one_set, |a, b| a & !b);
+    zip(zip(own, one_run, |a, b| a & b), zip(some, full, |a, b| a & !b), |a, b| a & b)
+}
+
+/// Gives every band its neighbours' border rows, and what changed there.
+fn share_borders(bands: &mut [Band]) {
+    for i in 1..bands.len() {
+        let (upper, lower) = bands.split_at_mut(i);
+        let (Some(upper), Some(lower)) = (upper.last_mut(), lower.first_mut()) else { continue };
+        let stride = upper.stride;
+        let (last, halo) = (1 + upper.rows * stride, 1 + (upper.rows + 1) * stride);
+        lower.words[1..stride].copy_from_slice(&upper.words[last..last + stride - 1]);
+        upper.words[halo..halo + stride - 1].copy_from_slice(&lower.words[1 + stride..2 * stride]);
+        for step in 0..2 {
+            lower.changed[step][0] = upper.changed[step][upper.rows];
+            upper.changed[step][upper.rows + 1] = lower.changed[step][1];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The method as its paper has it, a pixel at a time.
+    fn by_the_book(bitmap: &Bitmap) -> Bitmap {
+        let (mut picture, (w, h)) = (bitmap.clone(), (bitmap.width(), bitmap.height()));
+        loop {
+            let before = picture.clone();
+            for first in [true, false] {
+                let old = picture.clone();
+                for y in 1..h.saturating_sub(1) {
+                    for x in 1..w.saturating_sub(1) {
+                        let p = |i: u32| old.around(x, y) >> (i - 2) & 1 == 1;
+                        let set = old.around(x, y).count_ones();
+                        let rises = (2..=9).filter(|&i| !p(i) && p(if i == 9 { 2 } else { i + 1 })).count();
+                        let full = if first {
+                            (p(2) && p(4) && p(6)) || (p(4) && p(6) && p(8))
+                        } else {
+                            (p(2) && p(4) && p(8)) || (p(2) && p(6) && p(8))
+                        };
+                        if (2..=6).contains(&set) && rises == 1 && !full {
+                            picture.set(x, y, false);
+                        }
+                    }
+                }
+            }
+            if picture == before {
+                return picture;
+            }
+        }
+    }
+
+    #[test]
+    fn a_bar_becomes_a_line() {
+        let bar = Bitmap::from_fn(40, 15, |x, y| (5..35).contains(&x) && (5..10).contains(&y));
+        let line = thinned(&bar, 1);
+        assert!(line.pixels().all(|(_, y)| y == 7), "its pixels lie in the middle row");
+        assert!(line.count() >= 24, "it keeps its length but for its half width at each end");
+    }
+
+    proptest! {
+        #[test]
+        fn equals_the_book_on_any_bitmap_and_any_threads(
+            width in 1usize..600, height in 1usize..220, density in 1u64..8, grain in 1usize..9, seed: u64,
+        ) {
+            let draw = |x: usize, y: usize| {
+                let n = ((x / grain) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((y / grain) as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F) ^ seed;
+                (n ^ n >> 31).wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 61 < density
+            };
+            let bitmap = Bitmap::from_fn(width, height, draw);
+            let skeleton = thinned(&bitmap, 1);
+            prop_assert_eq!(&skeleton, &by_the_book(&bitmap));
+            prop_assert_eq!(&skeleton, &thinned(&bitmap, 3));
+            prop_assert_eq!(&skeleton, &thinned_portably(&bitmap, 2));
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! From a skeleton to a graph: places where its lines meet or end, and the lines between.
+
+use std::collections::HashMap;
+
+use glam::DVec2;
+
+use super::bitmap::{Bitmap, CHUNK, ones};
+
+/// A skeleton as a graph.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Traced {
+    /// Middles of the places where lines meet or end, in pixels from the picture's upper left corner, y down.
+    pub nodes: Vec<DVec2>,
+    /// Lines.
+    pub lines: Vec<TracedLine>,
+}
+
+/// A line of a skeleton.
+#[derive(Debug, Clone)]
+pub(crate) struct TracedLine {
+    /// Nodes at its ends.
+    pub ends: [usize; 2],
+    /// The middles of its pixels from the first node to the last, without those of the nodes.
+    pub path: Vec<DVec2>,
+}
+
+/// Traces a skeleton. Pixels with one neighbour are ends; pixels with three or more are, with those they touch, places
+/// where lines meet; a closed line that nothing meets becomes a node and a line from it to itself.
+#[must_use]
+pub(crate) fn traced(skeleton: &Bitmap) -> Traced {
+    let skeleton = &slimmed(skeleton);
+    let mut tracer = Tracer {
+        skeleton,
+        node_of: HashMap::default(),
+        done: Bitmap::new(skeleton.width(), skeleton.height()),
+        traced: Traced::default(),
+    };
+    let places = tracer.nodes();
+    for (node, pixels) in places.iter().enumerate() {
+        for &(x, y) in pixels {
+            tracer.leave(node, x, y);
+        }
+    }
+    tracer.closed_lines();
+    tracer.traced
+}
+
+/// Steps to the eight neighbours, in the order of [`Bitmap::around`].
+const STEPS: [(isize, isize); 8] = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)];
+
+struct Tracer<'a> {
+    skeleton: &'a Bitmap,
+    node_of: HashMap<(u32, u32), u32, BuildPlace>,
+    /// Pixels of lines that have been followed.
+    done: Bitmap,
+    traced: Traced,
+}
+
+/// Pixel numbers spread well by one multiplication; nothing is ever read in the map's order.
+type BuildPlace = core::hash::BuildHasherDefault<PlaceHasher>;
+
+#[derive(Default)]
+struct PlaceHasher(u64);
+
+impl core::hash::Hasher for PlaceHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.write_u32(u32::from(byte));
+        }
+    }
+
+    fn write_u32(&mut self, n: u32) {
+        self.0 = (self.0.rotate_left(20) ^ u64::from(n)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    }
+}
+
+impl Tracer<'_> {
+    /// Finds the nodes: for each its pixels.
+    fn nodes(&mut self) -> Vec<Vec<(usize, usize)>> {
+        let special = special_pixels(self.skeleton);
+        let mut places = Vec::new();
+        for (x, y) in special.pixels() {
+            if self.node_of.contains_key(&(x as u32, y as u32)) {
+                continue;
+            }
+            let node = places.len() as u32;
+            self.node_of.insert((x as u32, y as u32), node);
+            let mut pixels = vec![(x, y)];
+            let mut i = 0;
+            while i < pixels.len() {
+                let (x, y) = pixels[i];
+                for next in neighbours(special.around(x, y), x, y) {
+                    if let std::collections::hash_map::Entry::Vacant(entry) = self.node_of.entry((next.0 as u32, next.1 as u32)) {
+                        entry.insert(node);
+                        pixels.push(next);
+                    }
+                }
+                i += 1;
+            }
+            let sum: DVec2 = pixels.iter().map(|&p| middle(p)).sum();
+            self.traced.nodes.push(sum / pixels.len() as f64);
+            places.push(pixels);
+        }
+        places
+    }
+
+    /// Follows the lines that leave a node at one of its pixels.
+    fn leave(&mut self, node: usize, x: usize, y: usize) {
+        for next in neighbours(self.skeleton.around(x, y), x, y) {
+            if self.node_of.contains_key(&(next.0 as u32, next.1 as u32)) || self.done.get(next.0 as isize, next.1 as isize) {
+                continue;
+            }
+            let (path, end) = self.follow((x, y), next);
+            // A line that touches its own node twice at its only pixel leads nowhere.
+            if path.len() > 1 || end != Some(node) {
+                self.traced.lines.push(TracedLine { ends: [node, end.unwrap_or(node)], path });
+            }
+        }
+    }
+
+    /// The pixels from one on, away from another, and the node they lead to.
+    fn follow(&mut self, from: (usize, usize), first: (usize, usize)) -> (Vec<DVec2>, Option<usize>) {
+        let (mut before, mut at) = (from, first);
+        let mut path = Vec::new();
+        loop {
+            self.done.set(at.0, at.1, true);
+            path.push(middle(at));
+            let ahead = neighbours(self.skeleton.around(at.0, at.1), at.0, at.1).find(|&next| next != before);
+            let Some(next) = ahead else { return (path, None) };
+            if let Some(&node) = self.node_of.get(&(next.0 as u32, next.1 as u32)) {
+                return (path, Some(node as usize));
+            }
+            if self.done.get(next.0 as isize, next.1 as isize) {
+                return (path, None);
+            }
+            (before, at) = (at, next);
+        }
+    }
+
+    fn closed_lines(&mut self) {
+        let mut rest = self.skeleton.clone();
+        rest.remove(&self.done);
+        for (x, y) in rest.pixels() {
+            let is_node = self.node_of.contains_key(&(x as u32, y as u32));
+            if is_node || self.done.get(x as isize, y as isize) || self.skeleton.around(x, y).count_ones() != 2 {
+                continue;
+            }
+            let node = self.traced.nodes.len();
+            self.traced.nodes.push(middle((x, y)));
+            self.node_of.insert((x as u32, y as u32), node as u32);
+            let Some(next) = neighbours(self.skeleton.around(x, y), x, y).next() else { continue };
+            let (path, _) = self.follow((x, y), next);
+            self.traced.lines.push(TracedLine { ends: [node, node], path });
+        }
+    }
+}
+
+/// A skeleton without the steps that thinning leaves on slanting lines: without the pixels in the corner of two others
+/// whose neighbours hang together without them.
+fn slimmed(skeleton: &Bitmap) -> Bitmap {
+    let mut slim = skeleton.clone();
+    let blank = vec![0; skeleton.stride() + 1];
+    for y in 0..skeleton.height() {
+        let above = if y > 0 { skeleton.padded(y - 1) } else { &blank };
+        let below = if y + 1 < skeleton.height() { skeleton.padded(y + 1) } else { &blank };
+        let at = skeleton.padded(y);
+        for k in 0..at.len() - 2 {
+            let (west, east) = (at[k + 1] << 1 | at[k] >> 63, at[k + 1] >> 1 | at[k + 2] << 63);
+            for bit in ones(at[k + 1] & (above[k + 1] | below[k + 1]) & (west | east)) {
+                let x = k * 64 + bit;
+                if is_spare(slim.around(x, y)) {
+                    slim.set(x, y, false);
+                }
+            }
+        }
+    }
+    slim
+}
+
+/// Whether a pixel with these around it lies in the corner of two of them, and all of them hang together without it.
+fn is_spare(around: u8) -> bool {
+    let set = |i: u32| around >> (i % 8) & 1 == 1;
+    let is_corner = (0..8).step_by(2).any(|side| set(side) && set(side + 2));
+    let parts = (0..8).step_by(2).filter(|&side| !set(side) && (set(side + 1) || set(side + 2))).count();
+    is_corner && parts == 1
+}
+
+fn middle((x, y): (usize, usize)) -> DVec2 {
+    DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
+}
+
+/// The places of the set neighbours of a pixel.
+fn neighbours(around: u8, x: usize, y: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..8usize).filter(move |i| around >> i & 1 == 1).map(move |i| {
+        let (dx, dy) = STEPS[i];
+        ((x as isize + dx) as usize, (y as isize + dy) as usize)
+    })
+}
+
+/// The pixels of a skeleton that do not have just two neighbours; without lone ones.
+fn special_pixels(skeleton: &Bitmap) -> Bitmap {
+    let (height, stride) = (skeleton.height(), skeleton.stride());
+    let mut result = Bitmap::new(skeleton.width(), height);
+    let blank = vec![0; stride + 1];
+    for y in 0..height {
+        let above = if y > 0 { skeleton.padded(y - 1) } else { &blank };
+        let below = if y + 1 < height { skeleton.padded(y + 1) } else { &blank };
+        let at = skeleton.padded(y);
+        let to = result.row_mut(y);
+        for chunk in 0..stride / CHUNK {
+            for k in chunk * CHUNK..(chunk + 1) * CHUNK {
+                if at[k + 1] == 0 {
+                    continue;
+                }
+                let (mut one, mut two, mut three) = (0u64, 0u64, 0u64);
+                let west = |row: &[u64]| row[k + 1] << 1 | row[k] >> 63;
+                let east = |row: &[u64]| row[k + 1] >> 1 | row[k + 2] << 63;
+                for bit in [west(above), above[k + 1], east(above), west(at), east(at), west(below), below[k + 1], east(below)] {
+                    three |= two & bit;
+                    two |= one & bit;
+                    one |= bit;
+                }
+                to[k] = at[k + 1] & one & (!two | three);
+            }
+        }
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drawn(rows: &[&str]) -> Bitmap {
+        Bitmap::from_fn(rows[0].len(), rows.len(), |x, y| rows[y].as_bytes()[x] == b'#')
+    }
+
+    #[test]
+    fn a_t_has_three_ends_and_a_crossroads() {
+        let t = traced(&drawn(&["........", ".#####..", "...#....", "...#....", "...#....", "........"]));
+        assert_eq!(t.nodes.len(), 4);
+        assert_eq!(t.lines.len(), 3);
+        assert!(t.lines.iter().all(|line| line.ends[0] != line.ends[1]));
+    }
+
+    #[test]
+    fn a_ring_is_a_line_from_a_node_to_itself() {
+        let ring = traced(&drawn(&["......", "..##..", ".#..#.", ".#..#.", "..##..", "......"]));
+        assert_eq!(ring.nodes.len(), 1);
+        assert_eq!(ring.lines.len(), 1);
+        assert_eq!(ring.lines[0].path.len(), 7);
+    }
+
+    #[test]
+    fn no_pixel_of_a_line_is_lost() {
+        let eight = drawn(&[".........", "..##.##..", ".#..#..#.", ".#..#..#.", "..##.##..", "....#....", "....#...."]);
+        let t = traced(&eight);
+        let slim = slimmed(&eight);
+        let of_lines: usize = t.lines.iter().map(|l| l.path.len()).sum();
+        assert_eq!(of_lines + special_pixels(&slim).count(), slim.count());
+    }
+
+    #[test]
+    fn a_slanting_line_with_steps_is_one_line() {
+        let steps = Bitmap::from_fn(60, 60, |x, y| (10..50).contains(&x) && (x == y || x == y + 1));
+        let t = traced(&steps);
+        assert_eq!((t.nodes.len(), t.lines.len()), (2, 1));
+    }
+}
