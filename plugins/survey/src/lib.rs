@@ -47,6 +47,7 @@ mod coast;
 mod error;
 mod extent;
 mod faces;
+mod geojson_out;
 mod grounds;
 mod length;
 mod lines;
@@ -55,14 +56,18 @@ mod network;
 mod objects;
 mod osm;
 mod places;
+mod plots;
 mod polygon;
 mod rings;
 mod shapes;
 mod start;
 #[cfg(test)]
 mod testing;
+mod vector;
 
 pub use error::SurveyError;
+pub use geojson_out::{GeoJsonSettings, to_geojson};
+pub use vector::{Date, Kind, Layer, LayerRule, Mapping, looks_like_geojson, looks_like_shapefile, survey_vector};
 use veduta_city::{CityGraph, Finding, Id, LinkKind, Severity};
 
 use crate::extent::Extent;
@@ -95,13 +100,18 @@ pub fn looks_like_osm(bytes: &[u8]) -> bool {
 /// [`SurveyError`] if the bytes are no such file, are cut off or broken, are too many, or show neither a street nor a house.
 pub fn survey_osm(bytes: &[u8], name: &str) -> Result<Survey, SurveyError> {
     let data = osm::decode(bytes, name)?;
-    let mut log = Log::default();
-    tell_unplaced(&data, &mut log);
-    let Some(extent) = Extent::of(&data, &mut log) else { return Err(empty(name, &data, log.finish())) };
-    let mut graph = graph_of(&data, &extent, &mut log);
+    survey_elements(&data, name, ATTRIBUTION, Log::default())
+}
+
+/// The city of nodes, ways and relations, wherever they come from.
+fn survey_elements(data: &OsmData, name: &str, attribution: &str, mut log: Log) -> Result<Survey, SurveyError> {
+    tell_unplaced(data, &mut log);
+    let Some(extent) = Extent::of(data, &mut log) else { return Err(empty(name, data, log.finish())) };
+    let mut graph = graph_of(data, &extent, &mut log);
+    attribution.clone_into(&mut graph.attribution);
     let is_empty = graph.buildings.is_empty() && !graph.links.iter().any(|l| matches!(l.kind, LinkKind::Street(_)));
     if is_empty {
-        return Err(empty(name, &data, log.finish()));
+        return Err(empty(name, data, log.finish()));
     }
     if graph.name.is_empty() {
         graph.name = stem(name);
@@ -126,7 +136,6 @@ fn graph_of(data: &OsmData, extent: &Extent, log: &mut Log) -> CityGraph {
     let mut graph = CityGraph {
         name: places::settlement(data, extent).unwrap_or_default(),
         anchor: extent.anchor,
-        attribution: ATTRIBUTION.to_owned(),
         margin_m: CityGraph::default_margin_m(),
         squares: grounds::squares(&areas, log),
         blocks,
@@ -147,7 +156,7 @@ fn tell_unplaced(data: &OsmData, log: &mut Log) {
     }
     for (&number, way) in data.ways.iter().filter(|(_, w)| w.tags.has("area:highway")) {
         if !way.tags.is_any("area:highway", &["pedestrian", "footway"]) {
-            let id = Id::from_source(2, number as u64);
+            let id = osm::way_id(number);
             log.tally(Severity::Note, id, None, "area:highway is passed over: streets get their width from their line");
         }
     }
@@ -163,7 +172,7 @@ fn empty(name: &str, data: &OsmData, findings: Vec<Finding>) -> SurveyError {
 fn stem(name: &str) -> String {
     let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
     let mut stem = file;
-    for ending in [".gz", ".pbf", ".osm", ".xml", ".json"] {
+    for ending in [".gz", ".pbf", ".osm", ".xml", ".geojson", ".json", ".shp", ".map.ron"] {
         stem = stem.strip_suffix(ending).unwrap_or(stem);
     }
     if stem.is_empty() { file.to_owned() } else { stem.to_owned() }

@@ -7,7 +7,9 @@ mod pbf;
 mod wire;
 mod xml;
 
-pub(crate) use elements::{Bounds, Member, MemberKind, Node, OsmData, Relation, Tags, Way};
+pub(crate) use elements::{
+    Bounds, Member, MemberKind, Node, OsmData, Relation, Tags, Way, number_from_place, relation_id, way_id,
+};
 
 use crate::SurveyError;
 

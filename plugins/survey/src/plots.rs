@@ -1,0 +1,67 @@
+//! Plots: parcels of a cadastre.
+//!
+//! A city graph has no lots. What plots tell beside houses and streets is where the ground of houses ends and the street
+//! begins: plots that lie wall to wall make up a block, drawn to its building line.
+
+use veduta_city::{Building, Id};
+
+use crate::buildings::{Index, footprint_of};
+use crate::faces::Piece;
+use crate::log::Log;
+use crate::polygon::{Polygon, union};
+use crate::shapes::{Area, Use};
+
+/// A plot with this many metres of a street's middle inside it is the street's own.
+const STREET_INSIDE_M: f64 = 12.0;
+
+/// The blocks that a map's plots make up; tells how many of them hold no house.
+pub(crate) fn blocks(areas: &[Area<'_>], buildings: &[Building], streets: &[Piece], log: &mut Log) -> Vec<Polygon> {
+    let plots: Vec<&Polygon> = areas.iter().filter(|a| a.use_ == Use::Plot).flat_map(|a| &a.polygons).collect();
+    if plots.is_empty() {
+        return Vec::new();
+    }
+    let own = of_streets(&plots, streets);
+    let ground: Vec<&Polygon> = plots.iter().zip(&own).filter(|(_, is_street)| !**is_street).map(|(p, _)| *p).collect();
+    let empty = ground.len() - with_house(&ground, buildings);
+    let message = format!(
+        "{} plots: {} are streets, {empty} hold no house. A city graph has no lots: plots that touch are taken together as blocks",
+        plots.len(),
+        plots.len() - ground.len(),
+    );
+    log.note(Id::NONE, None, message);
+    union(ground)
+}
+
+/// Which plots streets run through.
+fn of_streets(plots: &[&Polygon], streets: &[Piece]) -> Vec<bool> {
+    let index = Index::new(plots.iter().copied());
+    let mut inside_m = vec![0.0; plots.len()];
+    for piece in streets.iter().filter(|p| p.is_street) {
+        let length = piece.from.distance(piece.to);
+        // A sample a metre is enough to tell a street from a corner that one cuts.
+        let samples = (length.ceil() as usize).clamp(1, 10_000);
+        for k in 0..samples {
+            let at = piece.from.lerp(piece.to, (k as f64 + 0.5) / samples as f64);
+            for i in index.near(at, at) {
+                if plots.get(i).is_some_and(|p| p.contains(at)) {
+                    inside_m[i] += length / samples as f64;
+                }
+            }
+        }
+    }
+    inside_m.into_iter().map(|m| m >= STREET_INSIDE_M).collect()
+}
+
+/// How many plots have a house's middle on them.
+fn with_house(plots: &[&Polygon], buildings: &[Building]) -> usize {
+    let index = Index::new(plots.iter().copied());
+    let mut has = vec![false; plots.len()];
+    for pos in buildings.iter().map(|b| footprint_of(b).inner_pos()) {
+        for i in index.near(pos, pos) {
+            if plots.get(i).is_some_and(|p| p.contains(pos)) {
+                has[i] = true;
+            }
+        }
+    }
+    has.into_iter().filter(|&h| h).count()
+}
