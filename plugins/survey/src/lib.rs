@@ -44,6 +44,7 @@
 mod body;
 mod buildings;
 mod coast;
+mod crs;
 mod error;
 mod extent;
 mod faces;
@@ -62,6 +63,7 @@ mod start;
 #[cfg(test)]
 mod testing;
 
+pub use crs::{Crs, CrsError};
 pub use error::SurveyError;
 use veduta_city::{CityGraph, Finding, Id, LinkKind, Severity};
 
