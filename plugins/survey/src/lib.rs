@@ -44,6 +44,7 @@
 mod body;
 mod buildings;
 mod coast;
+mod crs;
 mod error;
 mod extent;
 mod faces;
@@ -65,6 +66,7 @@ mod start;
 mod testing;
 mod vector;
 
+pub use crs::{Crs, CrsError};
 pub use error::SurveyError;
 pub use geojson_out::{GeoJsonSettings, to_geojson};
 pub use vector::{Date, Kind, Layer, LayerRule, Mapping, looks_like_geojson, looks_like_shapefile, survey_vector};
