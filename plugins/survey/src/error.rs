@@ -8,6 +8,18 @@ pub enum SurveyError {
         /// The file.
         name: String,
     },
+    /// Neither GeoJSON nor a Shapefile.
+    #[error("{name} is neither GeoJSON nor the .shp of a Shapefile: export the layer as one of them (ogr2ogr does)")]
+    NotVector {
+        /// The file.
+        name: String,
+    },
+    /// A mapping of attributes that cannot be meant.
+    #[error("the mapping of attributes cannot be meant: {detail}")]
+    Mapping {
+        /// What is wrong.
+        detail: String,
+    },
     /// The file ends before its format does.
     #[error("{name} is cut off: the {format} ends {place}; download or copy it again")]
     Cut {

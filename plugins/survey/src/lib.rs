@@ -69,7 +69,7 @@ mod vector;
 pub use crs::{Crs, CrsError};
 pub use error::SurveyError;
 pub use geojson_out::{GeoJsonSettings, to_geojson};
-pub use vector::{Date, Kind, Layer, LayerRule, Mapping, looks_like_geojson, looks_like_shapefile, survey_vector};
+pub use vector::{Date, Kind, Layer, LayerRule, Mapping, ParseDateError, looks_like_geojson, looks_like_shapefile, survey_vector};
 use veduta_city::{CityGraph, Finding, Id, LinkKind, Severity};
 
 use crate::extent::Extent;

@@ -31,13 +31,13 @@ struct Vertex {
 
 /// Streets meet streets, rails rails, and water water; a level crossing splits neither.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum System {
+pub(crate) enum System {
     Street,
     Railway,
     Water,
 }
 
-fn system_of(kind: LinkKind) -> System {
+pub(crate) fn system_of(kind: LinkKind) -> System {
     match kind {
         LinkKind::Street(_) => System::Street,
         LinkKind::Railway { .. } => System::Railway,

@@ -17,7 +17,7 @@ const ROW_STEP_M: f64 = 8.0;
 const STOP_ASIDE_M: f64 = 2.8;
 
 /// What tags describe as standing there.
-fn kind_of(tags: &Tags) -> Option<ObjectKind> {
+pub(crate) fn kind_of(tags: &Tags) -> Option<ObjectKind> {
     let is_conifer = tags.is("leaf_type", "needleleaved") || tags.is("type", "conifer");
     Some(match () {
         () if tags.is("natural", "tree") && is_conifer => ObjectKind::Conifer,

@@ -80,6 +80,12 @@ pub(crate) fn use_of(tags: &Tags) -> Option<Use> {
     if tags.has("building:part") {
         return Some(Use::Part);
     }
+    if tags.is("boundary", "lot") || tags.is("place", "plot") {
+        return Some(Use::Plot);
+    }
+    if tags.is(BLOCK_KEY, "built") {
+        return Some(Use::Block);
+    }
     if is_square(tags) {
         return Some(Use::Square);
     }
@@ -105,12 +111,6 @@ pub(crate) fn use_of(tags: &Tags) -> Option<Use> {
         || tags.is_any("natural", &["sand", "beach", "bare_rock", "wetland", "cliff", "scree"])
     {
         return Some(Use::Open);
-    }
-    if tags.is("boundary", "lot") || tags.is("place", "plot") {
-        return Some(Use::Plot);
-    }
-    if tags.is(BLOCK_KEY, "built") {
-        return Some(Use::Block);
     }
     let is_thing = ["amenity", "tourism", "historic", "shop", "office", "man_made", "leisure", "craft"].iter().any(|k| tags.has(k));
     is_thing.then_some(Use::Thing)

@@ -42,7 +42,7 @@ impl Feature {
     }
 
     /// The value of the first of several attributes that is there.
-    pub(super) fn first_of(&self, names: &[String]) -> Option<(&str, &str)> {
+    pub(super) fn first_of<'a>(&'a self, names: &'a [String]) -> Option<(&'a str, &'a str)> {
         names.iter().find_map(|name| self.get(name).map(|value| (name.as_str(), value)))
     }
 }
@@ -52,20 +52,16 @@ impl Feature {
 pub(super) struct Content {
     pub features: Vec<Feature>,
     /// How the file names its coordinate system, if it does.
-    pub crs: Option<Crs>,
+    pub crs: Option<Named>,
     /// Whom the file itself credits, may be empty.
     pub attribution: String,
-    /// What it calls the place, may be empty.
-    pub place: String,
 }
 
 /// What a file says of its coordinates.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Crs {
-    /// A name or code, as GeoJSON of before 2016 gives it.
-    Name(String),
-    /// Well-known text, as a `.prj` has it.
-    Wkt(String),
+pub(super) enum Named {
+    /// A code or name, as GeoJSON of before 2016 gives it, or well-known text, as a `.prj` has it.
+    Text(String),
     /// Plan metres about an anchor (latitude, longitude), if that is told.
     Plan(Option<veduta_city::Anchor>),
 }

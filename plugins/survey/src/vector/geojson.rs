@@ -10,7 +10,7 @@ use serde::de::{self, Deserializer, IgnoredAny, SeqAccess, Visitor};
 use serde_json::Value;
 use veduta_city::Anchor;
 
-use super::feature::{Content, Crs, Feature, Line, Shape};
+use super::feature::{Content, Feature, Line, Named, Shape};
 use crate::SurveyError;
 use crate::osm::MOST_ITEMS;
 
@@ -60,8 +60,6 @@ struct Object {
     crs: Option<Value>,
     #[serde(default)]
     map: Option<Value>,
-    #[serde(default)]
-    name: Option<Value>,
     #[serde(default)]
     attribution: Option<Value>,
 }
@@ -160,7 +158,6 @@ fn take(object: Object, content: &mut Content, count: &mut u64, name: &str) -> R
     match object.kind.as_str() {
         "FeatureCollection" => {
             content.attribution = text(object.attribution);
-            content.place = text(object.name);
             for feature in object.features.unwrap_or_default() {
                 if feature.kind != "Feature" {
                     return Err(broken(name, format!("a feature of the type `{}`", crate::lines::short(&feature.kind))));
@@ -277,7 +274,7 @@ fn rings(coordinates: Coordinates) -> Option<Vec<(Line, bool)>> {
 }
 
 /// The coordinate system that a file tells: a `crs` of before RFC 7946, or the `map` member of plan coordinates.
-fn crs_of(crs: Option<&Value>, map: Option<&Value>) -> Option<Crs> {
+fn crs_of(crs: Option<&Value>, map: Option<&Value>) -> Option<Named> {
     let anchor = map.and_then(|m| m.get("anchor")).and_then(|a| {
         let number = |key: &str| a.get(key).and_then(Value::as_f64);
         Some(Anchor { lat: number("lat")?, lon: number("lon")? })
@@ -288,9 +285,9 @@ fn crs_of(crs: Option<&Value>, map: Option<&Value>) -> Option<Crs> {
         properties.get("name").and_then(Value::as_str).map(str::to_owned).or_else(code)
     });
     match name {
-        Some(name) if is_plan(&name) => Some(Crs::Plan(anchor)),
-        Some(name) => Some(Crs::Name(name)),
-        None if map.is_some_and(|m| m.get("extent_m").is_some() || m.get("anchor").is_some()) => Some(Crs::Plan(anchor)),
+        Some(name) if is_plan(&name) => Some(Named::Plan(anchor)),
+        Some(name) => Some(Named::Text(name)),
+        None if map.is_some_and(|m| m.get("extent_m").is_some() || m.get("anchor").is_some()) => Some(Named::Plan(anchor)),
         None => None,
     }
 }
@@ -324,7 +321,7 @@ mod tests {
         let Shape::Rings(rings) = &area.shapes[0] else { panic!("{area:?}") };
         assert_eq!(rings.iter().map(|(r, inner)| (r.len(), *inner)).collect::<Vec<_>>(), [(4, false), (4, true)]);
         assert!(nothing.shapes.is_empty());
-        assert_eq!((content.place.as_str(), content.crs), ("Town", None));
+        assert_eq!(content.crs, None);
     }
 
     #[test]
@@ -341,16 +338,16 @@ mod tests {
         let named = |name: &str| {
             format!(r#"{{"type":"FeatureCollection","features":[],"crs":{{"type":"name","properties":{{"name":"{name}"}}}}}}"#)
         };
-        assert_eq!(crs(&named("urn:ogc:def:crs:EPSG::5514")), Some(Crs::Name("urn:ogc:def:crs:EPSG::5514".into())));
-        assert_eq!(crs(&named("veduta:plan")), Some(Crs::Plan(None)));
+        assert_eq!(crs(&named("urn:ogc:def:crs:EPSG::5514")), Some(Named::Text("urn:ogc:def:crs:EPSG::5514".into())));
+        assert_eq!(crs(&named("veduta:plan")), Some(Named::Plan(None)));
         let anchored = r#"{"type":"FeatureCollection","features":[],"map":{"extent_m":[9,9],"anchor":{"lat":50,"lon":14}}}"#;
-        assert_eq!(crs(anchored), Some(Crs::Plan(Some(Anchor { lat: 50.0, lon: 14.0 }))));
+        assert_eq!(crs(anchored), Some(Named::Plan(Some(Anchor { lat: 50.0, lon: 14.0 }))));
     }
 
     #[test]
     fn what_is_wrong_is_named_with_its_place() {
         let error = |text: &str| read(text.as_bytes(), "a.geojson").unwrap_err().to_string();
-        assert!(error(&TOWN[..300]).contains("a.geojson is cut off: the GeoJSON ends at line 3"), "{}", error(&TOWN[..300]));
+        assert!(error(&TOWN[..300]).contains("a.geojson is cut off: the GeoJSON ends at line 4"), "{}", error(&TOWN[..300]));
         assert!(error(&TOWN.replace("[14.001, 50.0]", "[14.001]")).contains("a position of one number at line 4"));
         assert!(error(&TOWN.replace("LineString", "Polygon")).contains("coordinates that are no Polygon"));
         assert!(error(&TOWN.replace("LineString", "CircularString")).contains("`CircularString`"));

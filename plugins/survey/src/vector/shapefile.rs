@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use super::codepage::CodePage;
 use super::dbf;
-use super::feature::{Content, Crs, Feature, Shape};
+use super::feature::{Content, Feature, Named, Shape};
 use crate::SurveyError;
 use crate::osm::MOST_ITEMS;
 use crate::polygon::signed_area;
@@ -47,7 +47,7 @@ pub(super) fn read(
             }
         }
     }
-    let crs = prj.map(|prj| Crs::Wkt(String::from_utf8_lossy(prj).trim_matches('\u{feff}').trim().to_owned()));
+    let crs = prj.map(|prj| Named::Text(String::from_utf8_lossy(prj).trim_matches('\u{feff}').trim().to_owned()));
     Ok(Content { features, crs, ..Content::default() })
 }
 
