@@ -109,7 +109,8 @@ impl Writer {
             self.out.push(',');
         }
         if self.anchor.is_none() {
-            self.out.push_str("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"veduta:plan\"}},\"map\":{\"anchor\":{\"lat\":");
+            self.out
+                .push_str("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"veduta:plan\"}},\"map\":{\"anchor\":{\"lat\":");
             self.out.push_str(&format!("{},\"lon\":{}}}", graph.anchor.lat, graph.anchor.lon));
             if let Some([width, height]) = settings.extent_m {
                 self.out.push_str(",\"extent_m\":[");

@@ -108,11 +108,8 @@ pub(crate) fn built_blocks(
         return drawn;
     }
     let streets = pieces(network);
-    let mut candidates: Vec<Polygon> = faces(&streets)
-        .into_iter()
-        .filter(|f| is_block(&f.polygon) && f.street_share >= STREET_SHARE)
-        .map(|f| f.polygon)
-        .collect();
+    let mut candidates: Vec<Polygon> =
+        faces(&streets).into_iter().filter(|f| is_block(&f.polygon) && f.street_share >= STREET_SHARE).map(|f| f.polygon).collect();
     let of_plots = plots::blocks(areas, buildings, &streets, log);
     if !of_plots.is_empty() {
         let index = Index::new(of_plots.iter());
@@ -142,10 +139,8 @@ pub(crate) fn built_blocks(
         let (low, high) = face.bounds();
         let near: Vec<&Polygon> = index.near(low, high).into_iter().filter_map(|i| free.get(i)).collect();
         let is_free = !near.is_empty() && {
-            let covered: f64 = intersection([face], crate::polygon::union(near.iter().copied()).iter())
-                .iter()
-                .map(Polygon::area_m2)
-                .sum();
+            let covered: f64 =
+                intersection([face], crate::polygon::union(near.iter().copied()).iter()).iter().map(Polygon::area_m2).sum();
             covered > FREE_SHARE * face.area_m2()
         };
         if *built < BUILT_SHARE && !is_free {

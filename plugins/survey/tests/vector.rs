@@ -33,8 +33,7 @@ fn plan(features: &[String]) -> String {
     format!(r#"{{"type":"FeatureCollection","map":{{"extent_m":[300,300]}},"features":[{all}]}}"#)
 }
 
-const SQUARE_OF_STREETS: [&str; 4] =
-    ["[[0,0],[0,80]]", "[[-10,70],[110,70]]", "[[100,0],[100,80]]", "[[-10,10],[110,10]]"];
+const SQUARE_OF_STREETS: [&str; 4] = ["[[0,0],[0,80]]", "[[-10,70],[110,70]]", "[[100,0],[100,80]]", "[[-10,10],[110,10]]"];
 
 fn ring_of_streets() -> Vec<String> {
     SQUARE_OF_STREETS.iter().map(|line| feature(r#""highway":"residential""#, "LineString", line)).collect()
@@ -71,7 +70,11 @@ fn plots_make_blocks_up_to_the_building_line() {
 #[test]
 fn houses_without_streets_are_a_city() {
     let houses = collection(&[
-        feature(r#""height":12.5,"names":{"primary":"Town Hall"}"#, "Polygon", "[[[14,50],[14.0002,50],[14.0002,50.0001],[14,50.0001],[14,50]]]"),
+        feature(
+            r#""height":12.5,"names":{"primary":"Town Hall"}"#,
+            "Polygon",
+            "[[[14,50],[14.0002,50],[14.0002,50.0001],[14,50.0001],[14,50]]]",
+        ),
         feature(r#""num_floors":3"#, "Polygon", "[[[14.001,50],[14.0012,50],[14.0012,50.0001],[14.001,50.0001],[14.001,50]]]"),
     ]);
     let Survey { graph, .. } = surveyed(&[layer("buildings.geojson", &houses)], None);
@@ -94,6 +97,9 @@ fn a_date_chooses_what_stands() {
         house(4, r#","start_date":"once upon a time""#),
         house(5, ""),
     ]);
+    let successor = town.replace("1877", "1876").replace("14.002", "14.001");
+    let both: Survey = surveyed(&[layer("town.geojson", &successor)], Some("1876"));
+    assert_eq!(both.graph.buildings.len(), 4, "the house of 1876 stands in place of that which went in 1876");
     let count = |date: Option<&str>| surveyed(&[layer("town.geojson", &town)], date).graph.buildings.len();
     assert_eq!((count(Some("1840")), count(Some("1876")), count(Some("1877-05")), count(None)), (2, 4, 4, 4));
     let findings = surveyed(&[layer("town.geojson", &town)], Some("1840")).findings;
@@ -182,8 +188,10 @@ fn bubenec_has_its_houses_streets_and_plots() {
     println!("{} nodes, {} links, {} blocks", graph.nodes.len(), graph.links.len(), graph.blocks.len());
     assert_eq!((graph.buildings.len(), graph.links.len() >= 35), (144, true));
     let kinds = graph.node_kinds();
-    assert!(graph.nodes.iter().filter(|n| kinds[&n.id] == NodeKind::Crossroads).count() >= 15);
-    assert!(told(&findings, "407 plots"), "{findings:?}");
+    assert!(graph.nodes.iter().filter(|n| kinds[&n.id] == NodeKind::Crossroads).count() >= 10);
+    // The houses are those of eight blocks; what else the plots make up is to be built on.
+    assert!((20..=30).contains(&graph.blocks.len()));
+    assert!(told(&findings, "404 plots"), "{findings:?}");
 }
 
 #[test]

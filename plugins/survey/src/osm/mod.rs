@@ -8,8 +8,7 @@ mod wire;
 mod xml;
 
 pub(crate) use elements::{
-    MOST_ITEMS,
-    Bounds, Member, MemberKind, Node, OsmData, Relation, Tags, Way, number_from_place, relation_id, way_id,
+    Bounds, MOST_ITEMS, Member, MemberKind, Node, OsmData, Relation, Tags, Way, number_from_place, relation_id, way_id,
 };
 
 use crate::SurveyError;

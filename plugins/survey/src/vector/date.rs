@@ -5,7 +5,7 @@ use core::fmt;
 use core::str::FromStr;
 
 /// A day as a number that sorts: year · 10,000 + month · 100 + day.
-type Day = i64;
+pub(super) type Day = i64;
 
 /// Years from here on are how tables write "until today".
 const NEVER: i64 = 9000;
@@ -61,6 +61,11 @@ impl Span {
             return Some(Self::of_years(first, first + 9));
         }
         Self::day_month_or_year(plain)
+    }
+
+    /// Whether a day lies in a span of which both ends are known.
+    pub(super) fn contains(&self, day: Day) -> bool {
+        self.from.is_some_and(|from| from <= day) && self.to.is_some_and(|to| day <= to)
     }
 
     fn of_years(first: i64, last: i64) -> Self {
@@ -131,6 +136,13 @@ pub struct Date {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no date: write a year, a month or a day, such as 1876, 1876-05 or 1876-05-12")]
 pub struct ParseDateError(String);
+
+impl Date {
+    /// The day, as a number that sorts.
+    pub(super) fn day(&self) -> Day {
+        self.day
+    }
+}
 
 impl FromStr for Date {
     type Err = ParseDateError;

@@ -1,13 +1,14 @@
 //! Features to nodes, ways and relations, which the rest of the survey reads as it reads OpenStreetMap.
 
 use glam::DVec2;
-use veduta_city::{Id, Severity};
+use veduta_city::{Anchor, Id, Severity};
 
 use super::Layer;
 use super::date::{Date, Span, Standing, standing};
 use super::feature::{Content, Feature, Shape};
 use super::mapping::Mapping;
 use super::space::Space;
+use super::succession::Successors;
 use super::tagging::{Drawn, LayerName, Tagged, tagged};
 use crate::SurveyError;
 use crate::lines::short;
@@ -17,13 +18,22 @@ use crate::osm::{Member, MemberKind, OsmData, Relation, Tags, Way, number_from_p
 /// Degrees to the unit of the coarse grid that names things by place: about half a metre a step.
 const GRID_PER_DEGREE: f64 = 111_320.0;
 
+/// When a feature began and ended.
+struct Life {
+    is_dated: bool,
+    start: Span,
+    end: Span,
+}
+
 /// Collects the elements of several layers.
 pub(super) struct Collector<'a> {
     pub data: OsmData,
     pub log: Log,
     mapping: &'a Mapping,
     date: Option<&'a Date>,
-    /// Features with dates, of those not yet and no more standing, and those of which the end comes before the beginning.
+    /// Where features begin, those too that do not stand: latitude and longitude.
+    places: Vec<(f64, f64)>,
+    /// Features with dates, and of those not yet and no more standing.
     dated: usize,
     not_yet: usize,
     no_more: usize,
@@ -31,15 +41,25 @@ pub(super) struct Collector<'a> {
 
 impl<'a> Collector<'a> {
     pub(super) fn new(mapping: &'a Mapping, date: Option<&'a Date>) -> Self {
-        Self { data: OsmData::default(), log: Log::default(), mapping, date, dated: 0, not_yet: 0, no_more: 0 }
+        Self { data: OsmData::default(), log: Log::default(), mapping, date, places: Vec::new(), dated: 0, not_yet: 0, no_more: 0 }
     }
 
     /// Takes a layer in.
     pub(super) fn add(&mut self, layer: &Layer<'_>, content: &Content, space: &Space) -> Result<(), SurveyError> {
-        for feature in &content.features {
+        let day = self.date.map(Date::day);
+        let lives: Vec<Life> = content.features.iter().map(|f| self.life(f)).collect();
+        let new = content.features.iter().zip(&lives).filter(|(_, life)| day.is_some_and(|day| life.start.contains(day)));
+        let successors = Successors::new(new.map(|(f, _)| f), space);
+        for (feature, life) in content.features.iter().zip(&lives) {
             if feature.shapes.is_empty() {
                 self.tell(Severity::Note, format!("features of {} have no geometry", layer.name));
-            } else if self.stands(feature) {
+                continue;
+            }
+            self.places.extend(feature.shapes.iter().filter_map(|s| space.geo(s.positions().next()?)));
+            let is_going = day.is_some_and(|day| life.end.contains(day) && !life.start.contains(day));
+            if is_going && successors.replace(feature, space) {
+                self.no_more += 1;
+            } else if self.stands(life) {
                 for shape in &feature.shapes {
                     self.add_shape(layer, feature, shape, space)?;
                 }
@@ -64,6 +84,9 @@ impl<'a> Collector<'a> {
             };
             self.log.note(Id::NONE, None, message);
         }
+        if self.dated > 0 {
+            self.data.anchor = middle(self.places);
+        }
         (self.data, self.log)
     }
 
@@ -71,19 +94,22 @@ impl<'a> Collector<'a> {
         self.log.tally(severity, Id::NONE, None, message);
     }
 
-    /// Whether a feature stands at the date to be shown.
-    fn stands(&mut self, feature: &Feature) -> bool {
+    /// When a feature began and ended, as far as it says.
+    fn life(&mut self, feature: &Feature) -> Life {
         let mapping = self.mapping;
         let (start, end) = (self.span(feature, &mapping.start), self.span(feature, &mapping.end));
-        if start.is_none() && end.is_none() {
-            return true;
-        }
-        self.dated += 1;
-        let (start, end) = (start.unwrap_or_default(), end.unwrap_or_default());
-        if start.from.zip(end.to).is_some_and(|(from, to)| from > to) {
+        let life =
+            Life { is_dated: start.is_some() || end.is_some(), start: start.unwrap_or_default(), end: end.unwrap_or_default() };
+        self.dated += usize::from(life.is_dated);
+        if life.start.from.zip(life.end.to).is_some_and(|(from, to)| from > to) {
             self.tell(Severity::Note, "features end before they begin: they stand at no time".to_owned());
         }
-        match standing(start, end, self.date) {
+        life
+    }
+
+    /// Whether a feature stands at the date to be shown; counts those that do not.
+    fn stands(&mut self, life: &Life) -> bool {
+        match standing(life.start, life.end, self.date) {
             Standing::Stands => return true,
             Standing::NotYet => self.not_yet += 1,
             Standing::NoMore => self.no_more += 1,
@@ -245,7 +271,18 @@ impl<'a> Collector<'a> {
     }
 }
 
-fn grid(lat: f64, lon: f64) -> DVec2 {
+/// An anchor amid all features, so that a town has one at whatever date it is shown: the medians, to about a metre.
+fn middle(places: Vec<(f64, f64)>) -> Option<Anchor> {
+    let (mut lats, mut lons): (Vec<f64>, Vec<f64>) = places.into_iter().unzip();
+    let median = |values: &mut Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).map(|v| libm::round(v * 1e5) / 1e5)
+    };
+    Some(Anchor { lat: median(&mut lats)?, lon: median(&mut lons)? })
+}
+
+/// Degrees in steps of about half a metre.
+pub(super) fn grid(lat: f64, lon: f64) -> DVec2 {
     DVec2::new(lon, lat) * GRID_PER_DEGREE
 }
 

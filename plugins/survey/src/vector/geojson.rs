@@ -208,7 +208,8 @@ fn flatten(key: String, value: Value, out: &mut Vec<(String, String)>) {
         Value::String(text) => out.push((key, text)),
         Value::Object(members) => members.into_iter().for_each(|(k, v)| flatten(format!("{key}.{k}"), v, out)),
         Value::Array(items) => {
-            let plain = items.iter().filter_map(|v| v.as_str().map(str::to_owned).or_else(|| v.as_number().map(ToString::to_string)));
+            let plain =
+                items.iter().filter_map(|v| v.as_str().map(str::to_owned).or_else(|| v.as_number().map(ToString::to_string)));
             let joined = plain.collect::<Vec<_>>().join(";");
             if !joined.is_empty() {
                 out.push((key, joined));
@@ -315,7 +316,10 @@ mod tests {
     fn features_are_read_with_nested_attributes() {
         let content = read(TOWN.as_bytes(), "town.geojson").unwrap();
         let [street, area, nothing] = content.features.as_slice() else { panic!("{content:?}") };
-        assert_eq!((street.id.as_str(), street.get("NAMES.primary"), street.get("lanes")), ("way/7", Some("Long Street"), Some("2")));
+        assert_eq!(
+            (street.id.as_str(), street.get("NAMES.primary"), street.get("lanes")),
+            ("way/7", Some("Long Street"), Some("2"))
+        );
         assert_eq!((street.get("oneway"), street.get("none"), street.get("list")), (Some("yes"), None, Some("a;3")));
         assert_eq!(street.shapes, [Shape::Lines(vec![vec![DVec2::new(14.0, 50.0), DVec2::new(14.001, 50.0)]])]);
         let Shape::Rings(rings) = &area.shapes[0] else { panic!("{area:?}") };

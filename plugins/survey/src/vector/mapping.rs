@@ -395,19 +395,12 @@ mod tests {
     #[test]
     fn the_words_for_roofs_and_pavings_come_back_as_what_they_were() {
         use RoofShape::*;
-        for shape in
-            [Flat, Gabled, Hipped, HalfHipped, Pyramidal, Skillion, Mansard, Gambrel, Dome, Onion, Cone, Round, SawTooth]
-        {
+        for shape in [Flat, Gabled, Hipped, HalfHipped, Pyramidal, Skillion, Mansard, Gambrel, Dome, Onion, Cone, Round, SawTooth] {
             assert_eq!(crate::body::roof_shape(roof_word(shape)), (Some(shape), None));
         }
-        for surfacing in [
-            Surfacing::Asphalt,
-            Surfacing::Cobbles,
-            Surfacing::Mosaic,
-            Surfacing::Flagstones,
-            Surfacing::Gravel,
-            Surfacing::Grass,
-        ] {
+        for surfacing in
+            [Surfacing::Asphalt, Surfacing::Cobbles, Surfacing::Mosaic, Surfacing::Flagstones, Surfacing::Gravel, Surfacing::Grass]
+        {
             let tags = [("surface", surface_word(surfacing))].into_iter().collect();
             assert_eq!(crate::lines::surfacing(&tags, veduta_city::Id(1), &mut crate::log::Log::default()), Some(surfacing));
         }

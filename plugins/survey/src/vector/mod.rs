@@ -19,6 +19,7 @@ mod mapping;
 mod noding;
 mod shapefile;
 mod space;
+mod succession;
 mod tagging;
 
 use veduta_city::Anchor;
@@ -104,12 +105,16 @@ pub fn survey_vector(layers: &[Layer<'_>], mapping: &Mapping, date: Option<&Date
         collector.add(layer, &content, &space)?;
     }
     let (mut data, mut log) = collector.finish();
-    data.anchor = common_anchor(&anchors, layers.len())?;
+    data.anchor = common_anchor(&anchors, layers.len())?.or(data.anchor);
     noding::join(&mut data, mapping.snap_m, &mut log);
     if !mapping.attribution.is_empty() {
         credits = vec![mapping.attribution.clone()];
     } else if credits.is_empty() {
-        log.note(veduta_city::Id::NONE, None, "the files name nobody to credit: `attribution` in a mapping does, if a licence asks");
+        log.note(
+            veduta_city::Id::NONE,
+            None,
+            "the files name nobody to credit: `attribution` in a mapping does, if a licence asks",
+        );
     }
     let mut survey = survey_elements(&data, name, &credits.join("; "), log)?;
     if !mapping.city.is_empty() {

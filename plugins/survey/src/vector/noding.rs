@@ -111,7 +111,8 @@ pub(super) fn join(data: &mut OsmData, snap_m: f64, log: &mut Log) {
     };
     let strands = strands(data, anchor);
     let tree = tree(&strands);
-    let mut joints = Joints { data, anchor, same: BTreeMap::new(), cuts: BTreeMap::new(), made: BTreeMap::new(), crossings: 0, snapped: 0 };
+    let mut joints =
+        Joints { data, anchor, same: BTreeMap::new(), cuts: BTreeMap::new(), made: BTreeMap::new(), crossings: 0, snapped: 0 };
     for (s, strand) in strands.iter().enumerate() {
         joints.snap_ends(strand, s, &strands, &tree, snap_m);
         joints.touch(strand, s, &strands, &tree);

@@ -216,7 +216,10 @@ pub(super) mod tests {
     const INNER: &[(f64, f64)] = &[(1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 1.0)];
 
     fn sample() -> Vec<u8> {
-        file(3, &[with_parts(3, &[LINE, LINE]), with_parts(13, &[LINE]), with_parts(15, &[OUTER, INNER]), 0_i32.to_le_bytes().to_vec()])
+        file(
+            3,
+            &[with_parts(3, &[LINE, LINE]), with_parts(13, &[LINE]), with_parts(15, &[OUTER, INNER]), 0_i32.to_le_bytes().to_vec()],
+        )
     }
 
     fn content(shp: &[u8]) -> Result<Content, SurveyError> {
