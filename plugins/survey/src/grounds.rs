@@ -6,7 +6,7 @@ use glam::DVec2;
 use veduta_city::{Block, BlockKind, Building, Id, LinkKind, Severity, Square, StreetClass};
 
 use crate::buildings::{Index, footprint_of};
-use crate::faces::{Piece, faces};
+use crate::faces::{Face, Piece, faces};
 use crate::lines::{Bounding, surfacing};
 use crate::log::Log;
 use crate::network::Network;
@@ -108,19 +108,21 @@ pub(crate) fn built_blocks(
         return drawn;
     }
     let streets = pieces(network);
-    let mut candidates: Vec<Polygon> =
-        faces(&streets).into_iter().filter(|f| is_block(&f.polygon) && f.street_share >= STREET_SHARE).map(|f| f.polygon).collect();
     let of_plots = plots::blocks(areas, buildings, &streets, log);
+    let mut candidates = faces(&streets);
     if !of_plots.is_empty() {
-        let index = Index::new(of_plots.iter());
-        candidates.retain(|face| {
+        // Where plots lie, they tell what is ground of houses and what is not.
+        let index = Index::new(of_plots.iter().map(|f| &f.polygon));
+        candidates.retain(|Face { polygon: face, .. }| {
             let (low, high) = face.bounds();
-            let near = index.near(low, high).into_iter().filter_map(|i| of_plots.get(i));
+            let near = index.near(low, high).into_iter().filter_map(|i| of_plots.get(i)).map(|f| &f.polygon);
             let shared: f64 = intersection([face], near).iter().map(Polygon::area_m2).sum();
-            shared < FREE_SHARE * face.area_m2()
+            shared < BUILT_SHARE * face.area_m2()
         });
-        candidates.extend(of_plots.into_iter().filter(is_block));
+        candidates.extend(of_plots);
     }
+    candidates.retain(|f| is_block(&f.polygon) && f.street_share >= STREET_SHARE);
+    let candidates: Vec<Polygon> = candidates.into_iter().map(|f| f.polygon).collect();
     let built = built_shares(&candidates, buildings);
     let with_houses = built.iter().filter(|&&share| share >= BUILT_SHARE).count();
     let total = candidates.len();

@@ -1,11 +1,12 @@
-//! Maps to city graph: OpenStreetMap extracts today, raster maps to come.
+//! Maps to city graph: OpenStreetMap extracts, and vector maps of other sources (GeoJSON, Shapefiles); raster maps to come.
 //!
 //! ```text
 //!  bytes ──osm──► nodes, ways, relations ──extent──► plan metres ─┬─ lines, network ──► nodes, links
 //!  (XML, gzip,    (raw, by id)                                    ├─ rings, shapes ───► areas ─┬─ squares, parks, waters
-//!   PBF, JSON)                                                    │                            └─ buildings, parts
-//!                                                                 ├─ objects, places
-//!                                                                 └─ faces ───────────► blocks for growth to fill
+//!   PBF, JSON)      ▲                                             │                            └─ buildings, parts
+//!                   │                                             ├─ objects, places
+//!        ──vector──► joined lines, tags by a mapping                └─ faces, plots ────► blocks for growth to fill
+//!  (GeoJSON, Shapefile)                                                                                 graph ──geojson_out──► GeoJSON
 //! ```
 //!
 //! # Use
@@ -22,19 +23,23 @@
 //! # Ok::<(), veduta_survey::SurveyError>(())
 //! ```
 //!
+//! Vector maps go by [`survey_vector`], with a [`Mapping`] where attributes have names of their own.
+//!
 //! # What it promises
 //! - A file is told by its content, not its name; one that is cut off, broken or not whole gives an error that says where,
 //!   never part of a city. (A PBF file cut exactly between two blobs cannot be told from a whole one: the format has no end
 //!   mark. It then lacks ways, and fails for having no streets.)
 //! - Whatever a file holds that does not come out is told in a [`Finding`] with place and reason; what repeats is told once.
 //! - Rings are simple, outlines counter-clockwise, holes clockwise, without a repeated vertex, larger than 1 m².
-//! - Ids are OSM's own (a way split into links gives its id to the first; the others are named by place).
+//! - Ids are OSM's own (a way split into links gives its id to the first; the others are named by place). Things of sources
+//!   that have no ids of OSM are named by kind and place.
 //! - The same bytes give the same graph: elements are taken in order of ids, and no hash map's order is ever looked at.
 //!
 //! # Limits
 //! One extent of up to 50 km; files of up to 1 GiB unpacked and 40 million elements and references. Storeys inside buildings
 //! (`indoor=*`), turn restrictions and one-way streets have no place in a city graph. Where a building stands on two
-//! layers, all its parts are taken.
+//! layers, all its parts are taken. Plots of a cadastre have no place in a city graph either: those that touch are taken
+//! together as a block, up to its building line. Widths of vector maps' streets are one a link.
 //!
 //! # Rejected
 //! The `osmpbf` crate for reading (see `osm/pbf.rs`; tests compare with it). Trusting roles of multipolygon members (wrong

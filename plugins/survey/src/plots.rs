@@ -3,19 +3,26 @@
 //! A city graph has no lots. What plots tell beside houses and streets is where the ground of houses ends and the street
 //! begins: plots that lie wall to wall make up a block, drawn to its building line.
 
+use glam::DVec2;
+use rstar::primitives::Line as TreeLine;
+use rstar::{PointDistance, RTree};
 use veduta_city::{Building, Id};
 
 use crate::buildings::{Index, footprint_of};
-use crate::faces::Piece;
+use crate::faces::{Face, Piece};
 use crate::log::Log;
-use crate::polygon::{Polygon, union};
+use crate::polygon::{Polygon, edges, union};
 use crate::shapes::{Area, Use};
 
+/// A block's border lies on a street whose middle is this near, in metres.
+const REACH_M: f64 = 20.0;
+/// Distance between samples along a border, in metres.
+const SAMPLE_M: f64 = 2.0;
 /// A plot with this many metres of a street's middle inside it is the street's own.
 const STREET_INSIDE_M: f64 = 12.0;
 
 /// The blocks that a map's plots make up; tells how many of them hold no house.
-pub(crate) fn blocks(areas: &[Area<'_>], buildings: &[Building], streets: &[Piece], log: &mut Log) -> Vec<Polygon> {
+pub(crate) fn blocks(areas: &[Area<'_>], buildings: &[Building], streets: &[Piece], log: &mut Log) -> Vec<Face> {
     let plots: Vec<&Polygon> = areas.iter().filter(|a| a.use_ == Use::Plot).flat_map(|a| &a.polygons).collect();
     if plots.is_empty() {
         return Vec::new();
@@ -29,7 +36,25 @@ pub(crate) fn blocks(areas: &[Area<'_>], buildings: &[Building], streets: &[Piec
         plots.len() - ground.len(),
     );
     log.note(Id::NONE, None, message);
-    union(ground)
+    let lines = streets.iter().filter(|p| p.is_street).map(|p| TreeLine::new(p.from.to_array(), p.to.to_array()));
+    let tree = RTree::bulk_load(lines.collect());
+    let block = |polygon: Polygon| Face { street_share: street_share(&polygon.outer, &tree), polygon };
+    union(ground).into_iter().map(block).collect()
+}
+
+/// Share of an outline that lies on streets.
+fn street_share(outline: &[DVec2], streets: &RTree<TreeLine<[f64; 2]>>) -> f64 {
+    let (mut near, mut all) = (0_usize, 0_usize);
+    for (a, b) in edges(outline) {
+        let samples = ((a.distance(b) / SAMPLE_M).ceil() as usize).clamp(1, 10_000);
+        for k in 0..samples {
+            let at = a.lerp(b, (k as f64 + 0.5) / samples as f64).to_array();
+            let nearest = streets.nearest_neighbor(&at);
+            near += usize::from(nearest.is_some_and(|line| line.distance_2(&at) <= REACH_M * REACH_M));
+            all += 1;
+        }
+    }
+    near as f64 / all.max(1) as f64
 }
 
 /// Which plots streets run through.
