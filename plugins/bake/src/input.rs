@@ -51,13 +51,18 @@ impl Input {
 
     /// The whole content of a map.
     pub(crate) fn content(&self) -> Result<Vec<u8>, BakeError> {
-        let read = |source| BakeError::Read { path: self.path.clone(), source };
-        let bytes = std::fs::metadata(&self.path).map_err(read)?.len();
-        if bytes > LARGEST_MAP {
-            return Err(BakeError::TooLarge { path: self.path.clone(), bytes, limit: LARGEST_MAP });
-        }
-        std::fs::read(&self.path).map_err(read)
+        content(&self.path)
     }
+}
+
+/// The whole content of a file that may be as large as a map.
+pub(crate) fn content(path: &Path) -> Result<Vec<u8>, BakeError> {
+    let read = |source| BakeError::Read { path: path.to_owned(), source };
+    let bytes = std::fs::metadata(path).map_err(read)?.len();
+    if bytes > LARGEST_MAP {
+        return Err(BakeError::TooLarge { path: path.to_owned(), bytes, limit: LARGEST_MAP });
+    }
+    std::fs::read(path).map_err(read)
 }
 
 fn head(path: &Path) -> std::io::Result<Vec<u8>> {

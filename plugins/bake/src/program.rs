@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use veduta_bake::{BakeSettings, Input, Planned, Stage, bake, map_svg, plan, survey_bare};
+use veduta_bake::{BakeSettings, Input, Planned, Stage, bake, lay_on_ground, map_svg, plan, survey_bare};
 use veduta_city::file;
 
 use report::report;
@@ -38,6 +38,13 @@ enum Command {
         /// Where to write the graph.
         #[arg(short, long)]
         output: PathBuf,
+        /// Terrain model that gives nodes their elevation: ESRI ASCII grid, SRTM .hgt or GeoTIFF, also in .zip or .gz; a .prj
+        /// beside it tells its coordinate system where it does not do so itself.
+        #[arg(long, value_name = "FILE")]
+        terrain: Option<PathBuf>,
+        /// Surface model (with roofs) that gives buildings without a height theirs; formats as for --terrain.
+        #[arg(long, value_name = "FILE")]
+        surface: Option<PathBuf>,
     },
     /// Grow a city graph into a plan.
     Grow {
@@ -114,8 +121,9 @@ pub(crate) fn run() -> ExitCode {
 fn command(arguments: Arguments) -> Result<(), Failure> {
     let quiet = arguments.quiet;
     match arguments.command {
-        Command::Survey { input, output } => {
-            let (graph, findings) = survey_bare(&Input::of(&input)?)?;
+        Command::Survey { input, output, terrain, surface } => {
+            let (mut graph, mut findings) = survey_bare(&Input::of(&input)?)?;
+            findings.extend(lay_on_ground(&mut graph, terrain.as_deref(), surface.as_deref())?);
             file::write(&graph, &output)?;
             report(&findings, quiet, false);
             println!(

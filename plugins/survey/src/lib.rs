@@ -45,9 +45,11 @@ mod body;
 mod buildings;
 mod coast;
 mod crs;
+mod elevation;
 mod error;
 mod extent;
 mod faces;
+mod georeference;
 mod grounds;
 mod length;
 mod lines;
@@ -64,7 +66,9 @@ mod start;
 mod testing;
 
 pub use crs::{Crs, CrsError};
+pub use elevation::{ElevationGrid, Spike, drape, heights_from_surface};
 pub use error::SurveyError;
+pub use georeference::{Georeference, KnownPoint};
 use veduta_city::{CityGraph, Finding, Id, LinkKind, Severity};
 
 use crate::extent::Extent;
