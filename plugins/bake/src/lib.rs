@@ -29,6 +29,7 @@ mod input;
 mod pipeline;
 mod scene;
 mod svg;
+mod terrain;
 
 pub use enlarge::enlarged;
 pub use error::BakeError;
@@ -36,5 +37,6 @@ pub use input::{Input, InputKind};
 pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, cut, plan, survey, survey_bare};
 pub use scene::overrides_beside;
 pub use svg::map_svg;
+pub use terrain::lay_on_ground;
 pub use veduta_cells::PARTITION_VERSION;
 pub use veduta_growth::plan::GROWTH_VERSION;
