@@ -126,12 +126,12 @@ impl Input {
 
     /// The whole content of a map.
     pub(crate) fn content(&self) -> Result<Vec<u8>, BakeError> {
-        read_capped(&self.path)
+        content(&self.path)
     }
 }
 
-/// The whole content of a file that is not larger than any map may be.
-pub(crate) fn read_capped(path: &Path) -> Result<Vec<u8>, BakeError> {
+/// The whole content of a file that may be as large as a map.
+pub(crate) fn content(path: &Path) -> Result<Vec<u8>, BakeError> {
     let read = |source| BakeError::Read { path: path.to_owned(), source };
     let bytes = std::fs::metadata(path).map_err(read)?.len();
     if bytes > LARGEST_MAP {

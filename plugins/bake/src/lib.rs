@@ -29,6 +29,7 @@ mod input;
 mod pipeline;
 mod scene;
 mod svg;
+mod terrain;
 mod vector_map;
 
 pub use enlarge::enlarged;
@@ -37,6 +38,7 @@ pub use input::{Input, InputKind};
 pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, bake_input, cut, plan, survey, survey_bare};
 pub use scene::overrides_beside;
 pub use svg::map_svg;
+pub use terrain::lay_on_ground;
 pub use vector_map::{LayerFile, VectorMap};
 pub use veduta_cells::PARTITION_VERSION;
 pub use veduta_growth::plan::GROWTH_VERSION;

@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use veduta_bake::{BakeSettings, Planned, Stage, bake_input, map_svg, plan, survey_bare};
+use veduta_bake::{BakeSettings, Planned, Stage, bake_input, lay_on_ground, map_svg, plan, survey_bare};
 use veduta_city::file;
 use veduta_survey::{GeoJsonSettings, to_geojson};
 
@@ -47,6 +47,13 @@ enum Command {
         /// Write GeoJSON in degrees of longitude and latitude.
         #[arg(long, requires = "geojson")]
         degrees: bool,
+        /// Terrain model that gives nodes their elevation: ESRI ASCII grid, SRTM .hgt or GeoTIFF, also in .zip or .gz; a .prj
+        /// beside it tells its coordinate system where it does not do so itself.
+        #[arg(long, value_name = "FILE")]
+        terrain: Option<PathBuf>,
+        /// Surface model (with roofs) that gives buildings without a height theirs; formats as for --terrain.
+        #[arg(long, value_name = "FILE")]
+        surface: Option<PathBuf>,
     },
     /// Grow a city graph into a plan.
     Grow {
@@ -123,8 +130,9 @@ pub(crate) fn run() -> ExitCode {
 fn command(arguments: Arguments) -> Result<(), Failure> {
     let quiet = arguments.quiet;
     match arguments.command {
-        Command::Survey { source, output, geojson, degrees } => {
-            let (graph, findings) = survey_bare(&source.input()?)?;
+        Command::Survey { source, output, geojson, degrees, terrain, surface } => {
+            let (mut graph, mut findings) = survey_bare(&source.input()?)?;
+            findings.extend(lay_on_ground(&mut graph, terrain.as_deref(), surface.as_deref())?);
             file::write(&graph, &output)?;
             if let Some(path) = geojson {
                 let settings = GeoJsonSettings { degrees, ..GeoJsonSettings::default() };

@@ -7,7 +7,7 @@ use veduta_city::file;
 use veduta_survey::{Date, Kind, Layer, Mapping, Survey, survey_vector};
 
 use crate::BakeError;
-use crate::input::read_capped;
+use crate::input::content;
 
 /// The layers of a vector map and how they are to be read.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -106,8 +106,8 @@ impl VectorMap {
     pub(crate) fn survey(&self, name: &str) -> Result<Survey, BakeError> {
         let mut contents = Vec::with_capacity(self.layers.len());
         for LayerFile { path, .. } in &self.layers {
-            let beside = |ending| sidecar(path, ending).map(|path| read_capped(&path)).transpose();
-            contents.push([Some(read_capped(path)?), beside("dbf")?, beside("prj")?, beside("cpg")?]);
+            let beside = |ending| sidecar(path, ending).map(|path| content(&path)).transpose();
+            contents.push([Some(content(path)?), beside("dbf")?, beside("prj")?, beside("cpg")?]);
         }
         let names: Vec<String> =
             self.layers.iter().map(|l| l.path.file_name().unwrap_or_default().to_string_lossy().into_owned()).collect();

@@ -78,6 +78,44 @@ pub enum SurveyError {
         /// The first findings, each after a semicolon; may be empty.
         findings: String,
     },
+    /// A picture that cannot be put on the ground.
+    #[error("{name} cannot be placed: {detail}")]
+    Unplaced {
+        /// The picture, or the file that should place it.
+        name: String,
+        /// Why not, and what to do.
+        detail: String,
+    },
+    /// Not one of the elevation formats read here.
+    #[error(
+        "{name} is neither an ESRI ASCII grid, a GeoTIFF nor an SRTM tile (.hgt), plain or in .zip or .gz: convert it with gdal_translate"
+    )]
+    NotElevation {
+        /// The file.
+        name: String,
+    },
+    /// More cells of elevation than a survey takes.
+    #[error(
+        "{name} has {columns} x {rows} cells, more than 16384 x 16384: cut the city out of it (gdalwarp -te) or make it coarser (-tr)"
+    )]
+    GridTooLarge {
+        /// The file.
+        name: String,
+        /// Its columns.
+        columns: u64,
+        /// Its rows.
+        rows: u64,
+    },
+    /// A grid of elevations that lies beside the city.
+    #[error("{name} covers {covers}, and no node of the city, which lies around {city}: give the elevations of the same place")]
+    Elsewhere {
+        /// The file.
+        name: String,
+        /// What the grid covers.
+        covers: String,
+        /// Where the city is.
+        city: String,
+    },
     /// The graph made of it breaks the model's rules.
     #[error("{name} gives no valid city graph: {detail}")]
     Graph {

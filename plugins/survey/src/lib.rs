@@ -50,10 +50,12 @@ mod body;
 mod buildings;
 mod coast;
 mod crs;
+mod elevation;
 mod error;
 mod extent;
 mod faces;
 mod geojson_out;
+mod georeference;
 mod grounds;
 mod length;
 mod lines;
@@ -72,8 +74,10 @@ mod testing;
 mod vector;
 
 pub use crs::{Crs, CrsError};
+pub use elevation::{ElevationGrid, Spike, drape, heights_from_surface};
 pub use error::SurveyError;
 pub use geojson_out::{GeoJsonSettings, to_geojson};
+pub use georeference::{Georeference, KnownPoint};
 pub use vector::{Date, Kind, Layer, LayerRule, Mapping, ParseDateError, looks_like_geojson, looks_like_shapefile, survey_vector};
 use veduta_city::{CityGraph, Finding, Id, LinkKind, Severity};
 

@@ -1,7 +1,7 @@
 //! The raw layer: bytes to elements, told apart by content.
 
 mod elements;
-mod gzip;
+pub(crate) mod gzip;
 mod overpass;
 mod pbf;
 mod wire;
