@@ -26,16 +26,24 @@ pub enum BakeError {
     },
     /// The input is of no known kind.
     #[error(
-        "{0}: not a map that can be baked; give an OpenStreetMap extract (.osm, .osm.gz, .osm.pbf, Overpass .json), a city graph (.graph.ron), a plan (.plan.ron) or a folder with a .graph.ron"
+        "{0}: not a map that can be baked; give an OpenStreetMap extract (.osm, .osm.gz, .osm.pbf, Overpass .json), a vector map (.geojson, .shp, .map.ron), a city graph (.graph.ron), a plan (.plan.ron) or a folder with a .graph.ron"
     )]
     UnknownKind(PathBuf),
-    /// A scene folder without a graph, or with several.
-    #[error("{path}: a scene folder holds exactly one .graph.ron; this one holds {n}")]
+    /// A scene folder without a graph or map, or with several.
+    #[error("{path}: a scene folder holds exactly one .graph.ron or .map.ron, or the layers of one vector map; this one holds {n}")]
     Scene {
         /// Which folder.
         path: PathBuf,
         /// How many graphs it holds.
         n: usize,
+    },
+    /// Something was said of an input that cannot be meant.
+    #[error("{path}: {detail}")]
+    Option {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        detail: String,
     },
     /// A RON file has a mistake.
     #[error(transparent)]

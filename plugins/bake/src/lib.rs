@@ -1,8 +1,8 @@
 //! The pipeline from map to city, and the `veduta-bake` program.
 //!
 //! ```text
-//!  OSM ─survey─► graph ─overrides─► grow ─► plan ─► partition ─► cells ─► packets ─► DIR.city
-//!  *.graph.ron ──┘                  *.plan.ron ──┘
+//!  OSM, GeoJSON, Shapefile ─survey─► graph ─overrides─► grow ─► plan ─► partition ─► cells ─► packets ─► DIR.city
+//!                    *.graph.ron ──┘                  *.plan.ron ──┘
 //! ```
 //!
 //! Each arrow is a pure function of its input, a seed and the overrides; each value can be written to a file, looked at,
@@ -29,12 +29,16 @@ mod input;
 mod pipeline;
 mod scene;
 mod svg;
+mod terrain;
+mod vector_map;
 
 pub use enlarge::enlarged;
 pub use error::BakeError;
 pub use input::{Input, InputKind};
-pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, cut, plan, survey, survey_bare};
+pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, bake_input, cut, plan, survey, survey_bare};
 pub use scene::overrides_beside;
 pub use svg::map_svg;
+pub use terrain::lay_on_ground;
+pub use vector_map::{LayerFile, VectorMap};
 pub use veduta_cells::PARTITION_VERSION;
 pub use veduta_growth::plan::GROWTH_VERSION;

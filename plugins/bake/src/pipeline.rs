@@ -112,6 +112,12 @@ fn read_graph(input: &Input) -> Result<(CityGraph, Vec<Finding>), BakeError> {
             let survey = veduta_survey::survey_osm(&input.content()?, &name)?;
             (survey.graph, survey.findings)
         }
+        InputKind::Vector => {
+            let name = input.path.file_name().unwrap_or_default().to_string_lossy();
+            let map = input.vector.as_ref().ok_or_else(|| BakeError::UnknownKind(input.path.clone()))?;
+            let survey = map.survey(&name)?;
+            (survey.graph, survey.findings)
+        }
         InputKind::Graph => (file::read::<CityGraph>(&input.path)?, Vec::new()),
         InputKind::Plan => return Err(BakeError::UnknownKind(input.path.clone())),
     };
@@ -164,13 +170,20 @@ pub fn cut(plan: &CityPlan, settings: &BakeSettings) -> (Cells, Vec<Finding>) {
 /// # Errors
 /// If any stage fails; what stood at `out` before still stands.
 pub fn bake(input: &Path, out: &Path, settings: &BakeSettings, progress: &mut dyn FnMut(Stage)) -> Result<Baked, BakeError> {
-    let found = Input::of(input)?;
-    let Planned { plan, mut findings } = plan(&found, settings, progress)?;
+    bake_input(&Input::of(input)?, out, settings, progress)
+}
+
+/// Bakes an input with all that was said of it, as [`bake`] does a path.
+///
+/// # Errors
+/// As [`bake`].
+pub fn bake_input(input: &Input, out: &Path, settings: &BakeSettings, progress: &mut dyn FnMut(Stage)) -> Result<Baked, BakeError> {
+    let Planned { plan, mut findings } = plan(input, settings, progress)?;
     progress(Stage::Cut);
     let (cells, more) = cut(&plan, settings);
     findings.extend(more);
     if cells.cells.is_empty() {
-        return Err(BakeError::Empty(input.to_owned()));
+        return Err(BakeError::Empty(input.path.clone()));
     }
     progress(Stage::Pack);
     let (shells, sheets) = rayon::join(|| cell_shells(&plan, &cells), || facade_sheets(&plan, &cells));

@@ -2,6 +2,7 @@ mod check;
 mod inspect;
 mod report;
 mod serve;
+mod source;
 mod town;
 
 use std::path::{Path, PathBuf};
@@ -10,10 +11,12 @@ use std::time::Instant;
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use veduta_bake::{BakeSettings, Input, Planned, Stage, bake, map_svg, plan, survey_bare};
+use veduta_bake::{BakeSettings, Planned, Stage, bake_input, lay_on_ground, map_svg, plan, survey_bare};
 use veduta_city::file;
+use veduta_survey::{GeoJsonSettings, to_geojson};
 
 use report::report;
+use source::Source;
 
 /// What every command may fail with: a message that names the file and the fix.
 pub(crate) type Failure = Box<dyn std::error::Error>;
@@ -33,16 +36,29 @@ struct Arguments {
 enum Command {
     /// Turn a map into a city graph; edits in `X.graph.overrides.ron` stay there and are applied when it is grown.
     Survey {
-        /// OpenStreetMap extract or graph.
-        input: PathBuf,
+        #[command(flatten)]
+        source: Source,
         /// Where to write the graph.
         #[arg(short, long)]
         output: PathBuf,
+        /// Where to write the graph as GeoJSON too, in plan metres.
+        #[arg(long, value_name = "FILE")]
+        geojson: Option<PathBuf>,
+        /// Write GeoJSON in degrees of longitude and latitude.
+        #[arg(long, requires = "geojson")]
+        degrees: bool,
+        /// Terrain model that gives nodes their elevation: ESRI ASCII grid, SRTM .hgt or GeoTIFF, also in .zip or .gz; a .prj
+        /// beside it tells its coordinate system where it does not do so itself.
+        #[arg(long, value_name = "FILE")]
+        terrain: Option<PathBuf>,
+        /// Surface model (with roofs) that gives buildings without a height theirs; formats as for --terrain.
+        #[arg(long, value_name = "FILE")]
+        surface: Option<PathBuf>,
     },
     /// Grow a city graph into a plan.
     Grow {
-        /// Graph, map or scene folder.
-        input: PathBuf,
+        #[command(flatten)]
+        source: Source,
         /// Where to write the plan.
         #[arg(short, long)]
         output: PathBuf,
@@ -52,8 +68,8 @@ enum Command {
     },
     /// Bake a map, graph, plan or scene folder to a city.
     Bake {
-        /// What to bake.
-        input: PathBuf,
+        #[command(flatten)]
+        source: Source,
         /// The city's directory; beside the input if not given.
         #[arg(short, long)]
         output: Option<PathBuf>,
@@ -83,8 +99,8 @@ enum Command {
     },
     /// Draw the map of a plan, graph or map as SVG.
     Map {
-        /// What to draw.
-        input: PathBuf,
+        #[command(flatten)]
+        source: Source,
         /// Where to write the picture.
         #[arg(short, long)]
         output: PathBuf,
@@ -114,9 +130,14 @@ pub(crate) fn run() -> ExitCode {
 fn command(arguments: Arguments) -> Result<(), Failure> {
     let quiet = arguments.quiet;
     match arguments.command {
-        Command::Survey { input, output } => {
-            let (graph, findings) = survey_bare(&Input::of(&input)?)?;
+        Command::Survey { source, output, geojson, degrees, terrain, surface } => {
+            let (mut graph, mut findings) = survey_bare(&source.input()?)?;
+            findings.extend(lay_on_ground(&mut graph, terrain.as_deref(), surface.as_deref())?);
             file::write(&graph, &output)?;
+            if let Some(path) = geojson {
+                let settings = GeoJsonSettings { degrees, ..GeoJsonSettings::default() };
+                file::write_text(&to_geojson(&graph, &settings), &path)?;
+            }
             report(&findings, quiet, false);
             println!(
                 "{}: {} links, {} buildings, {} places",
@@ -126,18 +147,18 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
                 graph.places.len()
             );
         }
-        Command::Grow { input, output, seed } => {
-            let planned = planned(&input, seed, quiet)?;
+        Command::Grow { source, output, seed } => {
+            let planned = planned(&source, seed, quiet)?;
             file::write(&planned.plan, &output)?;
             println!("{}: {} houses", output.display(), planned.plan.houses.len());
         }
-        Command::Bake { input, output, seed, json, findings } => {
-            bake_city(&input, output, seed, quiet, json, findings)?;
+        Command::Bake { source, output, seed, json, findings } => {
+            bake_city(&source, output, seed, quiet, json, findings)?;
         }
         Command::Inspect { city, json } => inspect::inspect(&city, json)?,
         Command::Check { files } => check::check(&files)?,
-        Command::Map { input, output } => {
-            let planned = planned(&input, None, quiet)?;
+        Command::Map { source, output } => {
+            let planned = planned(&source, None, quiet)?;
             file::write_text(&map_svg(&planned.plan), &output)?;
             println!("{}", output.display());
         }
@@ -146,15 +167,22 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn planned(input: &Path, seed: Option<u64>, quiet: bool) -> Result<Planned, Failure> {
+fn planned(source: &Source, seed: Option<u64>, quiet: bool) -> Result<Planned, Failure> {
     let settings = BakeSettings { seed, ..BakeSettings::default() };
-    let planned = plan(&Input::of(input)?, &settings, &mut |_| ())?;
+    let planned = plan(&source.input()?, &settings, &mut |_| ())?;
     report(&planned.findings, quiet, false);
     Ok(planned)
 }
 
-fn bake_city(input: &Path, output: Option<PathBuf>, seed: Option<u64>, quiet: bool, json: bool, all: bool) -> Result<(), Failure> {
-    let output = output.unwrap_or_else(|| city_beside(input));
+fn bake_city(
+    source: &Source,
+    output: Option<PathBuf>,
+    seed: Option<u64>,
+    quiet: bool,
+    json: bool,
+    all: bool,
+) -> Result<(), Failure> {
+    let output = output.unwrap_or_else(|| city_beside(source.path()));
     let settings = BakeSettings { seed, ..BakeSettings::default() };
     let bar = if quiet || json { ProgressBar::hidden() } else { ProgressBar::new(Stage::ALL.len() as u64) };
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {msg} ({elapsed})") {
@@ -162,7 +190,8 @@ fn bake_city(input: &Path, output: Option<PathBuf>, seed: Option<u64>, quiet: bo
     }
     let began = Instant::now();
     let mut spans: Vec<(Stage, f64)> = Vec::new();
-    let baked = bake(input, &output, &settings, &mut |stage| {
+    let input = source.input()?;
+    let baked = bake_input(&input, &output, &settings, &mut |stage| {
         bar.set_position(spans.len() as u64);
         bar.set_message(stage.to_string());
         spans.push((stage, began.elapsed().as_secs_f64()));

@@ -17,6 +17,10 @@ pub struct CityGraph {
     pub name: String,
     /// Where plan (0, 0) lies on Earth.
     pub anchor: Anchor,
+    /// Elevation of the city's zero in metres above the sea: what is added to a node's `z` to get its elevation on a map. 0
+    /// where no terrain is known.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub zero_m: f64,
     /// Who is to be credited for the data, as the licence asks.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub attribution: String,
@@ -52,6 +56,10 @@ pub struct CityGraph {
     pub places: Vec<Place>,
 }
 
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
 /// An end of links.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -60,7 +68,7 @@ pub struct Node {
     pub id: Id,
     /// Plan metres.
     pub pos: DVec2,
-    /// Elevation in metres above the city's zero.
+    /// Elevation in metres above the city's zero ([`CityGraph::zero_m`]).
     #[serde(default)]
     pub z: f64,
 }

@@ -111,6 +111,7 @@ impl CityGraph {
         if !(self.anchor.lat.abs() <= 85.0 && self.anchor.lon.abs() <= 180.0) {
             errors.push(GraphError::Anchor { lat: self.anchor.lat, lon: self.anchor.lon });
         }
+        errors.extend(check_numbers("the graph", Id::NONE, &[("zero_m", self.zero_m)]));
         if let Some(start) = &self.start {
             errors.extend(check_view("the start", Id::NONE, start));
         }

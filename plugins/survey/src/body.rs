@@ -145,7 +145,7 @@ fn slope_run_m(footprint: &Polygon, shape: RoofShape, direction_deg: Option<f64>
 }
 
 /// The nearest shape to a value of `roof:shape`, and what to tell where it is not the very same.
-fn roof_shape(text: &str) -> (Option<RoofShape>, Option<String>) {
+pub(crate) fn roof_shape(text: &str) -> (Option<RoofShape>, Option<String>) {
     let key = text.split(';').next().unwrap_or_default().trim().to_lowercase().replace([' ', '-'], "_");
     let exact = match key.as_str() {
         "flat" => RoofShape::Flat,

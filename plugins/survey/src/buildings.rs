@@ -10,7 +10,7 @@ use veduta_city::{Building, BuildingPart, Id, Severity};
 use crate::body::Body;
 use crate::extent::Extent;
 use crate::log::Log;
-use crate::osm::{MemberKind, OsmData};
+use crate::osm::{MemberKind, OsmData, relation_id, way_id};
 use crate::polygon::{Polygon, difference, perimeter_m, union};
 use crate::shapes::{Area, Use};
 
@@ -148,8 +148,8 @@ fn parts_by_relation(data: &OsmData) -> BTreeMap<Id, Vec<Id>> {
     let mut out: BTreeMap<Id, Vec<Id>> = BTreeMap::new();
     let id_of = |m: &crate::osm::Member| match m.kind {
         MemberKind::Node => None,
-        MemberKind::Way => Some(Id::from_source(2, m.id as u64)),
-        MemberKind::Relation => Some(Id::from_source(3, m.id as u64)),
+        MemberKind::Way => Some(way_id(m.id)),
+        MemberKind::Relation => Some(relation_id(m.id)),
     };
     for relation in data.relations.values().filter(|r| r.tags.is("type", "building")) {
         let outlines: Vec<Id> = relation.members.iter().filter(|m| &*m.role == "outline").filter_map(id_of).collect();

@@ -8,6 +8,18 @@ pub enum SurveyError {
         /// The file.
         name: String,
     },
+    /// Neither GeoJSON nor a Shapefile.
+    #[error("{name} is neither GeoJSON nor the .shp of a Shapefile: export the layer as one of them (ogr2ogr does)")]
+    NotVector {
+        /// The file.
+        name: String,
+    },
+    /// A mapping of attributes that cannot be meant.
+    #[error("the mapping of attributes cannot be meant: {detail}")]
+    Mapping {
+        /// What is wrong.
+        detail: String,
+    },
     /// The file ends before its format does.
     #[error("{name} is cut off: the {format} ends {place}; download or copy it again")]
     Cut {
@@ -65,6 +77,44 @@ pub enum SurveyError {
         holds: String,
         /// The first findings, each after a semicolon; may be empty.
         findings: String,
+    },
+    /// A picture that cannot be put on the ground.
+    #[error("{name} cannot be placed: {detail}")]
+    Unplaced {
+        /// The picture, or the file that should place it.
+        name: String,
+        /// Why not, and what to do.
+        detail: String,
+    },
+    /// Not one of the elevation formats read here.
+    #[error(
+        "{name} is neither an ESRI ASCII grid, a GeoTIFF nor an SRTM tile (.hgt), plain or in .zip or .gz: convert it with gdal_translate"
+    )]
+    NotElevation {
+        /// The file.
+        name: String,
+    },
+    /// More cells of elevation than a survey takes.
+    #[error(
+        "{name} has {columns} x {rows} cells, more than 16384 x 16384: cut the city out of it (gdalwarp -te) or make it coarser (-tr)"
+    )]
+    GridTooLarge {
+        /// The file.
+        name: String,
+        /// Its columns.
+        columns: u64,
+        /// Its rows.
+        rows: u64,
+    },
+    /// A grid of elevations that lies beside the city.
+    #[error("{name} covers {covers}, and no node of the city, which lies around {city}: give the elevations of the same place")]
+    Elsewhere {
+        /// The file.
+        name: String,
+        /// What the grid covers.
+        covers: String,
+        /// Where the city is.
+        city: String,
     },
     /// The graph made of it breaks the model's rules.
     #[error("{name} gives no valid city graph: {detail}")]

@@ -43,6 +43,20 @@ impl Extent {
     /// streets and houses are. Outliers (the far ends
     /// of ferry lines, of motorways, of boundaries) do not stretch it.
     pub(crate) fn of(data: &OsmData, log: &mut Log) -> Option<Self> {
+        let own = Self::of_file(data, log)?;
+        Some(data.anchor.map_or(own, |anchor| own.anchored_at(anchor)))
+    }
+
+    /// The same box, seen from another anchor.
+    fn anchored_at(&self, anchor: Anchor) -> Self {
+        let seen = |corner: DVec2| {
+            let (lat, lon) = self.anchor.geo_from_plan(corner);
+            anchor.plan_from_geo(lat, lon)
+        };
+        Self { anchor, low: seen(self.low), high: seen(self.high) }
+    }
+
+    fn of_file(data: &OsmData, log: &mut Log) -> Option<Self> {
         let first = data.nodes.values().next()?;
         let all = settled_positions(data, first.lon);
         if let Some(bounds) = data.bounds {

@@ -10,6 +10,7 @@ use crate::faces::{Face, Piece, faces};
 use crate::lines::{Bounding, surfacing};
 use crate::log::Log;
 use crate::network::Network;
+use crate::plots;
 use crate::polygon::{Polygon, intersection, perimeter_m};
 use crate::shapes::{Area, Use};
 
@@ -92,8 +93,9 @@ pub(crate) fn block(id: Id, kind: BlockKind, name: String, polygon: &Polygon) ->
     Block { id, kind, name, district: String::new(), outline: polygon.outer.clone(), holes: polygon.holes.clone() }
 }
 
-/// Blocks to be built on: faces of the streets' plane graph with neither houses nor water, park or square on them. Rings run
-/// along the middle of the streets; growth takes the streets' own width off.
+/// Blocks to be built on: those that the map draws; otherwise what plots that lie wall to wall, or else streets enclose, with
+/// neither houses nor water, park or square on them. Rings of what streets enclose run along the middle of the streets; growth
+/// takes the streets' own width off.
 pub(crate) fn built_blocks(
     network: &Network,
     buildings: &[Building],
@@ -101,8 +103,26 @@ pub(crate) fn built_blocks(
     sea: &[Block],
     log: &mut Log,
 ) -> Vec<Block> {
-    let mut candidates: Vec<Face> = faces(&pieces(network));
+    let drawn = drawn_blocks(areas);
+    if !drawn.is_empty() {
+        return drawn;
+    }
+    let streets = pieces(network);
+    let of_plots = plots::blocks(areas, buildings, &streets, log);
+    let mut candidates = faces(&streets);
+    if !of_plots.is_empty() {
+        // Where plots lie, they tell what is ground of houses and what is not.
+        let index = Index::new(of_plots.iter().map(|f| &f.polygon));
+        candidates.retain(|Face { polygon: face, .. }| {
+            let (low, high) = face.bounds();
+            let near = index.near(low, high).into_iter().filter_map(|i| of_plots.get(i)).map(|f| &f.polygon);
+            let shared: f64 = intersection([face], near).iter().map(Polygon::area_m2).sum();
+            shared < BUILT_SHARE * face.area_m2()
+        });
+        candidates.extend(of_plots);
+    }
     candidates.retain(|f| is_block(&f.polygon) && f.street_share >= STREET_SHARE);
+    let candidates: Vec<Polygon> = candidates.into_iter().map(|f| f.polygon).collect();
     let built = built_shares(&candidates, buildings);
     let with_houses = built.iter().filter(|&&share| share >= BUILT_SHARE).count();
     let total = candidates.len();
@@ -118,17 +138,15 @@ pub(crate) fn built_blocks(
     let index = Index::new(free.iter());
     let mut out = Vec::new();
     for (face, built) in candidates.iter().zip(&built) {
-        let (low, high) = face.polygon.bounds();
+        let (low, high) = face.bounds();
         let near: Vec<&Polygon> = index.near(low, high).into_iter().filter_map(|i| free.get(i)).collect();
         let is_free = !near.is_empty() && {
-            let covered: f64 = intersection([&face.polygon], crate::polygon::union(near.iter().copied()).iter())
-                .iter()
-                .map(Polygon::area_m2)
-                .sum();
-            covered > FREE_SHARE * face.polygon.area_m2()
+            let covered: f64 =
+                intersection([face], crate::polygon::union(near.iter().copied()).iter()).iter().map(Polygon::area_m2).sum();
+            covered > FREE_SHARE * face.area_m2()
         };
         if *built < BUILT_SHARE && !is_free {
-            out.push(block(Id::NONE, BlockKind::Built, String::new(), &face.polygon));
+            out.push(block(Id::NONE, BlockKind::Built, String::new(), face));
         }
     }
     if !out.is_empty() {
@@ -137,6 +155,18 @@ pub(crate) fn built_blocks(
             None,
             format!("{} of {total} blocks between streets have no houses in the file: houses will be grown there", out.len()),
         );
+    }
+    out
+}
+
+/// Blocks that the map itself draws as built.
+fn drawn_blocks(areas: &[Area<'_>]) -> Vec<Block> {
+    let mut out = Vec::new();
+    for area in areas.iter().filter(|a| a.use_ == Use::Block) {
+        for (i, polygon) in area.polygons.iter().enumerate() {
+            let id = if i == 0 { area.id } else { Id::NONE };
+            out.push(block(id, BlockKind::Built, area.tags.text("name"), polygon));
+        }
     }
     out
 }
@@ -167,17 +197,17 @@ fn is_block(polygon: &Polygon) -> bool {
 }
 
 /// Share of each face that is built on; a building counts for the face that its middle lies in.
-fn built_shares(candidates: &[Face], buildings: &[Building]) -> Vec<f64> {
-    let index = Index::new(candidates.iter().map(|f| &f.polygon));
+fn built_shares(candidates: &[Polygon], buildings: &[Building]) -> Vec<f64> {
+    let index = Index::new(candidates.iter());
     let mut built: BTreeMap<usize, f64> = BTreeMap::new();
     for footprint in buildings.iter().map(footprint_of) {
         let pos = footprint.inner_pos();
-        let home = index.near(pos, pos).into_iter().find(|&i| candidates.get(i).is_some_and(|f| f.polygon.contains(pos)));
+        let home = index.near(pos, pos).into_iter().find(|&i| candidates.get(i).is_some_and(|f| f.contains(pos)));
         if let Some(i) = home {
             *built.entry(i).or_default() += footprint.area_m2();
         }
     }
-    let share = |(i, f): (usize, &Face)| built.get(&i).copied().unwrap_or(0.0) / f.polygon.area_m2();
+    let share = |(i, f): (usize, &Polygon)| built.get(&i).copied().unwrap_or(0.0) / f.area_m2();
     candidates.iter().enumerate().map(share).collect()
 }
 

@@ -1,11 +1,12 @@
-//! Maps to city graph: OpenStreetMap extracts today, raster maps to come.
+//! Maps to city graph: OpenStreetMap extracts, and vector maps of other sources (GeoJSON, Shapefiles); raster maps to come.
 //!
 //! ```text
 //!  bytes ──osm──► nodes, ways, relations ──extent──► plan metres ─┬─ lines, network ──► nodes, links
 //!  (XML, gzip,    (raw, by id)                                    ├─ rings, shapes ───► areas ─┬─ squares, parks, waters
-//!   PBF, JSON)                                                    │                            └─ buildings, parts
-//!                                                                 ├─ objects, places
-//!                                                                 └─ faces ───────────► blocks for growth to fill
+//!   PBF, JSON)      ▲                                             │                            └─ buildings, parts
+//!                   │                                             ├─ objects, places
+//!        ──vector──► joined lines, tags by a mapping                └─ faces, plots ────► blocks for growth to fill
+//!  (GeoJSON, Shapefile)                                                                                 graph ──geojson_out──► GeoJSON
 //! ```
 //!
 //! # Use
@@ -22,19 +23,23 @@
 //! # Ok::<(), veduta_survey::SurveyError>(())
 //! ```
 //!
+//! Vector maps go by [`survey_vector`], with a [`Mapping`] where attributes have names of their own.
+//!
 //! # What it promises
 //! - A file is told by its content, not its name; one that is cut off, broken or not whole gives an error that says where,
 //!   never part of a city. (A PBF file cut exactly between two blobs cannot be told from a whole one: the format has no end
 //!   mark. It then lacks ways, and fails for having no streets.)
 //! - Whatever a file holds that does not come out is told in a [`Finding`] with place and reason; what repeats is told once.
 //! - Rings are simple, outlines counter-clockwise, holes clockwise, without a repeated vertex, larger than 1 m².
-//! - Ids are OSM's own (a way split into links gives its id to the first; the others are named by place).
+//! - Ids are OSM's own (a way split into links gives its id to the first; the others are named by place). Things of sources
+//!   that have no ids of OSM are named by kind and place.
 //! - The same bytes give the same graph: elements are taken in order of ids, and no hash map's order is ever looked at.
 //!
 //! # Limits
 //! One extent of up to 50 km; files of up to 1 GiB unpacked and 40 million elements and references. Storeys inside buildings
 //! (`indoor=*`), turn restrictions and one-way streets have no place in a city graph. Where a building stands on two
-//! layers, all its parts are taken.
+//! layers, all its parts are taken. Plots of a cadastre have no place in a city graph either: those that touch are taken
+//! together as a block, up to its building line. Widths of vector maps' streets are one a link.
 //!
 //! # Rejected
 //! The `osmpbf` crate for reading (see `osm/pbf.rs`; tests compare with it). Trusting roles of multipolygon members (wrong
@@ -44,9 +49,13 @@
 mod body;
 mod buildings;
 mod coast;
+mod crs;
+mod elevation;
 mod error;
 mod extent;
 mod faces;
+mod geojson_out;
+mod georeference;
 mod grounds;
 mod length;
 mod lines;
@@ -55,6 +64,7 @@ mod network;
 mod objects;
 mod osm;
 mod places;
+mod plots;
 mod polygon;
 pub mod raster;
 mod rings;
@@ -62,8 +72,14 @@ mod shapes;
 mod start;
 #[cfg(test)]
 mod testing;
+mod vector;
 
+pub use crs::{Crs, CrsError};
+pub use elevation::{ElevationGrid, Spike, drape, heights_from_surface};
 pub use error::SurveyError;
+pub use geojson_out::{GeoJsonSettings, to_geojson};
+pub use georeference::{Georeference, KnownPoint};
+pub use vector::{Date, Kind, Layer, LayerRule, Mapping, ParseDateError, looks_like_geojson, looks_like_shapefile, survey_vector};
 use veduta_city::{CityGraph, Finding, Id, LinkKind, Severity};
 
 use crate::extent::Extent;
@@ -96,13 +112,18 @@ pub fn looks_like_osm(bytes: &[u8]) -> bool {
 /// [`SurveyError`] if the bytes are no such file, are cut off or broken, are too many, or show neither a street nor a house.
 pub fn survey_osm(bytes: &[u8], name: &str) -> Result<Survey, SurveyError> {
     let data = osm::decode(bytes, name)?;
-    let mut log = Log::default();
-    tell_unplaced(&data, &mut log);
-    let Some(extent) = Extent::of(&data, &mut log) else { return Err(empty(name, &data, log.finish())) };
-    let mut graph = graph_of(&data, &extent, &mut log);
+    survey_elements(&data, name, ATTRIBUTION, Log::default())
+}
+
+/// The city of nodes, ways and relations, wherever they come from.
+fn survey_elements(data: &OsmData, name: &str, attribution: &str, mut log: Log) -> Result<Survey, SurveyError> {
+    tell_unplaced(data, &mut log);
+    let Some(extent) = Extent::of(data, &mut log) else { return Err(empty(name, data, log.finish())) };
+    let mut graph = graph_of(data, &extent, &mut log);
+    attribution.clone_into(&mut graph.attribution);
     let is_empty = graph.buildings.is_empty() && !graph.links.iter().any(|l| matches!(l.kind, LinkKind::Street(_)));
     if is_empty {
-        return Err(empty(name, &data, log.finish()));
+        return Err(empty(name, data, log.finish()));
     }
     if graph.name.is_empty() {
         graph.name = stem(name);
@@ -127,7 +148,6 @@ fn graph_of(data: &OsmData, extent: &Extent, log: &mut Log) -> CityGraph {
     let mut graph = CityGraph {
         name: places::settlement(data, extent).unwrap_or_default(),
         anchor: extent.anchor,
-        attribution: ATTRIBUTION.to_owned(),
         margin_m: CityGraph::default_margin_m(),
         squares: grounds::squares(&areas, log),
         blocks,
@@ -148,7 +168,7 @@ fn tell_unplaced(data: &OsmData, log: &mut Log) {
     }
     for (&number, way) in data.ways.iter().filter(|(_, w)| w.tags.has("area:highway")) {
         if !way.tags.is_any("area:highway", &["pedestrian", "footway"]) {
-            let id = Id::from_source(2, number as u64);
+            let id = osm::way_id(number);
             log.tally(Severity::Note, id, None, "area:highway is passed over: streets get their width from their line");
         }
     }
@@ -164,7 +184,7 @@ fn empty(name: &str, data: &OsmData, findings: Vec<Finding>) -> SurveyError {
 fn stem(name: &str) -> String {
     let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
     let mut stem = file;
-    for ending in [".gz", ".pbf", ".osm", ".xml", ".json"] {
+    for ending in [".gz", ".pbf", ".osm", ".xml", ".geojson", ".json", ".shp", ".map.ron"] {
         stem = stem.strip_suffix(ending).unwrap_or(stem);
     }
     if stem.is_empty() { file.to_owned() } else { stem.to_owned() }

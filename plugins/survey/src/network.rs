@@ -8,7 +8,7 @@ use veduta_city::{Id, Link, LinkKind, Node, Severity};
 use crate::extent::Extent;
 use crate::lines::{Bounding, Line, line_of};
 use crate::log::Log;
-use crate::osm::{OsmData, Way};
+use crate::osm::{OsmData, Way, way_id};
 use crate::shapes::{place_of, use_of};
 
 /// Vertices closer than this are one, in metres.
@@ -31,13 +31,13 @@ struct Vertex {
 
 /// Streets meet streets, rails rails, and water water; a level crossing splits neither.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum System {
+pub(crate) enum System {
     Street,
     Railway,
     Water,
 }
 
-fn system_of(kind: LinkKind) -> System {
+pub(crate) fn system_of(kind: LinkKind) -> System {
     match kind {
         LinkKind::Street(_) => System::Street,
         LinkKind::Railway { .. } => System::Railway,
@@ -53,7 +53,7 @@ pub(crate) fn network(data: &OsmData, extent: &Extent, log: &mut Log) -> Network
         if way.tags.is_empty() || (way.is_closed() && use_of(&way.tags).is_some()) {
             continue;
         }
-        if let Some(line) = line_of(&way.tags, Id::from_source(2, number as u64), log) {
+        if let Some(line) = line_of(&way.tags, way_id(number), log) {
             lines.push((number, way, line));
         }
     }
@@ -71,7 +71,7 @@ pub(crate) fn network(data: &OsmData, extent: &Extent, log: &mut Log) -> Network
     }
     let mut builder = Builder::default();
     for (number, way, line) in &lines {
-        let id = Id::from_source(2, *number as u64);
+        let id = way_id(*number);
         let runs = runs(way, data, extent, id, log);
         if runs.is_empty() {
             // Ways that lost vertices are told one by one.

@@ -7,7 +7,7 @@ use crate::buildings::{Index, footprint_of};
 use crate::extent::Extent;
 use crate::length;
 use crate::log::Log;
-use crate::osm::{OsmData, Tags};
+use crate::osm::{OsmData, Tags, way_id};
 use crate::polygon::Polygon;
 use crate::shapes::{Area, Use};
 
@@ -17,7 +17,7 @@ const ROW_STEP_M: f64 = 8.0;
 const STOP_ASIDE_M: f64 = 2.8;
 
 /// What tags describe as standing there.
-fn kind_of(tags: &Tags) -> Option<ObjectKind> {
+pub(crate) fn kind_of(tags: &Tags) -> Option<ObjectKind> {
     let is_conifer = tags.is("leaf_type", "needleleaved") || tags.is("type", "conifer");
     Some(match () {
         () if tags.is("natural", "tree") && is_conifer => ObjectKind::Conifer,
@@ -111,7 +111,7 @@ pub(crate) fn objects(
         let points: Vec<DVec2> = way.nodes.iter().filter_map(|id| data.nodes.get(id)).map(|n| extent.plan_pos(n)).collect();
         let kind = if way.tags.is("leaf_type", "needleleaved") { ObjectKind::Conifer } else { ObjectKind::Tree };
         for (i, pos) in stations(&points, ROW_STEP_M).into_iter().enumerate() {
-            let id = if i == 0 { Id::from_source(2, number as u64) } else { Id::NONE };
+            let id = if i == 0 { way_id(number) } else { Id::NONE };
             out.add(id, kind, pos, DVec2::Y, &way.tags, log);
         }
     }

@@ -20,7 +20,7 @@ const SETTLEMENTS: [&str; 8] = ["city", "town", "village", "borough", "suburb", 
 const WHOLE_SETTLEMENTS: usize = 3;
 
 /// What kind of place tags describe; `None` if it is none that visitors look for.
-fn kind_of(tags: &Tags) -> Option<PlaceKind> {
+pub(crate) fn kind_of(tags: &Tags) -> Option<PlaceKind> {
     let sacred = ["place_of_worship", "monastery"];
     let monument_buildings =
         ["church", "cathedral", "chapel", "mosque", "synagogue", "temple", "tower", "castle", "basilica", "monastery", "palace"];

@@ -7,7 +7,7 @@ use veduta_city::{Id, Severity};
 
 use crate::extent::Extent;
 use crate::log::Log;
-use crate::osm::{MemberKind, OsmData, Relation, Tags, Way};
+use crate::osm::{MemberKind, OsmData, Relation, Tags, Way, relation_id, way_id};
 use crate::polygon::{Polygon, intersection};
 use crate::rings::{Assembly, Piece, assemble};
 
@@ -21,6 +21,10 @@ pub(crate) enum Use {
     Park,
     /// Land that is no building ground: fields, tracks, parking.
     Open,
+    /// A parcel of land that one house may stand on.
+    Plot,
+    /// A block that houses stand on, drawn as such.
+    Block,
     /// A named or standing thing that happens to be drawn as an area.
     Thing,
 }
@@ -65,6 +69,9 @@ const OPEN_LANDUSE: &[&str] = &[
     "greenhouse_horticulture",
 ];
 
+/// The key by which vector maps tell blocks; OpenStreetMap has no word for them.
+pub(crate) const BLOCK_KEY: &str = "block";
+
 /// What tags of an area say it is; `None` if nothing here takes it.
 pub(crate) fn use_of(tags: &Tags) -> Option<Use> {
     if tags.has("building") && !tags.is_any("building", &["entrance", "demolished", "proposed", "razed"]) {
@@ -72,6 +79,12 @@ pub(crate) fn use_of(tags: &Tags) -> Option<Use> {
     }
     if tags.has("building:part") {
         return Some(Use::Part);
+    }
+    if tags.is("boundary", "lot") || tags.is("place", "plot") {
+        return Some(Use::Plot);
+    }
+    if tags.is(BLOCK_KEY, "built") {
+        return Some(Use::Block);
     }
     if is_square(tags) {
         return Some(Use::Square);
@@ -139,7 +152,7 @@ fn of_way<'a>(number: i64, way: &'a Way, data: &'a OsmData, extent: &Extent, log
         return None;
     }
     let use_ = use_of(&way.tags)?;
-    let id = Id::from_source(2, number as u64);
+    let id = way_id(number);
     let assembly = assemble(&[Piece { nodes: &way.nodes, is_inner: false }], data, extent);
     if !way.is_closed() && assembly.polygons.is_empty() {
         // Open lines are no areas; only what can be nothing else is missed.
@@ -159,7 +172,7 @@ fn of_relation<'a>(
     consumed: &mut BTreeSet<i64>,
     log: &mut Log,
 ) -> Option<Area<'a>> {
-    let id = Id::from_source(3, number as u64);
+    let id = relation_id(number);
     let members = || relation.members.iter().filter(|m| m.kind == MemberKind::Way);
     let outers = || members().filter(|m| &*m.role != "inner");
     // Relations of before 2017 left their tags on the outer ways.
@@ -195,6 +208,8 @@ fn words(use_: Use) -> &'static str {
         Use::Water => "a water area",
         Use::Park => "a park or green",
         Use::Open => "an open area",
+        Use::Plot => "a plot",
+        Use::Block => "a block",
         Use::Thing => "an area",
     }
 }
@@ -265,7 +280,7 @@ fn tell_lost(drawn: &Drawn<'_>, log: &mut Log) -> Option<()> {
 
 /// The polygons as far as they belong to the extent: houses and squares whole or not at all, wide areas cut off.
 fn clipped(use_: Use, mut polygons: Vec<Polygon>, extent: &Extent, on_cut: impl FnOnce()) -> Vec<Polygon> {
-    if matches!(use_, Use::Building | Use::Part | Use::Thing | Use::Square) {
+    if matches!(use_, Use::Building | Use::Part | Use::Thing | Use::Square | Use::Plot | Use::Block) {
         polygons.retain(|p| extent.contains(p.inner_pos()));
     } else if polygons.iter().any(|p| p.outer.iter().any(|v| !extent.contains(*v))) {
         let frame = Polygon { outer: extent.ring(), holes: Vec::new() };

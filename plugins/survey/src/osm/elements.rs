@@ -1,5 +1,7 @@
 use std::collections::BTreeMap;
 
+use veduta_city::{Anchor, Id};
+
 use crate::SurveyError;
 
 /// Most nodes, ways, relations, references and members that are taken in together.
@@ -12,6 +14,10 @@ pub(crate) struct Tags(Vec<(Box<str>, Box<str>)>);
 impl Tags {
     pub(crate) fn push(&mut self, key: &str, value: &str) {
         self.0.push((key.into(), value.into()));
+    }
+
+    pub(crate) fn extend(&mut self, other: &Self) {
+        self.0.extend_from_slice(&other.0);
     }
 
     /// The value of a key.
@@ -59,6 +65,29 @@ impl<'a> FromIterator<(&'a str, &'a str)> for Tags {
     fn from_iter<I: IntoIterator<Item = (&'a str, &'a str)>>(pairs: I) -> Self {
         Self(pairs.into_iter().map(|(k, v)| (k.into(), v.into())).collect())
     }
+}
+
+/// Numbers of elements up to this are hashes of kind and place: those of sources that number nothing, with the two top bits
+/// of a hash. OSM's own, also those that editors give to new things, are all above.
+const LAST_HASH: i64 = -(1 << 62) - 1;
+
+/// The number of an element that has none, from what it is and where.
+pub(crate) fn number_from_place(kind: &str, plan_pos: glam::DVec2) -> i64 {
+    (Id::from_place(kind, plan_pos).0 & !(1 << 62)) as i64
+}
+
+/// Id of the way of a number.
+pub(crate) fn way_id(number: i64) -> Id {
+    id_of(2, number)
+}
+
+/// Id of the relation of a number.
+pub(crate) fn relation_id(number: i64) -> Id {
+    id_of(3, number)
+}
+
+fn id_of(kind: u8, number: i64) -> Id {
+    if number <= LAST_HASH { Id(number as u64) } else { Id::from_source(kind, number as u64) }
 }
 
 /// A point on Earth, perhaps with tags.
@@ -117,6 +146,8 @@ pub(crate) struct Bounds {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct OsmData {
     pub bounds: Option<Bounds>,
+    /// Where plan (0, 0) lies, if the file says so.
+    pub anchor: Option<Anchor>,
     pub nodes: BTreeMap<i64, Node>,
     pub ways: BTreeMap<i64, Way>,
     pub relations: BTreeMap<i64, Relation>,
@@ -182,6 +213,14 @@ mod tests {
         assert_ne!(data.node_at(-48.1, -11.5), Some(a));
         assert_eq!(data.node_at(f64::NAN, 0.0), None);
         assert_eq!(data.nodes.len(), 3);
+    }
+
+    #[test]
+    fn elements_without_a_number_are_named_by_their_place() {
+        let number = number_from_place("street", glam::DVec2::new(3.0, 4.0));
+        assert!(number <= LAST_HASH && way_id(number).0 >> 62 == 2, "{number}");
+        assert_eq!(way_id(number), relation_id(number));
+        assert_eq!((way_id(7), way_id(-7)), (Id::from_source(2, 7), Id::from_source(2, -7_i64 as u64)));
     }
 
     #[test]

@@ -26,7 +26,8 @@ pub(crate) fn unpack(bytes: &[u8], name: &str) -> Result<Vec<u8>, SurveyError> {
     unpack_at_most(bytes, name, MOST_BYTES)
 }
 
-fn unpack_at_most(bytes: &[u8], name: &str, limit: u64) -> Result<Vec<u8>, SurveyError> {
+/// Unpacks a whole file of at most so many bytes.
+pub(crate) fn unpack_at_most(bytes: &[u8], name: &str, limit: u64) -> Result<Vec<u8>, SurveyError> {
     let mut out = Vec::new();
     let result = MultiGzDecoder::new(bytes).take(limit + 1).read_to_end(&mut out);
     if out.len() as u64 > limit {

@@ -1,13 +1,15 @@
 //! The raw layer: bytes to elements, told apart by content.
 
 mod elements;
-mod gzip;
+pub(crate) mod gzip;
 mod overpass;
 mod pbf;
 mod wire;
 mod xml;
 
-pub(crate) use elements::{Bounds, Member, MemberKind, Node, OsmData, Relation, Tags, Way};
+pub(crate) use elements::{
+    Bounds, MOST_ITEMS, Member, MemberKind, Node, OsmData, Relation, Tags, Way, number_from_place, relation_id, way_id,
+};
 
 use crate::SurveyError;
 
