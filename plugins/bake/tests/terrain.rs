@@ -81,10 +81,10 @@ fn models_of_elsewhere_and_of_nothing_are_refused() {
     let folder = Folder::new("refused");
     let out = folder.0.join("a.graph.ron");
     folder.write("far.prj", "EPSG:4326");
-    let far = folder.write("far.asc", "ncols 2\nnrows 2\nxllcorner 100\nyllcorner 10\ncellsize 1\n1 2\n3 4\n");
+    let far = folder.write("far.asc", "ncols 2\nnrows 2\nxllcorner 100\nyllcorner 10\ncellsize 0.01\n1 2\n3 4\n");
     for option in ["--terrain", "--surface"] {
         let (code, err) = survey(&out, &[(option, &far)]);
-        assert!(code == 1 && err.contains("far.asc covers latitudes 10.0000 to 12.0000"), "{code}: {err}");
+        assert!(code == 1 && err.contains("far.asc covers latitudes 10.0000 to 10.0200"), "{code}: {err}");
     }
     let text = folder.write("letter.txt", "Dear all");
     let (code, err) = survey(&out, &[("--terrain", &text)]);

@@ -73,13 +73,13 @@ pub(super) struct Datum {
 impl Datum {
     /// Latitude and longitude in radians on WGS 84 of one on this datum. What lies above or below the ellipsoid moves by
     /// millimetres more.
-    pub(super) fn to_wgs84(self, own: (f64, f64)) -> (f64, f64) {
+    pub(super) fn wgs84_from_own(self, own: (f64, f64)) -> (f64, f64) {
         let Some(shift) = self.shift else { return own };
         WGS84_ELLIPSOID.geodetic(shift.matrix() * self.ellipsoid.geocentric(own) + shift.metres)
     }
 
     /// The way back.
-    pub(super) fn from_wgs84(self, wgs84: (f64, f64)) -> (f64, f64) {
+    pub(super) fn own_from_wgs84(self, wgs84: (f64, f64)) -> (f64, f64) {
         let Some(shift) = self.shift else { return wgs84 };
         self.ellipsoid.geodetic(shift.matrix().inverse() * (WGS84_ELLIPSOID.geocentric(wgs84) - shift.metres))
     }

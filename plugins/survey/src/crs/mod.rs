@@ -150,7 +150,7 @@ impl Crs {
             Projection::TransverseMercator(p) => p.inverse(pos * self.unit_m)?,
             Projection::Krovak(p) => p.inverse(pos * self.unit_m)?,
         };
-        let (lat, lon) = self.datum.to_wgs84(own);
+        let (lat, lon) = self.datum.wgs84_from_own(own);
         let (lat, lon) = (lat.to_degrees(), lon.to_degrees());
         (lat.abs() <= 90.0 && lon.abs() <= 540.0).then_some((lat, lon))
     }
@@ -164,7 +164,7 @@ impl Crs {
         if self.is_degrees() && self.datum.shift.is_none() {
             return Some(DVec2::new(lon, lat));
         }
-        let own = self.datum.from_wgs84((lat.to_radians(), lon.to_radians()));
+        let own = self.datum.own_from_wgs84((lat.to_radians(), lon.to_radians()));
         let pos = match self.projection {
             Projection::Degrees => return Some(DVec2::new(own.1.to_degrees(), own.0.to_degrees())),
             Projection::WebMercator(p) => p.forward(own)?,

@@ -73,7 +73,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Cells, SurveyError> {
         place: format!("after {got} of its {count} values"),
     };
     // A value takes two bytes at least: what is too short is refused before room is made for it.
-    if (words.rest.len() as u64 + 1) / 2 < count as u64 {
+    if words.rest.len().div_ceil(2) < count {
         return Err(cut(words.rest.len().div_ceil(2)));
     }
     let mut heights = Vec::with_capacity(count);
@@ -113,7 +113,7 @@ fn header(words: &mut Words, broken: &impl Fn(String) -> SurveyError) -> Result<
         let value = words.next().and_then(|(word, _)| number(word)).filter(|v| v.is_finite());
         let value =
             value.ok_or_else(|| broken(format!("`{key}` on line {line} has no number; decimals are written with a point")))?;
-        let whole = || (value >= 1.0 && value <= 1e12 && value.fract() == 0.0).then_some(value as u64);
+        let whole = || ((1.0..=1e12).contains(&value) && value.fract() == 0.0).then_some(value as u64);
         match key.as_str() {
             "ncols" => header.columns = whole(),
             "nrows" => header.rows = whole(),

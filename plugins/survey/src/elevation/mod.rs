@@ -25,6 +25,8 @@ pub use surface::heights_from_surface;
 
 /// Most cells of a grid.
 const MOST_CELLS: u64 = 16_384 * 16_384;
+/// Sides of a cell that are taken, metres.
+const CELLS_M: core::ops::RangeInclusive<f64> = 0.001..=10_000.0;
 /// What lies outside of this is no elevation of a place with houses but a number that stands for no data; metres.
 const BELIEVED_M: core::ops::RangeInclusive<f32> = -1_000.0..=9_000.0;
 
@@ -35,11 +37,11 @@ const BELIEVED_M: core::ops::RangeInclusive<f32> = -1_000.0..=9_000.0;
 /// value of its middle. Cells without data are filled from around where the hole is small.
 ///
 /// ```
-/// let text = "ncols 2\nnrows 2\nxllcorner 14.0\nyllcorner 50.0\ncellsize 0.5\n200 210\n180 190\n";
+/// let text = "ncols 2\nnrows 2\nxllcorner 14.0\nyllcorner 50.0\ncellsize 0.05\n200 210\n180 190\n";
 /// let grid = veduta_survey::ElevationGrid::read(text.as_bytes(), "hill.asc", Some("EPSG:4326"))?;
-/// assert_eq!(grid.at(50.75, 14.25), Some(200.0));
-/// assert_eq!(grid.at(50.5, 14.5), Some(195.0));
-/// assert_eq!(grid.at(51.5, 14.5), None);
+/// assert_eq!(grid.at(50.09, 14.01), Some(200.0));
+/// assert!((grid.at(50.05, 14.05).unwrap() - 195.0).abs() < 1e-6);
+/// assert_eq!(grid.at(50.5, 14.05), None);
 /// # Ok::<(), veduta_survey::SurveyError>(())
 /// ```
 #[derive(Clone, PartialEq)]
@@ -140,6 +142,12 @@ impl ElevationGrid {
             let detail = format!("its middle is no place in {crs}; give the coordinate system that its numbers are in");
             SurveyError::Unplaced { name: name.to_owned(), detail }
         })?;
+        if !CELLS_M.contains(&grid.cell_m) {
+            return Err(unplaced(&format!(
+                "its cells would be {} m wide, and a city's are between a millimetre and 10 km",
+                grid.cell_m
+            )));
+        }
         grid.heights.iter_mut().filter(|h| !BELIEVED_M.contains(h)).for_each(|h| *h = f32::NAN);
         if grid.heights.iter().all(|h| h.is_nan()) {
             let detail = "no cell of it holds an elevation (they lie between -1000 and 9000 m)".to_owned();
@@ -156,7 +164,7 @@ impl ElevationGrid {
         let anchor = Anchor { lat, lon };
         let plan = |by: DVec2| geo(by).map(|(lat, lon)| anchor.plan_from_geo(lat, lon));
         let side = libm::sqrt(plan(DVec2::X)?.perp_dot(plan(DVec2::Y)?).abs());
-        (lat.abs() <= 89.0 && side > 1e-3 && side < 1e5).then_some(side)
+        (lat.abs() <= 89.0 && side.is_finite()).then_some(side)
     }
 
     /// Name of the file.

@@ -4,7 +4,7 @@ use rstar::{AABB, RTree};
 use veduta_city::{Anchor, Building, CityGraph, Finding, HIGHEST_M, Id, Severity};
 
 use super::ElevationGrid;
-use super::sample::{Sample, Sampler};
+use super::sample::Sampler;
 use super::spikes::{median, quantile};
 use crate::buildings::footprint_of;
 use crate::georeference::Affine;
@@ -40,7 +40,7 @@ pub fn heights_from_surface(graph: &mut CityGraph, surface: &ElevationGrid, terr
         return log.finish();
     }
     let terrain = terrain.map(|t| (t, t.without_spikes(graph).0));
-    let survey = Survey { anchor: graph.anchor, surface, roofs: Sampler::new(surface), terrain, houses: index(&graph.buildings) };
+    let survey = Survey { anchor: graph.anchor, surface, terrain, houses: index(&graph.buildings) };
     let mut buildings = core::mem::take(&mut graph.buildings);
     for building in &mut buildings {
         survey.measure(building, &mut log);
@@ -63,7 +63,6 @@ fn index(buildings: &[Building]) -> Houses {
 struct Survey<'a> {
     anchor: Anchor,
     surface: &'a ElevationGrid,
-    roofs: Sampler<'a>,
     terrain: Option<(&'a ElevationGrid, Sampler<'a>)>,
     houses: Houses,
 }
@@ -160,11 +159,8 @@ impl Survey<'_> {
         let stride = libm::sqrt((last - first).element_product() / MOST_CELLS).ceil().max(1.0) as usize;
         let range = |from: f64, to: f64| (from as i64..to as i64).step_by(stride);
         let middles = range(first.y, last.y).flat_map(|row| range(first.x, last.x).map(move |column| (column, row)));
-        let at = |(column, row): (i64, i64)| {
-            let middle = DVec2::new(column as f64, row as f64) + 0.5;
-            is_wanted(way.pos(middle)).then(|| self.roofs.at(middle))
-        };
-        middles.filter_map(at).filter_map(|s| if let Sample::Height(m) = s { Some(m) } else { None }).collect()
+        let is_in = |&(column, row): &(i64, i64)| is_wanted(way.pos(DVec2::new(column as f64, row as f64) + 0.5));
+        middles.filter(is_in).filter_map(|(column, row)| self.surface.cell(column, row)).collect()
     }
 
     /// From pixels to plan metres, straight, as it is around a position.

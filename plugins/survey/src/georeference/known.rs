@@ -48,7 +48,7 @@ pub(super) fn similarity(name: &str, size: (u32, u32), points: [KnownPoint; 2]) 
     let size = DVec2::new(f64::from(size.0), f64::from(size.1));
     let unplaced = |detail: String| SurveyError::Unplaced { name: name.to_owned(), detail };
     let apart = points[0].pixel.distance(points[1].pixel);
-    if !(apart >= NEAREST_SHARE * size.length()) {
+    if apart.is_nan() || apart < NEAREST_SHARE * size.length() {
         return Err(unplaced(format!(
             "its known points are {apart:.1} pixels apart, too near for the scale; take two at opposite ends of the picture"
         )));

@@ -55,14 +55,14 @@ pub struct Georeference {
 }
 
 /// How positions are found.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 enum Way {
     /// Straight to a plan that lies nowhere on Earth.
     Scale,
     /// Straight to the plan.
     Known,
     /// By way of a coordinate system.
-    Crs(Affine, Crs),
+    Crs(Box<(Affine, Crs)>),
 }
 
 impl Georeference {
@@ -150,7 +150,7 @@ impl Georeference {
         let (east, down) = (plan(middle + half)? - plan(middle - half)?, plan(middle + down_half)? - plan(middle - down_half)?);
         let step = DMat2::from_cols(east, down);
         let near = Affine { origin: plan(middle)? - step * middle, step };
-        checked(name, Self { anchor, size, way: Way::Crs(affine, crs), near })
+        checked(name, Self { anchor, size, way: Way::Crs(Box::new((affine, crs))), near })
     }
 
     /// Where plan (0, 0) lies on Earth; latitude and longitude 0 where only the scale is known.
@@ -174,9 +174,9 @@ impl Georeference {
     /// Plan position in metres of a pixel position.
     #[must_use]
     pub fn plan_pos(&self, pixel: DVec2) -> DVec2 {
-        match self.way {
+        match &self.way {
             Way::Scale | Way::Known => self.near.pos(pixel),
-            Way::Crs(affine, crs) => match crs.geo_from_pos(affine.pos(pixel)) {
+            Way::Crs(way) => match way.1.geo_from_pos(way.0.pos(pixel)) {
                 Some((lat, lon)) => self.anchor.plan_from_geo(lat, lon),
                 None => self.near.pos(pixel),
             },
@@ -187,9 +187,10 @@ impl Georeference {
     #[must_use]
     pub fn pixel_pos(&self, plan_pos: DVec2) -> DVec2 {
         let straight = || self.near.pixel(plan_pos);
-        match self.way {
+        match &self.way {
             Way::Scale | Way::Known => straight(),
-            Way::Crs(affine, crs) => {
+            Way::Crs(way) => {
+                let (affine, crs) = &**way;
                 let (lat, lon) = self.anchor.geo_from_plan(plan_pos);
                 crs.pos_from_geo(lat, lon).map_or_else(straight, |pos| affine.pixel(pos))
             }
@@ -230,13 +231,13 @@ fn checked(name: &str, made: Georeference) -> Result<Georeference, SurveyError> 
         return Err(off_scale(name, metres));
     }
     let sides = made.pixel_size_m() * DVec2::new(f64::from(size.0), f64::from(size.1));
-    if !(sides.max_element() <= LARGEST_M) {
+    if !sides.is_finite() || sides.max_element() > LARGEST_M {
         let (w, h) = (sides.x / 1000.0, sides.y / 1000.0);
         return unplaced(format!(
             "it would cover {w:.0} x {h:.0} km, and one city at most 100; check the scale, or cut a part out"
         ));
     }
-    if !(made.anchor.lat.abs() <= 85.0) {
+    if made.anchor.lat.is_nan() || made.anchor.lat.abs() > 85.0 {
         return unplaced(format!(
             "its middle lies at latitude {}, where no city is; latitude comes before longitude",
             made.anchor.lat
