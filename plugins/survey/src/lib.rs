@@ -61,8 +61,10 @@ mod shapes;
 mod start;
 #[cfg(test)]
 mod testing;
+mod words;
 
 pub use error::SurveyError;
+pub use words::{CityWords, District, Outside, Part, Passes, Plan, River, TownEdge, WordsError, survey_words};
 use veduta_city::{CityGraph, Finding, Id, LinkKind, Severity};
 
 use crate::extent::Extent;
