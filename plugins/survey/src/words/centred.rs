@@ -8,11 +8,14 @@ use super::description::{CityWords, Outside, TownEdge};
 use super::fabric::Role;
 use super::fit::Fit;
 use super::grain::{Grain, Pattern, cut_to_blocks};
-use super::hub::{Exit, Mains, gates, join_far_gates, market, open_square, ring_street};
+use super::hub::{Exit, Mains, gates, join_far_gates, market, open_square, ring_street, round_place};
 use super::lattice::Lattice;
 use super::layout::{Town, begin, block_m2, bridge_count};
 use super::river::{bridges, crossings_of};
 use super::shape::Shape;
+
+/// A lattice without avenues: ring and roads are the broad streets.
+const NO_AVENUES: u32 = u32::MAX;
 
 /// What the centred plans differ in.
 struct Centred<'a> {
@@ -26,8 +29,9 @@ struct Centred<'a> {
     quay: (StreetClass, f64),
     /// Rings: share of the radius, class and width.
     rings: Vec<(f64, StreetClass, f64)>,
-    /// Radius of the main square, metres.
+    /// Radius of the main square, metres, and whether it is round.
     square_m: f64,
+    is_round: bool,
     /// Share of the radius within which the town is old.
     core: f64,
     /// The grain at a share of the radius.
@@ -63,7 +67,8 @@ pub(super) fn medieval(words: &CityWords, edge: TownEdge, gates: Option<u32>, cr
             mains: old_mains(crooked),
             quay: (StreetClass::Lane, 6.0),
             rings: Vec::new(),
-            square_m: (0.06 * words.size_m()).clamp(13.0, 42.0),
+            square_m: (0.075 * words.size_m()).clamp(15.0, 60.0),
+            is_round: false,
             core: f64::INFINITY,
             grain: &grain,
         },
@@ -72,11 +77,11 @@ pub(super) fn medieval(words: &CityWords, edge: TownEdge, gates: Option<u32>, cr
 
 /// Boulevards from a central square, and rings about it.
 pub(super) fn radial(words: &CityWords, boulevards: Option<u32>, rings: Option<u32>, block_m: f64) -> Town {
-    let count = rings.unwrap_or_else(|| by_size(words, 1.0, 330.0, 6.0));
+    let count = rings.unwrap_or_else(|| by_size(words, 1.0, 270.0, 7.0));
     // The outermost ring lies a little inside the border, the others closer to one another towards the middle.
     let ring = |n: u32| {
         let t = f64::from(n + 1) / f64::from(count);
-        (0.2 + 0.72 * t * (0.8 + 0.2 * t), StreetClass::Main, if n + 1 == count { 16.0 } else { 20.0 })
+        (0.1 + 0.82 * t * (0.9 + 0.1 * t), StreetClass::Main, if n + 1 == count { 16.0 } else { 20.0 })
     };
     let grain = |_: f64| Grain {
         block_m2: block_m2(words, block_m),
@@ -92,7 +97,8 @@ pub(super) fn radial(words: &CityWords, boulevards: Option<u32>, rings: Option<u
             mains: Mains { role: Role::Street(StreetClass::Main), width_m: 22.0, crooked: 0.0, clear_m: 24.0 },
             quay: (StreetClass::Street, 12.0),
             rings: (0..count).map(ring).collect(),
-            square_m: (0.065 * words.size_m()).clamp(22.0, 70.0),
+            square_m: (0.055 * words.size_m()).clamp(22.0, 75.0),
+            is_round: true,
             core: 0.0,
             grain: &grain,
         },
@@ -107,7 +113,7 @@ pub(super) fn mixed(words: &CityWords, core: f64, roads: Option<u32>, crooked: f
         rings.push(((1.0 + 2.0 * core) / 3.0, StreetClass::Main, 17.0));
     }
     let draw = Draw::new(words.seed, Id(8), "words: suburb");
-    let lattice = Lattice::new(DVec2::ZERO, draw.between("angle", -0.6, 0.6), words.size_m(), [(62.0, 84.0), (84.0, 120.0)], 5, draw);
+    let lattice = Lattice::new(DVec2::ZERO, draw.between("angle", -0.6, 0.6), words.size_m(), [(62.0, 84.0), (84.0, 120.0)], NO_AVENUES, draw);
     let grain = |share: f64| -> Grain<'_> {
         if share < core {
             return old_grain(words, block_m, crooked, share / core);
@@ -134,7 +140,8 @@ pub(super) fn mixed(words: &CityWords, core: f64, roads: Option<u32>, crooked: f
             mains: Mains { width_m: 11.0, ..old_mains(crooked * 0.6) },
             quay: (StreetClass::Street, 10.0),
             rings,
-            square_m: (0.19 * half * core.max(0.3)).clamp(13.0, 46.0),
+            square_m: (0.22 * half * core.max(0.3)).clamp(15.0, 56.0),
+            is_round: false,
             core,
             grain: &grain,
         },
@@ -161,7 +168,7 @@ fn centred(words: &CityWords, plan: &Centred<'_>) -> Town {
 /// Gates, bridges, the main square, and the streets between them.
 fn lay_mains(town: &mut Town, words: &CityWords, plan: &Centred<'_>) {
     let shape = town.shape;
-    let market = market(plan.square_m, words.seed);
+    let corners = if plan.is_round { round_place(plan.square_m) } else { market(plan.square_m, words.seed) };
     let hub = hub_beside(town, plan.square_m * 1.4);
     let mouths = town.channel.as_ref().map(|c| c.mouths.clone()).unwrap_or_default();
     let mut exits = gates(&mut town.fabric, &shape, plan.roads, &mouths, words.seed);
@@ -172,7 +179,7 @@ fn lay_mains(town: &mut Town, words: &CityWords, plan: &Centred<'_>) {
         town.bridges = bridges(&mut town.fabric, &channel, &lines, wanted, (class, plan.mains.width_m.min(14.0)));
         exits.extend(town.bridges.iter().flat_map(|b| b.ends).map(|spot| Exit { spot, is_gate: false }));
     }
-    if let Some((square, reached)) = open_square(&mut town.fabric, hub, &market, &exits, &plan.mains, words.seed) {
+    if let Some((square, reached)) = open_square(&mut town.fabric, hub, &corners, &exits, &plan.mains, words.seed) {
         town.square = Some(square);
         town.gates = reached.into_iter().filter(|e| e.is_gate).collect();
     }

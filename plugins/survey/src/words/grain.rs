@@ -59,7 +59,7 @@ pub(super) fn cut_to_blocks<'a>(fabric: &mut Fabric, seed: u64, grain_at: &dyn F
         let (middle, area) = (fabric.middle(face), fabric.area_m2(face));
         let grain = grain_at(middle);
         let draw = Draw::new(seed, Id::from_place("ground", middle), "words: blocks");
-        if area < grain.block_m2 * draw.between("size", 1.15, 1.75) {
+        if area < grain.block_m2 * draw.between("size", 0.95, 1.7) {
             continue;
         }
         let strict = fit(&grain, 1.0);
@@ -84,8 +84,11 @@ fn fit(grain: &Grain<'_>, room: f64) -> Fit {
         clear_m: (side * 0.48 * room).max((wide + narrow) / 2.0 + 12.0),
         least_m2: (grain.block_m2 * 0.42 * room).max(450.0),
         least_width_m: (side * 0.4 * room).max(wide + 10.0),
-        least_angle: if matches!(grain.pattern, Pattern::Lattice(_)) { 0.75 } else { 1.0 } * room,
-        gap_m: (side * 0.4).clamp(wide + 9.0, 40.0),
+        least_angle: if matches!(grain.pattern, Pattern::Lattice(_)) { 0.75 * room } else { 0.92 * room },
+        gap_m: match grain.pattern {
+            Pattern::Bent(bend) => (side * (0.4 - 0.14 * bend)).clamp(wide + 7.0, 40.0),
+            Pattern::Lattice(_) => (side * 0.4).clamp(wide + 9.0, 40.0),
+        },
     }
 }
 
@@ -110,7 +113,7 @@ fn bent(fabric: &Fabric, face: FaceId, grain: &Grain<'_>, bend: f64, fit: &Fit, 
     let (long, along) = long_axis(&outline);
     let (low, high) = along;
     let t = draw.between("where", 0.34, 0.66);
-    let tilt = draw.between("tilt", -0.3, 0.3) * bend.max(0.1);
+    let tilt = draw.between("tilt", -0.45, 0.45) * bend.max(0.1);
     let across = turn(long.perp(), tilt);
     let through = long * (low + (high - low) * t);
     let hits = crossings(&outline, through, across);
@@ -123,8 +126,8 @@ fn bent(fabric: &Fabric, face: FaceId, grain: &Grain<'_>, bend: f64, fit: &Fit, 
     let length = p.distance(q);
     let inner = if bend > 0.0 {
         let (leave, arrive) = (square_to(fabric, from, q - p), square_to(fabric, to, p - q));
-        let sway = (q - p).perp() * draw.between("sway", -0.1, 0.1) * bend;
-        curve([p, p + leave * length * 0.36 + sway, q + arrive * length * 0.36 + sway, q], 14.0)
+        let sway = (q - p).perp() * draw.between("sway", -0.17, 0.17) * bend;
+        curve([p, p + leave * length * 0.38 + sway, q + arrive * length * 0.38 + sway, q], 14.0)
     } else {
         Vec::new()
     };

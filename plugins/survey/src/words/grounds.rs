@@ -4,14 +4,14 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 use veduta_city::draw::Draw;
-use veduta_city::{Block, BlockKind, Id, Square, Surfacing};
+use veduta_city::{Block, BlockKind, Id, Ring, Square, Surfacing};
 
 use super::description::{CityWords, District, Part, Plan};
 use super::fabric::{Fabric, FaceId, Role, Spot, Use, ring_edges};
 use super::layout::Town;
 use super::network::Streets;
-use super::{grain, turn};
-use crate::polygon::{Polygon, difference, perimeter_m};
+use super::grain;
+use crate::polygon::{Polygon, difference, even_odd, perimeter_m, signed_area};
 
 /// Sizes that a square may have, square metres.
 const SQUARE_M2: (f64, f64) = (900.0, 11_000.0);
@@ -20,6 +20,8 @@ const CHURCH_M2: (f64, f64) = (1_100.0, 6_500.0);
 /// Pieces of blocks smaller or thinner than this are left paved; square metres, metres.
 const LEAST_BLOCK_M2: f64 = 120.0;
 const LEAST_WIDTH_M: f64 = 7.0;
+/// Vertices this close to the line between their neighbours are left out; metres.
+const STRAIGHT_M: f64 = 0.04;
 
 /// Whether a face may be built on: it touches neither the edge of the modelled ground nor water.
 fn is_inner(fabric: &Fabric, face: FaceId) -> bool {
@@ -54,7 +56,9 @@ pub(super) fn open_squares(town: &mut Town, wanted: u32) -> u32 {
         let worth = |f: FaceId| {
             let middle = fabric.middle(f);
             let near = middles.iter().map(|m| m.distance(middle)).fold(f64::INFINITY, f64::min);
-            if middles.is_empty() { -middle.length() } else { near.min(4.0 * apart) - 0.35 * middle.length() }
+            // Well inside the town: half-way out.
+            let off = (town.shape.share(middle) - 0.45).abs();
+            if middles.is_empty() { -middle.length() } else { near.min(2.4 * apart) * (1.0 - 1.5 * off).max(0.05) }
         };
         let Some(face) = free(fabric).into_iter().filter(may).max_by(|&a, &b| worth(a).total_cmp(&worth(b))) else { break };
         middles.push(fabric.middle(face));
@@ -90,7 +94,7 @@ pub(super) fn choose_parks(town: &mut Town, share: f64, seed: u64) {
         let draw = Draw::new(seed, Id::from_place("ground", fabric.middle(f)), "words: parks");
         let by_water = town.channel.as_ref().is_some_and(|c| c.distance_m(fabric.middle(f)) < c.quay_at_m + 70.0);
         let far = town.shape.share(fabric.middle(f));
-        draw.unit("worth") + if by_water { 0.3 } else { 0.0 } + 0.8 * far.min(0.8) + area(f).min(20_000.0) / 25_000.0
+        draw.unit("worth") + if by_water { 0.3 } else { 0.0 } + 0.3 * far.min(0.8) + area(f).min(20_000.0) / 25_000.0
     };
     all.sort_by(|&a, &b| worth(b).total_cmp(&worth(a)));
     let mut chosen = Vec::new();
@@ -145,12 +149,11 @@ pub(super) fn blocks(town: &Town, streets: &Streets, words: &CityWords) -> Vec<G
         if !is_fronted {
             continue;
         }
-        for polygon in between_streets(fabric, face) {
-            let area_m2 = polygon.area_m2();
-            if area_m2 < LEAST_BLOCK_M2 || 2.0 * area_m2 / perimeter_m(&polygon.outer) < LEAST_WIDTH_M {
+        for outline in between_streets(fabric, face) {
+            let area_m2 = signed_area(&outline);
+            if area_m2 < LEAST_BLOCK_M2 || 2.0 * area_m2 / perimeter_m(&outline) < LEAST_WIDTH_M {
                 continue;
             }
-            let outline = polygon.outer.iter().map(|&p| super::fabric::rounded(p)).collect();
             let block =
                 Block { id: Id::NONE, kind, name: String::new(), district: String::new(), outline, holes: Vec::new() };
             out.push(Ground { block, face, area_m2 });
@@ -167,21 +170,56 @@ fn is_garden(town: &Town, face: FaceId, words: &CityWords) -> bool {
     draw.chance("garden", (1.0 - words.density) * 0.8 * share * share * share)
 }
 
-/// A face without the half of its streets that lies in it.
-fn between_streets(fabric: &Fabric, face: FaceId) -> Vec<Polygon> {
+/// Outlines of what a face's streets leave of it, on the centimetre.
+fn between_streets(fabric: &Fabric, face: FaceId) -> Vec<Ring> {
+    let ring = fabric.ring(face);
     let whole = [Polygon { outer: fabric.outline(face), holes: Vec::new() }];
+    let n = ring.len();
+    let half = |i: usize| {
+        let (a, b) = (ring[i % n], ring[(i + 1) % n]);
+        fabric.way(a, b).map_or(0.0, |w| w.width_m / 2.0)
+    };
+    let pos = |i: usize| fabric.pos(ring[i % n]);
     let mut bands: Vec<Polygon> = Vec::new();
-    for (a, b) in ring_edges(fabric.ring(face)) {
-        let Some(way) = fabric.way(a, b).filter(|w| w.width_m > 0.0) else { continue };
-        let (p, q, half) = (fabric.pos(a), fabric.pos(b), way.width_m / 2.0);
-        let side = (q - p).perp().normalize_or_zero() * half;
-        bands.push(Polygon { outer: vec![p - side, q - side, q + side, p + side], holes: Vec::new() });
-        for end in [p, q] {
-            let corner = |i: usize| end + turn(DVec2::X * half, core::f64::consts::TAU * i as f64 / 12.0);
-            bands.push(Polygon { outer: (0..12).map(corner).collect(), holes: Vec::new() });
+    let mut add = |outer: Ring| {
+        if signed_area(&outer) > 1e-6 {
+            bands.push(Polygon { outer, holes: Vec::new() });
+        }
+    };
+    for i in 0..n {
+        let (p, q) = (pos(i), pos(i + 1));
+        let in_m = (q - p).perp().normalize_or_zero() * half(i);
+        add(vec![p, q, q + in_m, p + in_m]);
+        let next = pos(i + 2) - q;
+        let next_in = next.perp().normalize_or_zero() * half(i + 1);
+        if (q - p).perp_dot(next) < 0.0 {
+            // The street bends away: the corner between its two pieces.
+            let tip = in_m + next_in;
+            let reach = tip * (in_m.length() * next_in.length() / tip.length_squared().max(1e-9)).max(0.5);
+            add(vec![q, q + next_in, q + if reach.length() < 2.0 * in_m.length() { reach } else { tip * 0.5 }, q + in_m]);
         }
     }
-    if bands.is_empty() { whole.into() } else { difference(&whole, &bands) }
+    let left = if bands.is_empty() { whole.to_vec() } else { difference(&whole, &bands) };
+    left.into_iter().flat_map(|polygon| tidied(&polygon.outer)).collect()
+}
+
+/// A ring on the centimetre, without vertices that do not bend it; the pieces it falls into, if it does.
+fn tidied(ring: &[DVec2]) -> Vec<Ring> {
+    let mut kept: Ring = ring.iter().map(|&p| super::fabric::rounded(p)).collect();
+    kept.dedup();
+    let mut i = 0;
+    while kept.len() > 3 && i < kept.len() {
+        let n = kept.len();
+        let (a, p, b) = (kept[(i + n - 1) % n], kept[i], kept[(i + 1) % n]);
+        let is_spike = (p - a).dot(b - p) < 0.0 && (p - a).perp_dot(b - p).abs() < 0.05 * (p - a).length() * (b - p).length();
+        if super::fit::distance_to(p, a, b) < STRAIGHT_M || is_spike {
+            kept.remove(i);
+            i = i.saturating_sub(2);
+        } else {
+            i += 1;
+        }
+    }
+    even_odd(&[kept]).0.into_iter().map(|p| p.outer.into_iter().map(super::fabric::rounded).collect()).collect()
 }
 
 /// Squares of the faces that are squares.

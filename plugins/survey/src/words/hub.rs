@@ -74,19 +74,19 @@ fn on_border(fabric: &mut Fabric, pos: DVec2) -> Option<Spot> {
     Some(fabric.place(end))
 }
 
-/// The main square about a hub in a face, with streets to every exit that can be reached. Gives back the square's face and the
+/// The main square about a hub in a face, with these corners (counter-clockwise, relative to the hub), with streets to every exit that can be reached. Gives back the square's face and the
 /// exits reached; `None` if no two exits can be joined by way of a square.
 pub(super) fn open_square(
     fabric: &mut Fabric,
     hub: DVec2,
-    outline_at: &dyn Fn(DVec2) -> f64,
+    corners: &[DVec2],
     exits: &[Exit],
     mains: &Mains,
     seed: u64,
 ) -> Option<(FaceId, Vec<Exit>)> {
     let face = face_at(fabric, hub)?;
     let own: Vec<Exit> = exits.iter().copied().filter(|e| fabric.ring(face).contains(&e.spot)).collect();
-    let vertices = square_vertices(fabric, hub, outline_at, &own, mains);
+    let vertices = square_vertices(fabric, hub, corners, &own, mains);
     let front = fabric.add_way(Role::Front, 0.0, false);
     let draw = Draw::new(seed, Id(5), "words: mains");
     let (square, first) = first_through(fabric, face, hub, &vertices, front, mains, draw)?;
@@ -113,16 +113,10 @@ struct Vertex {
 
 /// Vertices of a square, counter-clockwise from the first: its corners, and where the streets to the exits leave. A street near
 /// a corner leaves at the corner.
-fn square_vertices(fabric: &Fabric, hub: DVec2, outline_at: &dyn Fn(DVec2) -> f64, exits: &[Exit], mains: &Mains) -> Vec<Vertex> {
-    let sides = 4;
+fn square_vertices(fabric: &Fabric, hub: DVec2, corners: &[DVec2], exits: &[Exit], mains: &Mains) -> Vec<Vertex> {
     let turned = |p: DVec2| libm::atan2(p.y, p.x).rem_euclid(TAU);
-    let mut vertices: Vec<(f64, Vertex)> = (0..sides)
-        .map(|i| {
-            let dir = turn(DVec2::X, TAU * (f64::from(i) + 0.5) / f64::from(sides));
-            let dir = dir * outline_at(dir);
-            (turned(dir), Vertex { pos: super::fabric::rounded(hub + dir), exit: None })
-        })
-        .collect();
+    let mut vertices: Vec<(f64, Vertex)> =
+        corners.iter().map(|&c| (turned(c), Vertex { pos: super::fabric::rounded(hub + c), exit: None })).collect();
     let corner: Vec<DVec2> = vertices.iter().map(|v| v.1.pos).collect();
     for &exit in exits {
         let dir = (fabric.pos(exit.spot) - hub).normalize_or(DVec2::X);
@@ -302,14 +296,20 @@ fn ring_arc(fabric: &mut Fabric, face: FaceId, shape: &Shape, share: f64, way: W
     None
 }
 
-/// A market's outline as a distance from its middle: a crooked rectangle, longer one way.
-pub(super) fn market(radius_m: f64, seed: u64) -> impl Fn(DVec2) -> f64 {
+/// Corners of a market: a crooked oblong.
+pub(super) fn market(radius_m: f64, seed: u64) -> Vec<DVec2> {
     let draw = Draw::new(seed, Id(6), "words: market");
     let axis = turn(DVec2::X, draw.between("axis", 0.0, TAU));
-    let longer = draw.between("longer", 1.05, 1.5);
-    move |dir: DVec2| {
-        let along = dir.dot(axis).abs();
-        let uneven = 1.0 + 0.14 * libm::sin(3.0 * libm::atan2(dir.y, dir.x) + draw.between("uneven", 0.0, TAU));
-        radius_m * uneven * (1.0 + (longer - 1.0) * along)
-    }
+    let longer = draw.between("longer", 1.1, 1.6);
+    let corner = |i: u64, (x, y): (f64, f64)| {
+        let draw = draw.part(i);
+        let out = DVec2::new(x * longer, y) * (0.72 * radius_m * draw.between("out", 0.82, 1.12));
+        turn(axis, draw.between("askew", -0.08, 0.08)) * out.x + axis.perp() * out.y
+    };
+    [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].into_iter().zip(0..).map(|(c, i)| corner(i, c)).collect()
+}
+
+/// Corners of a round place.
+pub(super) fn round_place(radius_m: f64) -> Vec<DVec2> {
+    (0..16).map(|i| turn(DVec2::X, TAU * f64::from(i) / 16.0) * radius_m).collect()
 }

@@ -28,7 +28,7 @@ pub(super) struct Line {
 
 impl Lattice {
     /// A lattice about a centre to a distance. `gaps_m`: least and greatest distance between lines of the first set and of the
-    /// second.
+    /// second; `avenue_every` of `u32::MAX`: no avenues.
     pub fn new(centre: DVec2, angle: f64, reach_m: f64, gaps_m: [(f64, f64); 2], avenue_every: u32, draw: Draw) -> Self {
         let set = |which: u64, gaps: (f64, f64)| {
             let draw = draw.part(which);
@@ -39,7 +39,7 @@ impl Lattice {
                 let (mut at, mut n) = (0.0, 0_i64);
                 while at <= reach_m {
                     if n > 0 || side > 0.0 {
-                        lines.push((side * at, n % every == 0));
+                        lines.push((side * at, n % every == 0 && avenue_every < u32::MAX));
                     }
                     let gap = draw.part((n * 2 + i64::from(side > 0.0)).unsigned_abs()).between("gap", gaps.0, gaps.1);
                     at += libm::round(gap * 2.0) / 2.0;

@@ -8,7 +8,7 @@ use veduta_city::{Id, StreetClass};
 
 use super::centred::{medieval, mixed, radial};
 use super::description::{CityWords, Plan, TownEdge};
-use super::fabric::{Fabric, FaceId, Role, Use, Way, crossings};
+use super::fabric::{Fabric, FaceId, Role, Use, Way, crossings, ring_edges};
 use super::fit::Fit;
 use super::grain::{Grain, Pattern, cut_to_blocks};
 use super::hub::Exit;
@@ -135,9 +135,20 @@ pub(super) fn begin(words: &CityWords, shape: Shape, edge: TownEdge, quay: (Stre
         if river.lay(&mut fabric, way).is_none() {
             channel = None;
         }
+        open_mouths(&mut fabric);
     }
     let is_closed = edge != TownEdge::Open;
     Town { fabric, shape, channel, bridges: Vec::new(), gates: Vec::new(), square: None, is_closed }
+}
+
+/// No street runs along the border where water passes it.
+fn open_mouths(fabric: &mut Fabric) {
+    let none = fabric.add_way(Role::Edge, 0.0, false);
+    let waters = fabric.faces.iter().filter(|f| f.use_ == Use::Water);
+    let mouths: Vec<(u32, u32)> = waters.flat_map(|f| ring_edges(&f.ring)).filter(|&(a, b)| fabric.way_id(a, b) == Some(0)).collect();
+    for (a, b) in mouths {
+        fabric.set_way(a, b, none);
+    }
 }
 
 /// Bridges wanted: those given, or one for every 350 m of river, at least one.
