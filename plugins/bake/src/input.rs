@@ -20,6 +20,8 @@ pub enum InputKind {
     Graph,
     /// A city plan in RON.
     Plan,
+    /// A city described in words, in RON.
+    Words,
 }
 
 /// Largest map that is read, bytes.
@@ -41,6 +43,8 @@ impl Input {
             InputKind::Graph
         } else if name.ends_with(".plan.ron") {
             InputKind::Plan
+        } else if name.ends_with(".words.ron") {
+            InputKind::Words
         } else if veduta_survey::looks_like_osm(&head(path).map_err(read)?) {
             InputKind::Osm
         } else {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 pub fn overrides_beside(input: &Path) -> PathBuf {
     let name = input.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let lower = name.to_lowercase();
-    let endings = [".graph.ron", ".osm.pbf", ".osm.gz", ".osm.bz2", ".osm", ".pbf", ".json.gz", ".json"];
+    let endings = [".graph.ron", ".words.ron", ".osm.pbf", ".osm.gz", ".osm.bz2", ".osm", ".pbf", ".json.gz", ".json"];
     let stem = endings.iter().find(|e| lower.ends_with(*e)).map_or(name.as_str(), |e| &name[..name.len() - e.len()]);
     input.with_file_name(format!("{stem}.graph.overrides.ron"))
 }

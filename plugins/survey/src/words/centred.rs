@@ -49,7 +49,7 @@ fn old_mains(crooked: f64) -> Mains {
 
 fn old_grain<'a>(words: &CityWords, block_m: f64, crooked: f64, share: f64) -> Grain<'a> {
     Grain {
-        block_m2: block_m2(words, block_m) * (1.0 + 0.6 * share.min(1.2)),
+        block_m2: block_m2(words, block_m) * (0.72 + 0.8 * share.min(1.2)),
         pattern: Pattern::Bent(crooked.max(0.05)),
         streets: [(StreetClass::Lane, 7.0), (StreetClass::Lane, 5.0)],
     }
@@ -78,15 +78,17 @@ pub(super) fn medieval(words: &CityWords, edge: TownEdge, gates: Option<u32>, cr
 /// Boulevards from a central square, and rings about it.
 pub(super) fn radial(words: &CityWords, boulevards: Option<u32>, rings: Option<u32>, block_m: f64) -> Town {
     let count = rings.unwrap_or_else(|| by_size(words, 1.0, 270.0, 7.0));
+    // Boulevards of a small town are not as broad as a city's.
+    let broad = (words.size_m() / 800.0).clamp(0.55, 1.0);
     // The outermost ring lies a little inside the border, the others closer to one another towards the middle.
     let ring = |n: u32| {
         let t = f64::from(n + 1) / f64::from(count);
-        (0.1 + 0.82 * t * (0.9 + 0.1 * t), StreetClass::Main, if n + 1 == count { 16.0 } else { 20.0 })
+        (0.1 + 0.82 * t * (0.9 + 0.1 * t), StreetClass::Main, if n + 1 == count { 16.0 } else { 20.0 } * broad)
     };
     let grain = |_: f64| Grain {
         block_m2: block_m2(words, block_m),
         pattern: Pattern::Bent(0.0),
-        streets: [(StreetClass::Street, 14.0), (StreetClass::Street, 11.5)],
+        streets: [(StreetClass::Street, 14.0 * broad), (StreetClass::Street, (11.5 * broad).max(8.0))],
     };
     centred(
         words,
@@ -94,7 +96,7 @@ pub(super) fn radial(words: &CityWords, boulevards: Option<u32>, rings: Option<u
             edge: TownEdge::Open,
             uneven: 0.15,
             roads: boulevards.unwrap_or_else(|| by_size(words, 5.0, 260.0, 12.0)),
-            mains: Mains { role: Role::Street(StreetClass::Main), width_m: 22.0, crooked: 0.0, clear_m: 24.0 },
+            mains: Mains { role: Role::Street(StreetClass::Main), width_m: 22.0 * broad, crooked: 0.0, clear_m: 24.0 * broad },
             quay: (StreetClass::Street, 12.0),
             rings: (0..count).map(ring).collect(),
             square_m: (0.055 * words.size_m()).clamp(22.0, 75.0),
@@ -175,7 +177,8 @@ fn lay_mains(town: &mut Town, words: &CityWords, plan: &Centred<'_>) {
     if let Some(channel) = town.channel.clone() {
         let wanted = bridge_count(words, words.size_m() / 2.0);
         let class = if let Role::Street(class) = plan.mains.role { class } else { StreetClass::Street };
-        let lines = crossings_of(&channel, &shape, hub, wanted);
+        let rings: Vec<f64> = plan.rings.iter().map(|r| r.0).collect();
+        let lines = crossings_of(&channel, &shape, hub, wanted, &rings);
         town.bridges = bridges(&mut town.fabric, &channel, &lines, wanted, (class, plan.mains.width_m.min(14.0)));
         exits.extend(town.bridges.iter().flat_map(|b| b.ends).map(|spot| Exit { spot, is_gate: false }));
     }

@@ -87,7 +87,7 @@ fn fit(grain: &Grain<'_>, room: f64) -> Fit {
         least_angle: if matches!(grain.pattern, Pattern::Lattice(_)) { 0.75 * room } else { 0.92 * room },
         gap_m: match grain.pattern {
             Pattern::Bent(bend) => (side * (0.4 - 0.14 * bend)).clamp(wide + 7.0, 40.0),
-            Pattern::Lattice(_) => (side * 0.4).clamp(wide + 9.0, 40.0),
+            Pattern::Lattice(_) => (side * 0.4).clamp(wide + 12.0, 44.0),
         },
     }
 }

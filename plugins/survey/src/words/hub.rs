@@ -118,14 +118,21 @@ fn square_vertices(fabric: &Fabric, hub: DVec2, corners: &[DVec2], exits: &[Exit
     let mut vertices: Vec<(f64, Vertex)> =
         corners.iter().map(|&c| (turned(c), Vertex { pos: super::fabric::rounded(hub + c), exit: None })).collect();
     let corner: Vec<DVec2> = vertices.iter().map(|v| v.1.pos).collect();
+    let mut taken: Vec<DVec2> = Vec::new();
     for &exit in exits {
         let dir = (fabric.pos(exit.spot) - hub).normalize_or(DVec2::X);
         let hit = crossings(&corner, hub, dir).into_iter().map(|c| c.1).find(|c| (*c - hub).dot(dir) > 0.0);
         let Some(pos) = hit.map(super::fabric::rounded) else { continue };
         let room = mains.width_m + 7.0;
-        match vertices.iter_mut().find(|v| v.1.pos.distance(pos) < room) {
-            Some((_, vertex)) if vertex.exit.is_none() => vertex.exit = Some(exit),
-            Some(_) => {}
+        let nearest = vertices.iter_mut().min_by(|a, b| a.1.pos.distance(pos).total_cmp(&b.1.pos.distance(pos)));
+        let corner = nearest.map(|v| &mut v.1).filter(|v| v.pos.distance(pos) < room);
+        let door = corner.as_ref().map_or(pos, |v| v.pos);
+        if taken.iter().any(|t: &DVec2| t.distance(door) < room) {
+            continue;
+        }
+        taken.push(door);
+        match corner {
+            Some(vertex) => vertex.exit = Some(exit),
             None => vertices.push((turned(pos - hub), Vertex { pos, exit: Some(exit) })),
         }
     }

@@ -59,7 +59,9 @@ fn dense(words: &CityWords, (low, high): (f64, f64)) -> (f64, f64) {
     ((low * by).max(38.0), (high * by).max(38.0))
 }
 
+/// Area of a block of a side, by density; no town is so small that it has only a few.
 pub(super) fn block_m2(words: &CityWords, side_m: f64) -> f64 {
+    let side_m = side_m.min(words.size_m() / 6.5);
     side_m * side_m / (0.65 + 0.5 * words.density)
 }
 
@@ -79,7 +81,7 @@ fn grid(words: &CityWords, lattice: &Lattice, diagonals: u32, block_m2: f64) -> 
         lines.retain(|&(p, dir)| is_square_on(&channel, p, dir) && shape.share(p) < 0.92);
         lines.sort_by(|a, b| a.0.length_squared().total_cmp(&b.0.length_squared()));
         // Where no avenue meets the river, straight over it.
-        lines.extend(crossings_of(&channel, &shape, DVec2::ZERO, 3));
+        lines.extend(crossings_of(&channel, &shape, DVec2::ZERO, 3, &[]));
         let wanted = bridge_count(words, half);
         town.bridges = bridges(&mut town.fabric, &channel, &lines, wanted, (StreetClass::Main, 15.0));
     }
@@ -99,7 +101,7 @@ fn diagonal(town: &mut Town, through: DVec2, dir: DVec2, border: &[DVec2]) {
     if crossings(border, through, dir).len() != 2 {
         return;
     }
-    let fit = Fit { clear_m: 30.0, least_m2: 2_500.0, least_width_m: 30.0, least_angle: 0.5, gap_m: 22.0 };
+    let fit = Fit { clear_m: 30.0, least_m2: 2_500.0, least_width_m: 30.0, least_angle: 0.5, gap_m: 34.0 };
     let way = town.fabric.add_way(Role::Street(StreetClass::Main), 20.0, true);
     for face in 0..town.fabric.faces.len() {
         let fabric = &mut town.fabric;

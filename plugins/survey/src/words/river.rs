@@ -191,8 +191,9 @@ fn bridge(fabric: &mut Fabric, channel: &Channel, through: DVec2, dir: DVec2, (c
     None
 }
 
-/// Lines square to the river at even distances, the one nearest to `hub` first.
-pub(super) fn crossings_of(channel: &Channel, shape: &Shape, hub: DVec2, count: usize) -> Vec<(DVec2, DVec2)> {
+/// Lines square to the river: the one nearest to `hub` first, then where rings (shares of the radius) come to it, then others at
+/// even distances.
+pub(super) fn crossings_of(channel: &Channel, shape: &Shape, hub: DVec2, count: usize, rings: &[f64]) -> Vec<(DVec2, DVec2)> {
     let in_town: Vec<usize> =
         (1..channel.middle.len() - 1).filter(|&i| shape.share(channel.middle[i]) < 0.9).collect();
     let Some(&nearest) = in_town.iter().min_by(|&&i, &&j| {
@@ -208,7 +209,12 @@ pub(super) fn crossings_of(channel: &Channel, shape: &Shape, hub: DVec2, count: 
     };
     let mut order: Vec<usize> = in_town.iter().copied().filter(|&i| i.abs_diff(nearest) % step == 0).collect();
     order.sort_by_key(|&i| (i.abs_diff(nearest) / step % 2, i.abs_diff(nearest), i));
-    order.into_iter().map(line).collect()
+    let on_ring = in_town.iter().copied().filter(|&i| {
+        let share = |i: usize| shape.share(channel.middle[i]);
+        rings.iter().any(|r| (share(i) > *r) != (share(i + 1) > *r))
+    });
+    let first = order.first().copied();
+    first.into_iter().chain(on_ring).chain(order).map(line).collect()
 }
 
 /// Whether two directions are within 45° of a right angle to one another.

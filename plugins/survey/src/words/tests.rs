@@ -47,7 +47,8 @@ fn touches(square: &Square, p: DVec2) -> bool {
 fn flaws(graph: &CityGraph) -> Vec<String> {
     let mut out: Vec<String> = graph.validate().iter().map(ToString::to_string).collect();
     let streets = streets(graph);
-    if streets.len() < 4 || graph.blocks.iter().filter(|b| b.kind == BlockKind::Built).count() < 2 {
+    let least = if graph.nodes.len() > 30 { 8 } else { 2 };
+    if streets.len() < 6 || graph.blocks.iter().filter(|b| b.kind == BlockKind::Built).count() < least {
         out.push(format!("{} streets, {} blocks", streets.len(), graph.blocks.len()));
     }
     close_streets(&streets, &mut out);
