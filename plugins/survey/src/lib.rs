@@ -64,8 +64,8 @@ mod testing;
 mod words;
 
 pub use error::SurveyError;
-pub use words::{CityWords, District, Outside, Part, Passes, Plan, River, TownEdge, WordsError, survey_words};
 use veduta_city::{CityGraph, Finding, Id, LinkKind, Severity};
+pub use words::{CityWords, District, Outside, Part, Passes, Plan, River, TownEdge, WordsError, survey_words};
 
 use crate::extent::Extent;
 use crate::log::Log;

@@ -150,15 +150,12 @@ pub(super) fn add_link(graph: &mut CityGraph, link: &LinkEdit) -> Outcome {
     if link.id.is_given() && graph.links.iter().any(|l| l.id == link.id) {
         return Err(format!("link {} is there already", link.id));
     }
-    // Neither end is made before both are known to be good.
-    if link.via.is_empty() && link.from.at.distance(link.to.at) < WELD_M {
-        return Err("the link would have no length".to_owned());
-    }
-    let from = end_of(graph, &link.from, &mut notes)?;
-    let to = end_of(graph, &link.to, &mut notes)?;
-    if from == to && link.via.len() < 2 {
-        return Err(format!("both ends are node {from}: the link would have no length"));
-    }
+    let before = (graph.nodes.clone(), graph.links.clone());
+    let ends = ends_of(graph, link, &mut notes);
+    let (from, to) = ends.inspect_err(|_| {
+        // An end may have parted a link before the other turned out to be no good.
+        (graph.nodes, graph.links) = before;
+    })?;
     graph.links.push(Link {
         id: link.id,
         from,
@@ -172,6 +169,15 @@ pub(super) fn add_link(graph: &mut CityGraph, link: &LinkEdit) -> Outcome {
     });
     notes.extend(crossing_of(graph, graph.links.len() - 1));
     Ok(notes)
+}
+
+fn ends_of(graph: &mut CityGraph, link: &LinkEdit, notes: &mut Vec<String>) -> Result<(Id, Id), String> {
+    let from = end_of(graph, &link.from, notes)?;
+    let to = end_of(graph, &link.to, notes)?;
+    if from == to && link.via.len() < 2 {
+        return Err(format!("both ends are node {from}: the link would have no length"));
+    }
+    Ok((from, to))
 }
 
 /// The node at an end of a new link.
@@ -330,6 +336,7 @@ mod tests {
         let (graph, _) = edited("AddLink((from: (at: (50, 0)), to: (at: (90, 30)), kind: Street(Path)))");
         assert_eq!((graph.links.len(), graph.nodes.len()), (5, 6));
         refused("AddLink((from: (at: (50, 0)), to: (at: (49, 0)), kind: Street(Path)))", "no length");
+        refused("AddLink((from: (at: (0, 30)), to: (at: (0, 30.2)), kind: Street(Path)))", "no length");
         refused("AddLink((id: 12, from: (at: (50, 0)), to: (at: (9, 40)), kind: Street(Path)))", "link 12 is there already");
     }
 

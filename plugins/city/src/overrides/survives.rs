@@ -16,7 +16,7 @@ fn spot(i: usize, draw: Draw) -> DVec2 {
     let draw = draw.part(i as u64);
     let (x, y) = ((i % SIDE) as f64, (i / SIDE) as f64);
     // Every fourth crossroads lies close to its eastern neighbour.
-    let near = if i % 4 == 0 { 33.0 } else { 0.0 };
+    let near = if i.is_multiple_of(4) { 33.0 } else { 0.0 };
     DVec2::new(x * 36.0 + near + draw.between("x", -0.8, 0.8), y * 36.0 + draw.between("y", -2.0, 2.0))
 }
 

@@ -115,7 +115,14 @@ pub(super) fn mixed(words: &CityWords, core: f64, roads: Option<u32>, crooked: f
         rings.push(((1.0 + 2.0 * core) / 3.0, StreetClass::Main, 17.0));
     }
     let draw = Draw::new(words.seed, Id(8), "words: suburb");
-    let lattice = Lattice::new(DVec2::ZERO, draw.between("angle", -0.6, 0.6), words.size_m(), [(62.0, 84.0), (84.0, 120.0)], NO_AVENUES, draw);
+    let lattice = Lattice::new(
+        DVec2::ZERO,
+        draw.between("angle", -0.6, 0.6),
+        words.size_m(),
+        [(62.0, 84.0), (84.0, 120.0)],
+        NO_AVENUES,
+        draw,
+    );
     let grain = |share: f64| -> Grain<'_> {
         if share < core {
             return old_grain(words, block_m, crooked, share / core);
@@ -151,13 +158,17 @@ pub(super) fn mixed(words: &CityWords, core: f64, roads: Option<u32>, crooked: f
 }
 
 fn centred(words: &CityWords, plan: &Centred<'_>) -> Town {
-    let half = words.size_m() / 2.0;
-    let shape = Shape::round(words.seed, half, plan.uneven);
-    let mut town = begin(words, shape, plan.edge, plan.quay);
+    // At an open edge the outermost ground, not quite half a block deep, is left to the country.
+    let fringe =
+        if plan.edge == TownEdge::Open && plan.rings.len() < 2 { 0.4 * libm::sqrt((plan.grain)(1.0).block_m2) } else { 0.0 };
+    let shape = Shape::round(words.seed, words.size_m() / 2.0 + fringe, plan.uneven);
+    let widest_m = plan.rings.iter().map(|r| r.2).fold(plan.mains.width_m, f64::max);
+    let mut town = begin(words, shape, plan.edge, plan.quay, widest_m);
     lay_mains(&mut town, words, plan);
     for &(share, class, width_m) in &plan.rings {
         let way = town.fabric.add_way(Role::Street(class), width_m, false);
-        let fit = Fit { clear_m: width_m / 2.0 + 14.0, least_m2: 700.0, least_width_m: 16.0, least_angle: 0.7, gap_m: width_m + 10.0 };
+        let fit =
+            Fit { clear_m: width_m / 2.0 + 14.0, least_m2: 700.0, least_width_m: 16.0, least_angle: 0.7, gap_m: width_m + 10.0 };
         ring_street(&mut town.fabric, &shape, share, way, &fit);
     }
     for face in 0..town.fabric.faces.len() {
@@ -202,4 +213,3 @@ fn hub_beside(town: &Town, square_m: f64) -> DVec2 {
     // Step by step, since the river bends.
     (0..60).map(|i| away * (f64::from(i) * 4.0)).find(|p| channel.distance_m(*p) >= need).unwrap_or(DVec2::ZERO)
 }
-

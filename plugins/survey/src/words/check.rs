@@ -145,7 +145,7 @@ impl List {
     }
 
     fn heading(&mut self, field: &str, value: Option<f64>) {
-        if let Some(value) = value.filter(|v| !(v.abs() <= 360.0)) {
+        if let Some(value) = value.filter(|v| !(-360.0..=360.0).contains(v)) {
             self.add(field, &format!("is {value:?}; it must be degrees clockwise from north, within ±360"));
         }
     }

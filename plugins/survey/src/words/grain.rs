@@ -47,7 +47,9 @@ const LARGE: f64 = 7.0;
 /// Streets that meet at an angle with less than this cosine go on under one name (145°).
 const STRAIGHT_ON: f64 = -0.82;
 /// Largest ground that stays whole where no street fits, as blocks; larger ones are tried with less room.
-const MOST_BLOCKS: f64 = 3.0;
+const MOST_BLOCKS: f64 = 2.6;
+/// Ground this large, as blocks, that no line of a lattice divides is divided by a street of its own.
+const ODD_BLOCKS: f64 = 1.7;
 
 /// Cuts every face of land into blocks by the grain at its middle.
 pub(super) fn cut_to_blocks<'a>(fabric: &mut Fabric, seed: u64, grain_at: &dyn Fn(DVec2) -> Grain<'a>) {
@@ -64,11 +66,12 @@ pub(super) fn cut_to_blocks<'a>(fabric: &mut Fabric, seed: u64, grain_at: &dyn F
         }
         let strict = fit(&grain, 1.0);
         let loose = fit(&grain, 0.75);
-        let street = best(fabric, face, &grain, &strict, draw).or_else(|| {
-            let any = Grain { pattern: Pattern::Bent(0.0), ..grain };
-            let must = area > MOST_BLOCKS * grain.block_m2;
-            must.then(|| best(fabric, face, &grain, &loose, draw.part(98)).or_else(|| best(fabric, face, &any, &loose, draw.part(99))))?
-        });
+        let across = Grain { pattern: Pattern::Bent(0.0), ..grain };
+        // Where no street fits: any that is straight, then with less room, the larger the ground the sooner.
+        let tries =
+            [(0.0, &grain, &strict), (ODD_BLOCKS, &across, &strict), (MOST_BLOCKS, &grain, &loose), (MOST_BLOCKS, &across, &loose)];
+        let tries = tries.iter().zip(0..).filter(|((least, ..), _)| area > least * grain.block_m2);
+        let street = tries.map(|(&(_, grain, fit), n)| best(fabric, face, grain, fit, draw.part(100 + n))).find_map(|found| found);
         if let Some(new) = street.and_then(|street| lay(fabric, face, &street)) {
             open.push(new);
             open.push(face);
@@ -118,9 +121,12 @@ fn bent(fabric: &Fabric, face: FaceId, grain: &Grain<'_>, bend: f64, fit: &Fit, 
     let through = long * (low + (high - low) * t);
     let hits = crossings(&outline, through, across);
     // The longest stretch inside.
-    let (a, b) = hits.as_chunks::<2>().0.iter().map(|&[a, b]| (a, b)).max_by(|x, y| {
-        x.0.1.distance(x.1.1).total_cmp(&y.0.1.distance(y.1.1))
-    })?;
+    let (a, b) = hits
+        .as_chunks::<2>()
+        .0
+        .iter()
+        .map(|&[a, b]| (a, b))
+        .max_by(|x, y| x.0.1.distance(x.1.1).total_cmp(&y.0.1.distance(y.1.1)))?;
     let (from, to) = (fabric.end_near(face, a.0, a.1, fit.gap_m)?, fabric.end_near(face, b.0, b.1, fit.gap_m)?);
     let (p, q) = (fabric.end_pos(from), fabric.end_pos(to));
     let length = p.distance(q);
@@ -134,7 +140,8 @@ fn bent(fabric: &Fabric, face: FaceId, grain: &Grain<'_>, bend: f64, fit: &Fit, 
     let division = fabric.division(face, from, &inner, to, fit)?;
     let (class, width_m) = street_for(fabric, face, grain, draw);
     let new_ends = [from, to].iter().filter(|e| matches!(e, End::On(..))).count() as f64;
-    let cost = division.uneven + 0.6 * division.length_m / libm::sqrt(grain.block_m2) / (1.0 + (high - low) / length.max(1.0))
+    let cost = division.uneven
+        + 0.6 * division.length_m / libm::sqrt(grain.block_m2) / (1.0 + (high - low) / length.max(1.0))
         + 0.08 * new_ends;
     Some(Candidate { from, inner, to, class, width_m, cost })
 }
@@ -209,9 +216,8 @@ pub(super) fn curve([a, b, c, d]: [DVec2; 4], step_m: f64) -> Vec<DVec2> {
 
 /// Direction of the longer side of the least box about an outline, among 24 directions, and the extent along it.
 pub(super) fn long_axis(outline: &[DVec2]) -> (DVec2, (f64, f64)) {
-    let extent = |dir: DVec2| {
-        outline.iter().map(|p| p.dot(dir)).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s), h.max(s)))
-    };
+    let extent =
+        |dir: DVec2| outline.iter().map(|p| p.dot(dir)).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s), h.max(s)));
     let size = |(low, high): (f64, f64)| high - low;
     let best = (0..24)
         .map(|i| turn(DVec2::X, PI * f64::from(i) / 48.0))

@@ -8,9 +8,9 @@ use veduta_city::{Block, BlockKind, Id, Ring, Square, Surfacing};
 
 use super::description::{CityWords, District, Part, Plan};
 use super::fabric::{Fabric, FaceId, Role, Spot, Use, ring_edges};
+use super::grain;
 use super::layout::Town;
 use super::network::Streets;
-use super::grain;
 use crate::polygon::{Polygon, difference, even_odd, perimeter_m, signed_area};
 
 /// Sizes that a square may have, square metres.
@@ -154,8 +154,7 @@ pub(super) fn blocks(town: &Town, streets: &Streets, words: &CityWords) -> Vec<G
             if area_m2 < LEAST_BLOCK_M2 || 2.0 * area_m2 / perimeter_m(&outline) < LEAST_WIDTH_M {
                 continue;
             }
-            let block =
-                Block { id: Id::NONE, kind, name: String::new(), district: String::new(), outline, holes: Vec::new() };
+            let block = Block { id: Id::NONE, kind, name: String::new(), district: String::new(), outline, holes: Vec::new() };
             out.push(Ground { block, face, area_m2 });
         }
     }

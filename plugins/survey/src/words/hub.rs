@@ -3,8 +3,8 @@
 use core::f64::consts::TAU;
 
 use glam::DVec2;
-use veduta_city::draw::Draw;
 use veduta_city::Id;
+use veduta_city::draw::Draw;
 
 use super::fabric::{End, Fabric, FaceId, Role, Spot, Use, WayId, crossings};
 use super::fit::Fit;
@@ -207,9 +207,8 @@ fn street(fabric: &Fabric, door: DVec2, exit: Spot, hub: DVec2, mains: &Mains, d
 pub(super) fn join(fabric: &mut Fabric, door: Spot, exit: Spot, hub: DVec2, mains: &Mains, draw: Draw) -> Option<FaceId> {
     let crooked = street(fabric, fabric.pos(door), exit, hub, mains, draw);
     for inner in [crooked, Vec::new()] {
-        let lands = (0..fabric.faces.len()).filter(|&f| {
-            fabric.faces[f].use_ == Use::Land && fabric.ring(f).contains(&door) && fabric.ring(f).contains(&exit)
-        });
+        let lands = (0..fabric.faces.len())
+            .filter(|&f| fabric.faces[f].use_ == Use::Land && fabric.ring(f).contains(&door) && fabric.ring(f).contains(&exit));
         let fits = |&f: &FaceId| fabric.division(f, End::At(door), &inner, End::At(exit), &mains.fit()).is_some();
         let found: Option<FaceId> = lands.filter(fits).min();
         if let Some(face) = found {
@@ -289,10 +288,8 @@ fn ring_arc(fabric: &mut Fabric, face: FaceId, shape: &Shape, share: f64, way: W
         let (start, end) = (fabric.end_near(face, i, p, fit.gap_m)?, fabric.end_near(face, j, q, fit.gap_m)?);
         let (a, b) = (fabric.end_pos(start), fabric.end_pos(end));
         let count = libm::round(sweep * p.length() / 14.0).clamp(2.0, 90.0) as usize;
-        let inner: Vec<DVec2> = (1..count)
-            .map(|s| at(s as f64 / count as f64))
-            .filter(|c| c.distance(a) > 12.0 && c.distance(b) > 12.0)
-            .collect();
+        let inner: Vec<DVec2> =
+            (1..count).map(|s| at(s as f64 / count as f64)).filter(|c| c.distance(a) > 12.0 && c.distance(b) > 12.0).collect();
         if fabric.division(face, start, &inner, end, fit).is_none() {
             continue;
         }

@@ -2,9 +2,7 @@
 
 use glam::DVec2;
 use veduta_city::draw::Draw;
-use veduta_city::{
-    Building, BuildingPart, Id, Link, LinkKind, Node, ObjectKind, Ring, RoofShape, RoofTags, StandingObject,
-};
+use veduta_city::{Building, BuildingPart, Id, Link, LinkKind, Node, ObjectKind, Ring, RoofShape, RoofTags, StandingObject};
 
 use super::fabric::{Fabric, Role, rounded};
 use super::grounds::lie_of;

@@ -1,8 +1,8 @@
 //! Parallel lines at uneven distances, two ways.
 
 use glam::DVec2;
-use veduta_city::draw::Draw;
 use veduta_city::Id;
+use veduta_city::draw::Draw;
 
 use super::turn;
 

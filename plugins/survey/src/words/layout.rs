@@ -33,6 +33,10 @@ pub(super) struct Town {
 
 /// Smaller towns have a lane round them, whatever the plan; metres.
 const SMALL_M: f64 = 320.0;
+/// Streets along river and border do not meet at less; radians (34°).
+const SHARP: f64 = 0.6;
+/// Grids of fewer blocks from side to side have a lane round them.
+const SMALL_GRID: f64 = 5.5;
 
 /// Lays the streets of a town, down to its blocks.
 pub(super) fn lay_out(words: &CityWords) -> Town {
@@ -41,8 +45,9 @@ pub(super) fn lay_out(words: &CityWords) -> Town {
             let draw = Lattice::draw(words.seed);
             // Headings run clockwise from north.
             let angle = heading_deg.map_or_else(|| draw.between("angle", -0.5, 0.5), |h| FRAC_PI_2 - h.to_radians());
-            let reach = words.size_m();
-            let lattice = Lattice::new(DVec2::ZERO, angle, reach, [*short_m, *long_m].map(|gap| dense(words, gap)), *avenue_every, draw);
+            let reach = 1.5 * words.size_m();
+            let lattice =
+                Lattice::new(DVec2::ZERO, angle, reach, [*short_m, *long_m].map(|gap| dense(words, gap)), *avenue_every, draw);
             let between = |(low, high): (f64, f64)| (low + high) / 2.0;
             let area = between(dense(words, *short_m)) * between(dense(words, *long_m)) * 0.8;
             grid(words, &lattice, *diagonals, area)
@@ -56,10 +61,12 @@ pub(super) fn lay_out(words: &CityWords) -> Town {
 /// Distances that density makes of those given.
 fn dense(words: &CityWords, (low, high): (f64, f64)) -> (f64, f64) {
     let by = 1.0 / libm::sqrt(0.65 + 0.5 * words.density);
-    ((low * by).max(38.0), (high * by).max(38.0))
+    // No town is so small that it has only a few blocks.
+    let most = words.size_m() / 4.5;
+    ((low * by).min(most).max(38.0), (high * by).min(most).max(38.0))
 }
 
-/// Area of a block of a side, by density; no town is so small that it has only a few.
+/// Area of a block of a side, by density, and by size likewise.
 pub(super) fn block_m2(words: &CityWords, side_m: f64) -> f64 {
     let side_m = side_m.min(words.size_m() / 6.5);
     side_m * side_m / (0.65 + 0.5 * words.density)
@@ -67,10 +74,13 @@ pub(super) fn block_m2(words: &CityWords, side_m: f64) -> f64 {
 
 fn grid(words: &CityWords, lattice: &Lattice, diagonals: u32, block_m2: f64) -> Town {
     let draw = Draw::new(words.seed, Id(7), "words: grid");
-    let half = words.size_m() / 2.0;
+    // At an open edge the outermost ground, half a block deep, is left to the country.
+    let side = libm::sqrt(block_m2);
+    let (edge, fringe) = if words.size_m() < SMALL_GRID * side { (TownEdge::Wall, 0.0) } else { (TownEdge::Open, 0.5 * side) };
+    let half = words.size_m() / 2.0 + fringe;
     let aspect = draw.between("aspect", 0.8, 1.0);
     let shape = Shape::Oblong { dir: lattice.dir(), half_m: DVec2::new(half, half * aspect) };
-    let mut town = begin(words, shape, TownEdge::Open, (StreetClass::Street, 12.0));
+    let mut town = begin(words, shape, edge, (StreetClass::Street, 12.0), 20.0);
     let corners = town.fabric.outline(0);
     if let Some(channel) = town.channel.clone() {
         let mut lines: Vec<(DVec2, DVec2)> = Vec::new();
@@ -122,8 +132,8 @@ fn diagonal(town: &mut Town, through: DVec2, dir: DVec2, border: &[DVec2]) {
     }
 }
 
-/// The border, and the river in it.
-pub(super) fn begin(words: &CityWords, shape: Shape, edge: TownEdge, quay: (StreetClass, f64)) -> Town {
+/// The border, and the river in it; `widest_m` is the width of the widest street.
+pub(super) fn begin(words: &CityWords, shape: Shape, edge: TownEdge, quay: (StreetClass, f64), widest_m: f64) -> Town {
     let edge = if edge == TownEdge::Open && words.size_m() < SMALL_M { TownEdge::Wall } else { edge };
     let role = match edge {
         TownEdge::Wall => (Role::Street(StreetClass::Lane), 5.5),
@@ -131,24 +141,32 @@ pub(super) fn begin(words: &CityWords, shape: Shape, edge: TownEdge, quay: (Stre
         TownEdge::Open => (Role::Edge, 0.0),
     };
     let mut fabric = Fabric::new(&shape.border(), Way { role: role.0, width_m: role.1, is_main: false });
-    let mut channel = words.river.as_ref().map(|river| Channel::new(river, &shape, quay.1, words.seed));
+    let mut channel = words.river.as_ref().map(|river| Channel::new(river, &shape, quay.1, widest_m, words.seed));
     if let Some(river) = &mut channel {
         let way = fabric.add_way(Role::Street(quay.0), quay.1, false);
         if river.lay(&mut fabric, way).is_none() {
             channel = None;
         }
-        open_mouths(&mut fabric);
+        open_mouths(&mut fabric, channel.as_ref().map_or(&[], |c| &c.mouths));
     }
     let is_closed = edge != TownEdge::Open;
     Town { fabric, shape, channel, bridges: Vec::new(), gates: Vec::new(), square: None, is_closed }
 }
 
-/// No street runs along the border where water passes it.
-fn open_mouths(fabric: &mut Fabric) {
-    let none = fabric.add_way(Role::Edge, 0.0, false);
+/// No street runs along the border where water passes it, nor where it would meet a quay at a sharp angle.
+fn open_mouths(fabric: &mut Fabric, mouths: &[u32]) {
     let waters = fabric.faces.iter().filter(|f| f.use_ == Use::Water);
-    let mouths: Vec<(u32, u32)> = waters.flat_map(|f| ring_edges(&f.ring)).filter(|&(a, b)| fabric.way_id(a, b) == Some(0)).collect();
-    for (a, b) in mouths {
+    let mut open: Vec<(u32, u32)> =
+        waters.flat_map(|f| ring_edges(&f.ring)).filter(|&(a, b)| fabric.way_id(a, b) == Some(0)).collect();
+    for &mouth in mouths {
+        let towards = |n: u32| (fabric.pos(n) - fabric.pos(mouth)).normalize_or_zero();
+        let (border, quay): (Vec<u32>, Vec<u32>) =
+            fabric.neighbours(mouth).iter().partition(|&&n| fabric.way_id(mouth, n) == Some(0));
+        let is_sharp = |n: u32| quay.iter().any(|&q| towards(n).dot(towards(q)) > libm::cos(SHARP));
+        open.extend(border.into_iter().filter(|&n| is_sharp(n)).map(|n| (mouth, n)));
+    }
+    let none = fabric.add_way(Role::Edge, 0.0, false);
+    for (a, b) in open {
         fabric.set_way(a, b, none);
     }
 }

@@ -56,9 +56,8 @@ impl Streets {
         let mut loose: Vec<Spot> = around.iter().filter(|(_, n)| n.len() == 1).map(|(&s, _)| s).collect();
         while let Some(end) = loose.pop() {
             let Some(&[next]) = around.get(&end).map(Vec::as_slice) else { continue };
-            let is_road_out = fabric.way(end, next).is_some_and(|w| w.is_main) && fabric.neighbours(end).iter().any(|&n| {
-                fabric.way(end, n).is_some_and(|w| w.role == Role::Edge)
-            });
+            let is_road_out = fabric.way(end, next).is_some_and(|w| w.is_main)
+                && fabric.neighbours(end).iter().any(|&n| fabric.way(end, n).is_some_and(|w| w.role == Role::Edge));
             if on_square.contains_key(&end) || is_road_out {
                 continue;
             }

@@ -33,22 +33,24 @@ pub(super) struct Bridge {
 const BRIDGE_GAP_M: f64 = 45.0;
 
 impl Channel {
-    /// Where the words want it; `quay_m` is the width of the streets along it.
-    pub fn new(river: &River, shape: &Shape, quay_m: f64, seed: u64) -> Self {
+    /// Where the words want it; `quay_m` is the width of the streets along it, `widest_m` that of the widest of
+    /// the town.
+    pub fn new(river: &River, shape: &Shape, quay_m: f64, widest_m: f64, seed: u64) -> Self {
         let draw = Draw::new(seed, Id(3), "words: river");
         let heading = river.heading_deg.map_or_else(|| draw.between("heading", 0.0, TAU), f64::to_radians);
         // Headings run clockwise from north.
         let flow = DVec2::new(libm::sin(heading), libm::cos(heading));
         let radius = shape.radius_m(flow.perp()).min(shape.radius_m(-flow.perp())).min(shape.radius_m(flow));
         let wave = 4.0 * radius / f64::from(river.bends.max(1));
-        let tightest = 1.6 * (river.width_m + quay_m);
+        let tightest = 1.6 * (river.width_m + quay_m).max(widest_m);
         let sway = if river.bends == 0 { 0.0 } else { (0.1 * radius).min(wave * wave / (TAU * TAU * tightest)) };
         let share = match river.passes {
             Passes::Centre => draw.between("share", 0.04, 0.14),
             Passes::Beside => draw.between("share", 0.36, 0.46),
             Passes::Edge => draw.between("share", 0.6, 0.66),
         };
-        let away = (share * radius).min(0.74 * radius - river.width_m / 2.0 - sway) * if draw.chance("side", 0.5) { 1.0 } else { -1.0 };
+        let away =
+            (share * radius).min(0.74 * radius - river.width_m / 2.0 - sway) * if draw.chance("side", 0.5) { 1.0 } else { -1.0 };
         let phase = draw.between("phase", 0.0, TAU);
         let reach = shape.reach_m() + 60.0;
         let count = libm::ceil(2.0 * reach / (radius / 30.0).clamp(8.0, 30.0)) as usize;
@@ -56,7 +58,8 @@ impl Channel {
             let s = reach * (2.0 * i as f64 / count as f64 - 1.0);
             flow * s + flow.perp() * (away + sway * libm::sin(TAU * s / wave + phase))
         };
-        let quay_at_m = river.width_m / 2.0 + quay_m / 2.0;
+        // Streets that end on either quay, face to face, keep apart.
+        let quay_at_m = (river.width_m / 2.0 + quay_m / 2.0).max(0.55 * widest_m);
         Self { middle: (0..=count).map(at).collect(), width_m: river.width_m, quay_at_m, mouths: Vec::new() }
     }
 
@@ -107,9 +110,10 @@ fn within(line: &[DVec2], border: &[DVec2]) -> Option<Vec<DVec2>> {
     let (before, after) = (line.get(first.checked_sub(1)?)?, line.get(last + 1)?);
     let exit = |from: DVec2, to: DVec2| {
         let hits = crossings(border, from, to - from);
-        hits.into_iter().map(|c| c.1).filter(|c| (*c - from).dot(to - from) > 0.0).min_by(|a, b| {
-            a.distance(from).total_cmp(&b.distance(from))
-        })
+        hits.into_iter()
+            .map(|c| c.1)
+            .filter(|c| (*c - from).dot(to - from) > 0.0)
+            .min_by(|a, b| a.distance(from).total_cmp(&b.distance(from)))
     };
     let mut out = vec![exit(*line.get(first)?, *before)?];
     out.extend(line.get(first..=last)?);
@@ -156,8 +160,7 @@ pub(super) fn bridges(
             break;
         }
         let mouths_far = channel.mouths.iter().all(|&m| fabric.pos(m).distance(through) > channel.quay_at_m + 20.0);
-        let others_far =
-            built.iter().all(|b| (fabric.pos(b.ends[0]) + fabric.pos(b.ends[1])).distance(through * 2.0) > 2.0 * gap);
+        let others_far = built.iter().all(|b| (fabric.pos(b.ends[0]) + fabric.pos(b.ends[1])).distance(through * 2.0) > 2.0 * gap);
         if mouths_far && others_far {
             built.extend(bridge(fabric, channel, through, dir, (class, width_m)));
         }
@@ -165,7 +168,13 @@ pub(super) fn bridges(
     built
 }
 
-fn bridge(fabric: &mut Fabric, channel: &Channel, through: DVec2, dir: DVec2, (class, width_m): (StreetClass, f64)) -> Option<Bridge> {
+fn bridge(
+    fabric: &mut Fabric,
+    channel: &Channel,
+    through: DVec2,
+    dir: DVec2,
+    (class, width_m): (StreetClass, f64),
+) -> Option<Bridge> {
     let waters: Vec<FaceId> = (0..fabric.faces.len()).filter(|&f| fabric.faces[f].use_ == Use::Water).collect();
     let most_m = 2.0 * channel.quay_at_m * 1.45;
     for face in waters {
@@ -194,11 +203,10 @@ fn bridge(fabric: &mut Fabric, channel: &Channel, through: DVec2, dir: DVec2, (c
 /// Lines square to the river: the one nearest to `hub` first, then where rings (shares of the radius) come to it, then others at
 /// even distances.
 pub(super) fn crossings_of(channel: &Channel, shape: &Shape, hub: DVec2, count: usize, rings: &[f64]) -> Vec<(DVec2, DVec2)> {
-    let in_town: Vec<usize> =
-        (1..channel.middle.len() - 1).filter(|&i| shape.share(channel.middle[i]) < 0.9).collect();
-    let Some(&nearest) = in_town.iter().min_by(|&&i, &&j| {
-        channel.middle[i].distance(hub).total_cmp(&channel.middle[j].distance(hub))
-    }) else {
+    let in_town: Vec<usize> = (1..channel.middle.len() - 1).filter(|&i| shape.share(channel.middle[i]) < 0.9).collect();
+    let Some(&nearest) =
+        in_town.iter().min_by(|&&i, &&j| channel.middle[i].distance(hub).total_cmp(&channel.middle[j].distance(hub)))
+    else {
         return Vec::new();
     };
     // Finer than asked for, so that a spot without room has a neighbour.

@@ -21,7 +21,8 @@ impl Shape {
     /// About a circle; `uneven` 0 to 1.
     pub fn round(seed: u64, radius_m: f64, uneven: f64) -> Self {
         let draw = Draw::new(seed, Id(2), "words: border");
-        let lobe = |n: u64, most: f64| (draw.part(n).between("size", 0.3, 1.0) * most * uneven, draw.part(n).between("phase", 0.0, TAU));
+        let lobe =
+            |n: u64, most: f64| (draw.part(n).between("size", 0.3, 1.0) * most * uneven, draw.part(n).between("phase", 0.0, TAU));
         Self::Round { radius_m, lobes: [lobe(2, 0.07), lobe(3, 0.05), lobe(5, 0.025)] }
     }
 
