@@ -26,7 +26,7 @@ pub enum BakeError {
     },
     /// The input is of no known kind.
     #[error(
-        "{0}: not a map that can be baked; give an OpenStreetMap extract (.osm, .osm.gz, .osm.pbf, Overpass .json), a vector map (.geojson, .shp, .map.ron), a city graph (.graph.ron), a plan (.plan.ron) or a folder with a .graph.ron"
+        "{0}: not a map that can be baked; give an OpenStreetMap extract (.osm, .osm.gz, .osm.pbf, Overpass .json), a vector map (.geojson, .shp, .map.ron), a city graph (.graph.ron), a plan (.plan.ron), a description (.words.ron) or a folder with a .graph.ron"
     )]
     UnknownKind(PathBuf),
     /// A scene folder without a graph or map, or with several.

@@ -28,6 +28,8 @@ pub enum InputKind {
     Graph,
     /// A city plan in RON.
     Plan,
+    /// A city described in words, in RON.
+    Words,
 }
 
 /// Largest map that is read, bytes.
@@ -52,6 +54,8 @@ impl Input {
             InputKind::Graph
         } else if name.ends_with(".plan.ron") {
             InputKind::Plan
+        } else if name.ends_with(".words.ron") {
+            InputKind::Words
         } else {
             let head = head(path).map_err(read)?;
             match () {

@@ -119,6 +119,10 @@ fn read_graph(input: &Input) -> Result<(CityGraph, Vec<Finding>), BakeError> {
             (survey.graph, survey.findings)
         }
         InputKind::Graph => (file::read::<CityGraph>(&input.path)?, Vec::new()),
+        InputKind::Words => {
+            let survey = veduta_survey::survey_words(&file::read(&input.path)?)?;
+            (survey.graph, survey.findings)
+        }
         InputKind::Plan => return Err(BakeError::UnknownKind(input.path.clone())),
     };
     graph.fill_ids();

@@ -8,6 +8,7 @@ pub fn overrides_beside(input: &Path) -> PathBuf {
     let endings = [
         ".graph.ron",
         ".map.ron",
+        ".words.ron",
         ".geojson",
         ".geojsonl",
         ".geojsonseq",

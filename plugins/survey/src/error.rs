@@ -124,4 +124,17 @@ pub enum SurveyError {
         /// The first errors of the model's validation.
         detail: String,
     },
+    /// A description in words that cannot be meant.
+    #[error("{name}: {}", list(.mistakes))]
+    Words {
+        /// Name of the city.
+        name: String,
+        /// What is wrong, field by field; never empty.
+        mistakes: Vec<crate::WordsError>,
+    },
+}
+
+/// Several mistakes in one line.
+fn list(mistakes: &[crate::WordsError]) -> String {
+    mistakes.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }

@@ -73,6 +73,7 @@ mod start;
 #[cfg(test)]
 mod testing;
 mod vector;
+mod words;
 
 pub use crs::{Crs, CrsError};
 pub use elevation::{ElevationGrid, Spike, drape, heights_from_surface};
@@ -81,6 +82,7 @@ pub use geojson_out::{GeoJsonSettings, to_geojson};
 pub use georeference::{Georeference, KnownPoint};
 pub use vector::{Date, Kind, Layer, LayerRule, Mapping, ParseDateError, looks_like_geojson, looks_like_shapefile, survey_vector};
 use veduta_city::{CityGraph, Finding, Id, LinkKind, Severity};
+pub use words::{CityWords, District, Outside, Part, Passes, Plan, River, TownEdge, WordsError, survey_words};
 
 use crate::extent::Extent;
 use crate::log::Log;

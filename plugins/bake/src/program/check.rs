@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use veduta_city::{CityGraph, CityPlan, GraphOverrides, Style, Styles, Tour, file};
+use veduta_survey::CityWords;
 
 use super::Failure;
 use super::town::{Towns, check_tour};
@@ -31,6 +32,11 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
         let words = format!("{} edits, {} styles", overrides.edits.len(), overrides.styles.len());
         return told(path, edits.chain(styles).collect(), words);
     }
+    if name.ends_with(".words.ron") {
+        let city: CityWords = file::read(path).map_err(one)?;
+        let words = format!("“{}”, {} districts", city.name, city.districts.len());
+        return told(path, city.validate(), words);
+    }
     if name.ends_with(".graph.ron") {
         let mut graph: CityGraph = file::read(path).map_err(one)?;
         graph.fill_ids();
@@ -51,7 +57,7 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
         return told(path, Styles(vec![style]).validate(), words);
     }
     Err(vec![format!(
-        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .plan.ron, .style.ron or .tour.ron, or lie in a \
+        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .plan.ron, .words.ron, .style.ron or .tour.ron, or lie in a \
          folder `styles`",
         path.display()
     )])

@@ -2,6 +2,8 @@ use core::fmt;
 
 use glam::DVec2;
 
+use super::areas::signed_area;
+use super::target::{cross, ring_edges};
 use crate::{
     BuildingPart, CityGraph, FARTHEST_M, GraphOverride, GraphOverrides, HIGHEST_M, MOST_LEVELS, RoofTags, Target, WIDEST_M,
 };
@@ -35,6 +37,19 @@ impl GraphOverride {
             Self::AddBuilding(_) => "AddBuilding",
             Self::Width { .. } => "Width",
             Self::Name { .. } => "Name",
+            Self::Link { .. } => "Link",
+            Self::MoveNode { .. } => "MoveNode",
+            Self::AddNode { .. } => "AddNode",
+            Self::RemoveNode(_) => "RemoveNode",
+            Self::JoinNodes { .. } => "JoinNodes",
+            Self::AddLink(_) => "AddLink",
+            Self::RemoveLink(_) => "RemoveLink",
+            Self::SplitLink(_) => "SplitLink",
+            Self::AddSquare(_) => "AddSquare",
+            Self::RemoveSquare(_) => "RemoveSquare",
+            Self::AddBlock(_) => "AddBlock",
+            Self::RemoveBlock(_) => "RemoveBlock",
+            Self::Courtyard { .. } => "Courtyard",
             Self::Block { .. } => "Block",
             Self::AddObject(_) => "AddObject",
             Self::RemoveObject(_) => "RemoveObject",
@@ -69,7 +84,52 @@ fn check(edit: &GraphOverride, reasons: &mut Vec<String>) {
             // 0 gives the class's own width back.
             check_range("width_m", *width_m, 0.0, WIDEST_M, reasons);
         }
+        GraphOverride::Link { target, width_m, .. } => {
+            check_target(target, reasons);
+            check_range("width_m", width_m.unwrap_or(0.0), 0.0, WIDEST_M, reasons);
+        }
+        GraphOverride::MoveNode { target, to } => {
+            check_target(target, reasons);
+            check_place("to", *to, reasons);
+        }
+        GraphOverride::AddNode { at, z, .. } => {
+            check_place("at", *at, reasons);
+            check_range("z", *z, -FARTHEST_M, FARTHEST_M, reasons);
+        }
+        GraphOverride::JoinNodes { target, with } => {
+            check_target(target, reasons);
+            check_place("with.at", with.at, reasons);
+        }
+        GraphOverride::AddLink(link) => {
+            check_place("from.at", link.from.at, reasons);
+            check_place("to.at", link.to.at, reasons);
+            link.via.iter().for_each(|&p| check_place("via", p, reasons));
+            check_range("width_m", link.width_m, 0.0, WIDEST_M, reasons);
+        }
+        GraphOverride::AddSquare(square) => {
+            check_alone(CityGraph { squares: vec![square.clone()], ..CityGraph::default() }, reasons);
+            check_simple("outline", &square.outline, reasons);
+            square.holes.iter().for_each(|h| check_simple("holes", h, reasons));
+        }
+        GraphOverride::AddBlock(block) => {
+            check_alone(CityGraph { blocks: vec![block.clone()], ..CityGraph::default() }, reasons);
+            check_simple("outline", &block.outline, reasons);
+            block.holes.iter().for_each(|h| check_simple("holes", h, reasons));
+        }
+        GraphOverride::Courtyard { target, ring } => {
+            check_target(target, reasons);
+            ring.iter().for_each(|&p| check_place("ring", p, reasons));
+            if ring.len() < 3 {
+                reasons.push(format!("`ring` has {} vertices; it needs at least three", ring.len()));
+            }
+            check_simple("ring", ring, reasons);
+        }
         GraphOverride::RemoveBuilding(target)
+        | GraphOverride::RemoveNode(target)
+        | GraphOverride::RemoveLink(target)
+        | GraphOverride::SplitLink(target)
+        | GraphOverride::RemoveSquare(target)
+        | GraphOverride::RemoveBlock(target)
         | GraphOverride::RemoveObject(target)
         | GraphOverride::Name { target, .. }
         | GraphOverride::Block { target, .. } => check_target(target, reasons),
@@ -101,9 +161,25 @@ fn check_alone(graph: CityGraph, reasons: &mut Vec<String>) {
 }
 
 fn check_target(target: &Target, reasons: &mut Vec<String>) {
-    let DVec2 { x, y } = target.at;
+    check_place("at", target.at, reasons);
+}
+
+fn check_place(field: &str, DVec2 { x, y }: DVec2, reasons: &mut Vec<String>) {
     if !(x.abs() <= FARTHEST_M && y.abs() <= FARTHEST_M) {
-        reasons.push(format!("`at` is ({x:?}, {y:?}); both numbers must lie between -{FARTHEST_M} and {FARTHEST_M}"));
+        reasons.push(format!("`{field}` is ({x:?}, {y:?}); both numbers must lie between -{FARTHEST_M} and {FARTHEST_M}"));
+    }
+}
+
+/// Outlines that people draw have an area and do not cross themselves. Those with other mistakes are told of those alone.
+fn check_simple(field: &str, ring: &[DVec2], reasons: &mut Vec<String>) {
+    if ring.len() < 3 || !ring.iter().all(|p| p.is_finite()) {
+        return;
+    }
+    let edges: Vec<(DVec2, DVec2)> = ring_edges(ring).collect();
+    if edges.iter().enumerate().any(|(i, &a)| edges.iter().skip(i + 1).any(|&b| cross(a, b))) {
+        reasons.push(format!("`{field}` crosses itself"));
+    } else if signed_area(ring).abs() < 1.0 {
+        reasons.push(format!("`{field}` encloses less than 1 m²"));
     }
 }
 
@@ -153,6 +229,24 @@ mod tests {
             ("AddBuilding((outline: [(0, 0), (1, 0), (1, 1)], parts: [(outline: [(0, 0), (1, 0), (1, 1)], height_m: 0)]))", "0.0;"),
             ("AddObject((kind: Bench, pos: (inf, 0)))", "(AddObject): object has a coordinate that is not a number"),
             ("AddObject((kind: Bench, pos: (0, 0), heading_deg: NaN))", "(AddObject): `heading_deg` of object is not a number"),
+            ("MoveNode(target: (at: (0, 0)), to: (0, inf))", "(MoveNode): `to` is (0.0, inf);"),
+            ("MoveNode(target: (at: (0, 1e9)), to: (0, 0))", "(MoveNode): `at` is"),
+            ("AddNode(at: (NaN, 0))", "(AddNode): `at` is (NaN, 0.0);"),
+            ("AddNode(at: (0, 0), z: NaN)", "(AddNode): `z` is NaN;"),
+            ("JoinNodes(target: (at: (0, 0)), with: (at: (0, NaN)))", "(JoinNodes): `with.at` is (0.0, NaN);"),
+            ("AddLink((from: (at: (0, NaN)), to: (at: (9, 9)), kind: Street(Lane)))", "(AddLink): `from.at` is"),
+            (
+                "AddLink((from: (at: (0, 0)), to: (at: (9, 9)), via: [(1, inf)], kind: Street(Lane)))",
+                "(AddLink): `via` is (1.0, inf);",
+            ),
+            ("AddLink((from: (at: (0, 0)), to: (at: (9, 9)), width_m: 900, kind: Street(Lane)))", "(AddLink): `width_m` is 900.0;"),
+            ("Link(target: (at: (0, 0)), width_m: -1)", "(Link): `width_m` is -1.0;"),
+            ("AddSquare((outline: [(0, 0), (1, 0)]))", "(AddSquare): square has an outline of 2 vertices"),
+            ("AddSquare((outline: [(0, 0), (9, 9), (9, 0), (0, 9)]))", "(AddSquare): `outline` crosses itself"),
+            ("AddSquare((outline: [(0, 0), (9, 9), (4, 4)]))", "(AddSquare): `outline` encloses less than 1 m²"),
+            ("AddBlock((outline: [(0, 0), (9, 9), (9, 0), (0, 9)]))", "(AddBlock): `outline` crosses itself"),
+            ("Courtyard(target: (at: (0, 0)), ring: [(0, 0), (9, 9)])", "(Courtyard): `ring` has 2 vertices"),
+            ("RemoveNode((at: (NaN, 0)))", "(RemoveNode): `at` is"),
             ("AddPlace((name: \"x\", pos: (0, 2e6)))", "(AddPlace): place lies at (0, 2000000)"),
             ("AddPlace((name: \"x\", pos: (0, 0), radius_m: NaN))", "(AddPlace): `radius_m` of place is not a number"),
         ];
