@@ -56,6 +56,7 @@ mod objects;
 mod osm;
 mod places;
 mod polygon;
+pub mod raster;
 mod rings;
 mod shapes;
 mod start;
