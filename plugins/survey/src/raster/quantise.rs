@@ -26,7 +26,7 @@ const WINDOWS: usize = 1 << 18;
 /// Colours of fewer windows are taken for noise; a share of all.
 const LEAST_SHARE: f64 = 0.0012;
 /// The same for colours that no mixture of others explains.
-const LEAST_RARE: f64 = 0.0003;
+const LEAST_RARE: f64 = 0.00012;
 /// Steps of a channel's histogram.
 const STEPS: usize = 32;
 
@@ -267,7 +267,7 @@ fn is_flank(bins: &[Bin], mode: [f32; 3], old: [f32; 3], reach: f32) -> bool {
 /// Adds the colours of thin strokes and of a few symbols. The cores of strokes are ink more or less mixed with what is around;
 /// the ink itself is what lies farthest from all that is known and from mixtures of it.
 fn add_rare(known: &mut Vec<Bin>, even: &[Bin], all: &[Bin], least: f64) {
-    const NEW: f32 = 0.065;
+    const NEW: f32 = 0.06;
     const ABOUT: f32 = 0.08;
     let weight_near = |bins: &[Bin], lab: [f32; 3]| {
         let near = bins.iter().filter(|b| apart(b.lab, lab) < ABOUT * ABOUT);
