@@ -1,10 +1,12 @@
 //! Raster maps.
 
+mod guess;
 mod legend;
 mod limits;
 mod picture;
 mod quantise;
 
+pub use guess::*;
 pub use legend::{Legend, LegendColour, LegendError, MapClass};
 pub use limits::PictureLimits;
 pub use picture::{Picture, PictureError};

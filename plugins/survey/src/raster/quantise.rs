@@ -45,6 +45,11 @@ const STEPS: usize = 32;
 /// ```
 #[must_use]
 pub fn swatches(picture: &Picture, colours: Option<usize>) -> Vec<Swatch> {
+    reduced(picture, colours).0
+}
+
+/// The colours, and whether the picture has a grain that should be smoothed before pixels are told apart.
+pub(crate) fn reduced(picture: &Picture, colours: Option<usize>) -> (Vec<Swatch>, bool) {
     let sample = Sample::of(picture);
     let mut modes = modes(&sample.even, sample.reach, LEAST_SHARE * sample.windows as f64);
     let all: Vec<Bin> = sample.even.iter().chain(&sample.strokes).copied().collect();
@@ -54,7 +59,7 @@ pub fn swatches(picture: &Picture, colours: Option<usize>) -> Vec<Swatch> {
             drop_least(&mut modes, &all);
         }
     }
-    shared_out(&modes, picture)
+    (shared_out(&modes, picture), sample.is_grainy)
 }
 
 /// The number of the nearest colour, by perception, for every colour of 5 bits a channel: 32,768 entries, red highest.
@@ -94,9 +99,16 @@ pub(crate) fn apart(a: [f32; 3], b: [f32; 3]) -> f32 {
     d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
 }
 
+/// A colour as those are compared that lie on soft edges and thin strokes: hue and saturation count more than lightness, which
+/// noise, uneven light and mixing change first.
+pub(crate) fn stretched(lab: [f32; 3], by: f32) -> [f32; 3] {
+    [lab[0], by * lab[1], by * lab[2]]
+}
+
 /// Number of the nearest colour and the square of its distance.
 fn nearest(lab: [f32; 3], colours: &[[f32; 3]]) -> (usize, f32) {
-    let each = colours.iter().enumerate().map(|(i, &c)| (i, apart(lab, c)));
+    let lab = stretched(lab, 2.0);
+    let each = colours.iter().enumerate().map(|(i, &c)| (i, apart(lab, stretched(c, 2.0))));
     each.fold((0, f32::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
 }
 
@@ -113,6 +125,8 @@ struct Sample {
     even: Vec<Bin>,
     strokes: Vec<Bin>,
     windows: usize,
+    /// Whether neighbours differ by noise: not where few colours alternate, as in a hatching drawn by a program.
+    is_grainy: bool,
     /// How far the colours of one print lie apart, in Oklab.
     reach: f32,
 }
@@ -145,8 +159,17 @@ impl Sample {
             }
         }
         let reach = if grain < 4 { 0.012 } else { 0.02 };
-        Self { even: even.bins(), strokes: strokes.bins(), windows: seen.len(), reach }
+        Self { even: even.bins(), strokes: strokes.bins(), windows: seen.len(), is_grainy: grain >= 4 && !is_drawn(&seen), reach }
     }
+}
+
+/// Whether sixteen colours make up half of the picture.
+fn is_drawn(seen: &[Window]) -> bool {
+    let mut exact: Vec<[u8; 3]> = seen.iter().map(|w| w.middle).collect();
+    exact.sort_unstable();
+    let mut counts: Vec<usize> = exact.chunk_by(|a, b| a == b).map(<[_]>::len).collect();
+    counts.sort_unstable_by(|a, b| b.cmp(a));
+    2 * counts.iter().take(16).sum::<usize>() > seen.len()
 }
 
 /// Nine pixels, fewer at the border.
@@ -286,11 +309,9 @@ fn add_rare(known: &mut Vec<Bin>, even: &[Bin], all: &[Bin], least: f64) {
     }
 }
 
-/// How far a colour lies from all that are known, and from mixtures of two; hue and saturation count more than lightness,
-/// which noise and uneven light change first.
+/// How far a colour lies from all that are known, and from mixtures of two.
 fn newness(lab: [f32; 3], known: &[Bin]) -> f32 {
-    let stretched = |lab: [f32; 3]| [lab[0], 1.5 * lab[1], 1.5 * lab[2]];
-    let lab = stretched(lab);
+    let lab = stretched(lab, 1.5);
     let from_mixture = |a: [f32; 3], b: [f32; 3]| {
         let d = [0, 1, 2].map(|i| b[i] - a[i]);
         let along: f32 = (0..3).map(|i| (lab[i] - a[i]) * d[i]).sum::<f32>() / apart(a, b).max(1e-9);
@@ -298,7 +319,7 @@ fn newness(lab: [f32; 3], known: &[Bin]) -> f32 {
         apart(lab, [0, 1, 2].map(|i| a[i] + t * d[i]))
     };
     // A colour mixed with itself is the colour.
-    let pairs = known.iter().enumerate().flat_map(|(i, a)| known[i..].iter().map(move |b| (stretched(a.lab), stretched(b.lab))));
+    let pairs = known.iter().enumerate().flat_map(|(i, a)| known[i..].iter().map(move |b| (stretched(a.lab, 1.5), stretched(b.lab, 1.5))));
     pairs.map(|(a, b)| from_mixture(a, b)).fold(f32::INFINITY, f32::min).sqrt()
 }
 
