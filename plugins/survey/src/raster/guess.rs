@@ -15,10 +15,10 @@ mod regions;
 
 use veduta_city::{Finding, Id, Rgb, Severity, StreetClass};
 
-use crate::raster::quantise::{nearest_table, reduced, table_index};
+use crate::raster::quantise::{apart, nearest_table, reduced, table_index};
 use crate::raster::{Legend, LegendColour, MapClass, Picture};
 use classes::Colour;
-use regions::{Shape, Sheet};
+use regions::{Shape, Sheet, Side, shared_edge};
 
 /// Longest side of the sheet that shapes are measured on; pixels.
 const SHEET_SIDE: usize = 2048;
@@ -141,38 +141,23 @@ fn mean_about(picture: &Picture, x: usize, y: usize) -> [u8; 3] {
 
 /// The colours that, together, are the network of streets.
 fn streets(sheet: &Sheet, found: &[Colour], paper: [u8; 3], notes: &mut Notes) -> Vec<usize> {
-    let shape_of = |set: &[usize]| Shape::of(sheet, &|c| set.contains(&usize::from(c)));
-    let mut best: (Vec<usize>, f64) = (Vec::new(), 0.0);
     let mut starts: Vec<usize> = (0..found.len()).filter(|&i| found[i].may_be_street(paper)).collect();
     starts.sort_by(|&a, &b| found[b].shape.network().total_cmp(&found[a].shape.network()).then(a.cmp(&b)));
-    for &start in starts.iter().take(3) {
-        let width = found[start].shape.thickness;
-        let (mut set, mut network, mut blocks) = (vec![start], found[start].shape.network(), found[start].shape.blocks(width));
-        loop {
-            let more = starts.iter().filter(|&&i| !set.contains(&i) && found[i].goes_with(&found[start]));
-            let tried = more.map(|&i| (i, shape_of(&[set.as_slice(), &[i]].concat())));
-            // A street parts what was one; a block that is added is one less.
-            let parting = tried.filter(|(_, shape)| shape.network() > 1.4 * network && shape.blocks(width) > blocks);
-            let Some((next, shape)) = parting.max_by(|a, b| a.1.network().total_cmp(&b.1.network())) else { break };
-            set.push(next);
-            (network, blocks) = (shape.network(), shape.blocks(width));
-        }
-        // Begun from a colour of blocks, the set has them still.
-        while set.len() > 1 {
-            let without = |&i: &usize| set.iter().copied().filter(|&j| j != i).collect::<Vec<usize>>();
-            let tried = set.iter().map(|i| (without(i), shape_of(&without(i))));
-            let Some((fewer, shape)) = tried.max_by_key(|(_, shape)| shape.blocks(width)) else { break };
-            if shape.blocks(width) <= blocks {
-                break;
-            }
-            (set, network, blocks) = (fewer, shape.network(), shape.blocks(width));
-        }
-        if network > best.1 {
-            best = (set, network);
+    // What leads far begins; blocks do not, unless nothing else is there.
+    let leading: Vec<usize> = starts.iter().copied().filter(|&i| found[i].shape.far_reaching > 0.6).collect();
+    let first = if leading.is_empty() { &starts } else { &leading };
+    let grown = first.iter().take(3).map(|&start| grown(sheet, found, &starts, start));
+    let mut best: (Vec<usize>, f64) = (Vec::new(), 0.0);
+    for next in grown {
+        if next.1 > best.1 {
+            best = next;
         }
     }
     if best.1 >= LEAST_NETWORK {
-        return best.0;
+        let set = best.0;
+        let more = |&i: &usize| !set.contains(&i) && set.iter().any(|&s| found[i].runs_with(&found[s]));
+        let more: Vec<usize> = starts.iter().copied().filter(more).filter(|&i| edge_with(sheet, found, i, &set) < 0.5).collect();
+        return [set, more].concat();
     }
     // A small town in the middle of a large sheet: the land around counts for nothing.
     let inner = |c: &Colour| c.shape.inner_divides * c.shape.far_reaching;
@@ -181,6 +166,46 @@ fn streets(sheet: &Sheet, found: &[Colour], paper: [u8; 3], notes: &mut Notes) -
     let street = street.filter(|&i| inner(&found[i]) >= LEAST_NETWORK).or(best.0.first().copied()).unwrap_or(0);
     notes.add(format!("{} is taken for streets, though it hardly divides the map into blocks", found[street].hex()));
     vec![street]
+}
+
+/// A network that grows from one colour by those that make it divide more, and how well it does.
+fn grown(sheet: &Sheet, found: &[Colour], starts: &[usize], start: usize) -> (Vec<usize>, f64) {
+    let shape_of = |set: &[usize]| Shape::of(sheet, &|c| set.contains(&usize::from(c)));
+    let width = found[start].shape.thickness;
+    let (mut set, mut network, mut blocks) = (vec![start], found[start].shape.network(), found[start].shape.blocks(width));
+    loop {
+        let more = starts.iter().filter(|&&i| !set.contains(&i) && found[i].goes_with(&found[start]));
+        let more = more.filter(|&&i| edge_with(sheet, found, i, &set) < ENCLOSED);
+        let tried = more.map(|&i| (i, shape_of(&[set.as_slice(), &[i]].concat())));
+        // A street parts what was one; a block that is added is one less.
+        let parting = tried.filter(|(_, shape)| shape.network() > 1.4 * network && shape.blocks(width) > blocks);
+        let Some((next, shape)) = parting.max_by(|a, b| a.1.network().total_cmp(&b.1.network())) else { break };
+        set.push(next);
+        (network, blocks) = (shape.network(), shape.blocks(width));
+    }
+    // Begun from a colour of blocks, the set has them still.
+    while let Some(at) = set.iter().position(|&i| set.len() > 1 && edge_with(sheet, found, i, &set) > ENCLOSED) {
+        set.remove(at);
+        network = shape_of(&set).network();
+    }
+    (set, network)
+}
+
+/// A colour that has more of its edge than this with streets lies between them, and is no street itself.
+const ENCLOSED: f64 = 0.6;
+
+/// Share of a colour's edge that it has with others of a set.
+fn edge_with(sheet: &Sheet, found: &[Colour], colour: usize, set: &[usize]) -> f64 {
+    let others = || set.iter().copied().filter(|&i| i != colour);
+    let narrowest = others().map(|i| found[i].shape.thickness).fold(f64::INFINITY, f64::min);
+    let over = if narrowest > 8.0 { 4 } else { 1 };
+    let side = |i: usize| match i {
+        own if own == colour => Side::Own,
+        with if others().any(|other| other == with) => Side::With,
+        alike if found.get(alike).is_some_and(|c| apart(c.lab, found[colour].lab) < 0.06 * 0.06) => Side::Alike,
+        _ => Side::Other,
+    };
+    shared_edge(sheet, over, &|c| side(usize::from(c)))
 }
 
 /// Whether all that is not street is strokes on the paper of the streets.
@@ -206,9 +231,18 @@ impl Colour {
 
     /// Whether both may be colours of streets on one map: of similar lightness and width, and leading far.
     fn goes_with(&self, other: &Self) -> bool {
+        self.is_alike(other) && self.shape.far_reaching > 0.25 && self.shape.share > 0.004
+    }
+
+    /// The same for a piece of street here and there.
+    fn runs_with(&self, other: &Self) -> bool {
+        let shape = &self.shape;
+        self.is_alike(other) && shape.region_length.powi(2) > 3.0 * shape.region_area && shape.region_length > 4.0 * shape.thickness
+    }
+
+    fn is_alike(&self, other: &Self) -> bool {
         let stroke = self.shape.thickness / other.shape.thickness.max(1e-9);
-        let is_alike = (self.lab[0] - other.lab[0]).abs() < 0.2 && (0.38..2.6).contains(&stroke);
-        is_alike && self.shape.far_reaching > 0.35
+        (self.lab[0] - other.lab[0]).abs() < 0.2 && (0.25..4.0).contains(&stroke)
     }
 }
 

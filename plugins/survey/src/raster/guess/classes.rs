@@ -25,7 +25,7 @@ impl Colour {
     /// Whether it is not plainly park, water or railway by hue, nor too little to be streets.
     pub(super) fn may_be_street(&self, paper: [u8; 3]) -> bool {
         let [chroma, hue] = chroma_and_hue(on_white(self.rgb, paper));
-        !(chroma > 0.03 && (105.0..345.0).contains(&hue)) && self.shape.share > 0.004
+        !(chroma > 0.03 && (105.0..345.0).contains(&hue)) && self.shape.share > 0.0005
     }
 }
 
@@ -70,22 +70,26 @@ pub(super) fn class_of(colour: &Colour, network: &Shape, paper: [u8; 3], is_outl
     let reach = if is_outlined { network.thickness.min(15.0) } else { network.thickness };
     let is_spots = shape.far_reaching < 0.05 && shape.region_area < (2.5 * reach).powi(2);
     let is_strokes = shape.far_reaching < 0.3 && shape.share < 0.08 && shape.thickness < 0.3 * reach;
+    let is_leafy = chroma > 0.03 && (105.0..178.0).contains(&hue);
+    let is_watery = chroma > 0.025 && (178.0..285.0).contains(&hue);
     let is_long = shape.region_length.powi(2) > 8.0 * shape.region_area;
     if is_outlined && shape.thickness < 3.0 {
         return MapClass::Label;
     }
+    let is_line = is_long && shape.share < 0.08 && shape.region_length > 4.0 * reach;
+    let is_purple = chroma > 0.04 && (285.0..350.0).contains(&hue);
+    if is_line && colour.lab[0] < 0.72 && (is_purple || !(is_spots || is_strokes) && !is_leafy && !is_watery && shape.far_reaching > 0.3) {
+        notes.add(format!("{} is taken for railways: long lines that divide no blocks; they may be borders or walls", colour.hex()));
+        return MapClass::Railway;
+    }
     if (is_spots || is_strokes) && shape.share < 0.15 {
         return MapClass::Label;
     }
-    if chroma > 0.03 && (105.0..178.0).contains(&hue) {
+    if is_leafy {
         return MapClass::Park;
     }
-    if chroma > 0.025 && (178.0..285.0).contains(&hue) {
+    if is_watery {
         return MapClass::Water;
-    }
-    if is_long && shape.far_reaching > 0.3 && shape.share < 0.08 && colour.lab[0] < 0.72 {
-        notes.add(format!("{} is taken for railways: long lines that divide no blocks; they may be borders or walls", colour.hex()));
-        return MapClass::Railway;
     }
     if shape.share < 0.02 {
         notes.add(format!("{} is taken for built ground, though there is little of it", colour.hex()));

@@ -203,6 +203,35 @@ fn edge(sheet: &Sheet, is_in: &dyn Fn(u8) -> bool) -> usize {
     across.sum::<usize>() + down.count()
 }
 
+/// What a colour is to another, as [`shared_edge`] sees it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    /// Its edge is looked at.
+    Own,
+    /// What it may share its edge with.
+    With,
+    /// Hardly to be told from it: no edge.
+    Alike,
+    /// Anything else.
+    Other,
+}
+
+/// Share of the edge of some colours that is shared with others; looked at from pixel to pixel `over` apart, so that soft edges
+/// are stepped over.
+pub(super) fn shared_edge(sheet: &Sheet, over: usize, side_of: &dyn Fn(u8) -> Side) -> f64 {
+    let side: [Side; 256] = core::array::from_fn(|c| side_of(c as u8));
+    let (mut shared, mut other) = (0usize, 0usize);
+    let mut meet = |p: u8, q: u8| match (side[usize::from(p)], side[usize::from(q)]) {
+        (Side::Own, Side::With) | (Side::With, Side::Own) => shared += 1,
+        (Side::Own, Side::Other) | (Side::Other, Side::Own) => other += 1,
+        _ => {}
+    };
+    let width = sheet.width.max(1);
+    sheet.colours.chunks_exact(width).for_each(|row| row.iter().zip(row.iter().skip(over)).for_each(|(&p, &q)| meet(p, q)));
+    sheet.colours.iter().zip(sheet.colours.iter().skip(over * width)).for_each(|(&p, &q)| meet(p, q));
+    shared as f64 / (shared + other).max(1) as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -219,6 +248,20 @@ mod tests {
         let shape = Shape::of(&sheet, &|c| c == 1);
         assert!((shape.divides - 4.0).abs() < 1e-9 && shape.far_reaching == 1.0, "{shape:?}");
         assert!(Shape::of(&sheet, &|c| c == 0).divides < 1.01, "the blocks do not divide the streets");
+    }
+
+    #[test]
+    fn a_block_has_its_edge_with_streets_and_a_street_across_has_not() {
+        // 0 street, 1 block, 2 main street.
+        let rows = ["0111220", "0111220", "0000220", "0111220"];
+        let colours = rows.iter().flat_map(|r| r.bytes().map(|b| b - b'0')).collect();
+        let sheet = Sheet { width: 7, height: 4, colours };
+        let edge = |of: u8, with: u8| {
+            shared_edge(&sheet, 1, &|c| if c == of { Side::Own } else if c == with { Side::With } else { Side::Other })
+        };
+        assert!((edge(1, 0) - 9.0 / 12.0).abs() < 1e-9, "{}", edge(1, 0));
+        assert!((edge(2, 0) - 5.0 / 8.0).abs() < 1e-9, "{}", edge(2, 0));
+        assert_eq!(edge(0, 7), 0.0);
     }
 
     #[test]
