@@ -33,8 +33,7 @@ pub enum MapClass {
 
 impl MapClass {
     /// Every class, streets without one of their own.
-    pub const ALL: [Self; 7] =
-        [Self::Street(None), Self::Square, Self::Built, Self::Park, Self::Water, Self::Railway, Self::Label];
+    pub const ALL: [Self; 7] = [Self::Street(None), Self::Square, Self::Built, Self::Park, Self::Water, Self::Railway, Self::Label];
 
     /// The class by its name in legend files, in RON's spelling or JSON's: `Street`, `street`, `railroad`.
     fn named(name: &str) -> Option<Self> {

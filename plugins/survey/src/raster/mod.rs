@@ -6,7 +6,7 @@ mod limits;
 mod picture;
 mod quantise;
 
-pub use guess::*;
+pub use guess::{Guess, guess, guess_legend};
 pub use legend::{Legend, LegendColour, LegendError, MapClass};
 pub use limits::PictureLimits;
 pub use picture::{Picture, PictureError};

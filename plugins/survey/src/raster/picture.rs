@@ -39,14 +39,18 @@ impl Picture {
     /// A JPEG whose entropy-coded data were changed without breaking its code decodes to wrong pixels: the format has no
     /// checksum. Lossless WebP of 16,384 pixels a side is one too many for its decoder; 16,383 is read.
     pub fn decode(bytes: &[u8], name: &str, limits: &PictureLimits) -> Result<Self, PictureError> {
-        let decoded = match Format::of(bytes) {
-            Some(Format::Png) => png::decode(bytes, limits),
-            Some(Format::Jpeg) => jpeg::decode(bytes, limits),
-            Some(Format::Tiff) => tiff::decode(bytes, limits),
-            Some(Format::WebP) => webp::decode(bytes, limits),
-            None => Err(stranger(bytes)),
+        let decoder: Decode = match Format::of(bytes) {
+            Some(Format::Png) => png::decode,
+            Some(Format::Jpeg) => jpeg::decode,
+            Some(Format::Tiff) => tiff::decode,
+            Some(Format::WebP) => webp::decode,
+            None => return Err(stranger(bytes).named(name)),
         };
-        decoded.map_err(|reason| reason.named(name))
+        // The decoders under ours are others' code, and have been seen to panic on broken files. Nothing of theirs outlives the
+        // call, so a panic that no check of ours foresees is one more way of saying that the file is broken.
+        let decoded = std::panic::catch_unwind(|| decoder(bytes, limits));
+        let upset = || Reason::Broken { format: "picture", detail: "its decoder gave up on it".to_owned() };
+        decoded.unwrap_or_else(|_| Err(upset())).map_err(|reason| reason.named(name))
     }
 
     /// Whether bytes begin like a file that [`Picture::decode`] reads; a broken file may pass and fail later.
@@ -65,6 +69,8 @@ impl Picture {
         self.pixels.get(from..from + 3)?.try_into().ok()
     }
 }
+
+type Decode = fn(&[u8], &PictureLimits) -> Result<Picture, Reason>;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {

@@ -319,7 +319,8 @@ fn newness(lab: [f32; 3], known: &[Bin]) -> f32 {
         apart(lab, [0, 1, 2].map(|i| a[i] + t * d[i]))
     };
     // A colour mixed with itself is the colour.
-    let pairs = known.iter().enumerate().flat_map(|(i, a)| known[i..].iter().map(move |b| (stretched(a.lab, 1.5), stretched(b.lab, 1.5))));
+    let pairs =
+        known.iter().enumerate().flat_map(|(i, a)| known[i..].iter().map(move |b| (stretched(a.lab, 1.5), stretched(b.lab, 1.5))));
     pairs.map(|(a, b)| from_mixture(a, b)).fold(f32::INFINITY, f32::min).sqrt()
 }
 

@@ -78,8 +78,10 @@ pub(super) fn class_of(colour: &Colour, network: &Shape, paper: [u8; 3], is_outl
     }
     let is_line = is_long && shape.share < 0.08 && shape.region_length > 4.0 * reach;
     let is_purple = chroma > 0.04 && (285.0..350.0).contains(&hue);
-    if is_line && colour.lab[0] < 0.72 && (is_purple || !(is_spots || is_strokes) && !is_leafy && !is_watery && shape.far_reaching > 0.3) {
-        notes.add(format!("{} is taken for railways: long lines that divide no blocks; they may be borders or walls", colour.hex()));
+    let is_vague = is_spots || is_strokes || is_leafy || is_watery || shape.far_reaching <= 0.3;
+    if is_line && colour.lab[0] < 0.72 && (is_purple || !is_vague) {
+        let hex = colour.hex();
+        notes.add(format!("{hex} is taken for railways: long lines that divide no blocks; they may be borders or walls"));
         return MapClass::Railway;
     }
     if (is_spots || is_strokes) && shape.share < 0.15 {

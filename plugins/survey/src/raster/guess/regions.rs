@@ -142,13 +142,12 @@ impl Shape {
         let area = sheet.width * sheet.height - rest.iter().map(|r| r.area).sum::<usize>();
         let thickness = 2.0 * area as f64 / edge(sheet, is_in).max(1) as f64;
         // Where other colours meet softly, a thin line of this one may join what is apart.
-        let own = if thickness > SOFT { regions(&eroded(sheet, is_in), &|c| c == 1, true).0 } else { regions(sheet, is_in, true).0 };
+        let own =
+            if thickness > SOFT { regions(&eroded(sheet, is_in), &|c| c == 1, true).0 } else { regions(sheet, is_in, true).0 };
         let own_area: usize = own.iter().map(|r| r.area).sum();
         let side = sheet.width.max(sheet.height);
         let far: usize = own.iter().filter(|r| 5 * r.length() >= side).map(|r| r.area).sum();
-        let mean = |of: &dyn Fn(&Region) -> f64| {
-            own.iter().map(|r| r.area as f64 * of(r)).sum::<f64>() / own_area.max(1) as f64
-        };
+        let mean = |of: &dyn Fn(&Region) -> f64| own.iter().map(|r| r.area as f64 * of(r)).sum::<f64>() / own_area.max(1) as f64;
         let least = (4.0 * thickness).powi(2).max(64.0);
         let inner: Vec<Region> = rest.iter().skip(1).filter(|r| r.area as f64 > least).copied().collect();
         Self {
@@ -257,7 +256,15 @@ mod tests {
         let colours = rows.iter().flat_map(|r| r.bytes().map(|b| b - b'0')).collect();
         let sheet = Sheet { width: 7, height: 4, colours };
         let edge = |of: u8, with: u8| {
-            shared_edge(&sheet, 1, &|c| if c == of { Side::Own } else if c == with { Side::With } else { Side::Other })
+            shared_edge(&sheet, 1, &|c| {
+                if c == of {
+                    Side::Own
+                } else if c == with {
+                    Side::With
+                } else {
+                    Side::Other
+                }
+            })
         };
         assert!((edge(1, 0) - 9.0 / 12.0).abs() < 1e-9, "{}", edge(1, 0));
         assert!((edge(2, 0) - 5.0 / 8.0).abs() < 1e-9, "{}", edge(2, 0));
@@ -277,7 +284,7 @@ mod tests {
         fn regions_are_those_of_a_flood(bits in proptest::collection::vec(any::<bool>(), 63), by_corners in any::<bool>()) {
             let sheet = Sheet { width: 9, height: 7, colours: bits.iter().map(|&b| u8::from(b)).collect() };
             let mut areas = Vec::new();
-            let mut seen = vec![false; 63];
+            let mut seen = [false; 63];
             for start in 0..63 {
                 if !bits[start] || seen[start] {
                     continue;

@@ -22,6 +22,10 @@ pub(super) fn decode(bytes: &[u8], limits: &PictureLimits) -> Result<Picture, Re
     decoder.set_ignore_iccp_chunk(true);
     decoder.set_transformations(Transformations::EXPAND | Transformations::STRIP_16);
     let mut reader = decoder.read_info().map_err(reason)?;
+    // The decoder takes whole colours for granted.
+    if reader.info().palette.as_ref().is_some_and(|p| p.is_empty() || p.len() % 3 != 0 || p.len() > 768) {
+        return Err(broken("its palette is not of 1 to 256 whole colours"));
+    }
     let raw_row = reader.info().raw_row_length() as u64;
     let data = data_bytes(bytes);
     // An interlaced picture has more and shorter rows; never less than half in all.
@@ -53,8 +57,7 @@ pub(super) fn decode(bytes: &[u8], limits: &PictureLimits) -> Result<Picture, Re
 }
 
 /// Where Adam7's passes begin and how far they step: column, row, columns apart, rows apart.
-const PASSES: [[usize; 4]; 7] =
-    [[0, 0, 8, 8], [4, 0, 8, 8], [0, 4, 4, 8], [2, 0, 4, 4], [0, 2, 2, 4], [1, 0, 2, 2], [0, 1, 1, 2]];
+const PASSES: [[usize; 4]; 7] = [[0, 0, 8, 8], [4, 0, 8, 8], [0, 4, 4, 8], [2, 0, 4, 4], [0, 2, 2, 4], [1, 0, 2, 2], [0, 1, 1, 2]];
 
 fn read_passes(reader: &mut Reader<Cursor<&[u8]>>, samples: Samples, width: usize, pixels: &mut [u8]) -> Result<(), Reason> {
     let height = pixels.len() / (3 * width);

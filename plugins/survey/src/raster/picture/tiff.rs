@@ -14,14 +14,54 @@ const FORMAT: &str = "TIFF";
 const TAG_BYTES: usize = 8 << 20;
 
 pub(super) fn decode(bytes: &[u8], limits: &PictureLimits) -> Result<Picture, Reason> {
+    match palette_entry(bytes) {
+        // The decoder reads no palettes, but greys of as many bits are the same samples.
+        Some(_) if bytes.len() as u64 > limits.bytes / 2 => Err(unsupported("a palette, in so large a file")),
+        Some(at) => {
+            let mut as_grey = bytes.to_vec();
+            as_grey[at] = 1;
+            decode_as(&as_grey, true, limits)
+        }
+        None => decode_as(bytes, false, limits),
+    }
+}
+
+fn decode_as(bytes: &[u8], has_palette: bool, limits: &PictureLimits) -> Result<Picture, Reason> {
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(reason)?;
-    let sheet = Sheet::read(&mut decoder, bytes, limits)?;
+    let sheet = Sheet::read(&mut decoder, bytes, has_palette, limits)?;
     decoder = decoder.with_limits(piece_limits(limits));
     let mut pixels = blank(sheet.width, sheet.height);
     for chunk in 0..sheet.chunks.len() {
         sheet.read_chunk(chunk, &mut decoder, bytes, limits, &mut pixels)?;
     }
     Ok(Picture { width: sheet.width, height: sheet.height, pixels })
+}
+
+/// Where the first directory says, in one byte, that its samples are numbers of a palette's colours.
+fn palette_entry(bytes: &[u8]) -> Option<usize> {
+    const PHOTOMETRIC: u64 = 262;
+    const PALETTE: u64 = 3;
+    let is_big_end = bytes.first() == Some(&b'M');
+    let number = |at: usize, count: usize| {
+        let part = bytes.get(at..at.checked_add(count)?)?;
+        let join = |n: u64, b: &u8| n << 8 | u64::from(*b);
+        Some(if is_big_end { part.iter().fold(0, join) } else { part.iter().rev().fold(0, join) })
+    };
+    // BigTIFF has wider numbers and places.
+    let is_wide = number(2, 2)? == 43;
+    let (places, counts, entry) = if is_wide { (8, 8, 20) } else { (4, 2, 12) };
+    let directory = usize::try_from(number(if is_wide { 8 } else { 4 }, places)?).ok()?;
+    let count = number(directory, counts)?;
+    let first = directory.checked_add(counts)?;
+    // More entries than the file has bytes end by `number`.
+    for i in 0..usize::try_from(count).ok()? {
+        let at = i.checked_mul(entry)?.checked_add(first)?;
+        if number(at, 2)? == PHOTOMETRIC {
+            let value = at + if is_wide { 12 } else { 8 };
+            return (number(value, 2)? == PALETTE).then_some(if is_big_end { value + 1 } else { value });
+        }
+    }
+    None
 }
 
 /// The sum was checked before; these hold one piece each.
@@ -68,7 +108,7 @@ struct Sheet {
 type Source<'a> = Decoder<Cursor<&'a [u8]>>;
 
 impl Sheet {
-    fn read(decoder: &mut Source, bytes: &[u8], limits: &PictureLimits) -> Result<Self, Reason> {
+    fn read(decoder: &mut Source, bytes: &[u8], has_palette: bool, limits: &PictureLimits) -> Result<Self, Reason> {
         let (width, height) = decoder.dimensions().map_err(reason)?;
         let size = [u64::from(width), u64::from(height)];
         check_size(FORMAT, size[0], size[1], 0, limits)?;
@@ -82,7 +122,7 @@ impl Sheet {
         }
         let colours = decoder.colortype().map_err(reason)?;
         let samples = usize::from(colours.num_samples());
-        let (kind, bits) = Self::kind(decoder, colours, compression == 7)?;
+        let (kind, bits) = Self::kind(decoder, colours, compression == 7, has_palette)?;
         if is_planar && !matches!(kind, Kind::Whole(Samples::Grey | Samples::Rgb)) {
             return Err(unsupported("planes of anything but grey or RGB"));
         }
@@ -104,6 +144,7 @@ impl Sheet {
             Kind::Whole(Samples::Rgb) if is_strip && bits == 8 && !is_planar => 1 << 18,
             _ => 2 * chunk_bytes + (1 << 18),
         };
+        let working = working + if has_palette { bytes.len() as u64 } else { 0 };
         check_size(FORMAT, size[0], size[1], working + 16 * (a_plane * planes) as u64, limits)?;
         let chunks = Self::chunks(decoder, is_strip, a_plane * planes, bytes)?;
         let data: u64 = chunks.iter().map(|c| c.1 as u64).sum();
@@ -116,7 +157,7 @@ impl Sheet {
     }
 
     /// What its samples are, and how many bits each has.
-    fn kind(decoder: &mut Source, colours: ColorType, is_jpeg: bool) -> Result<(Kind, usize), Reason> {
+    fn kind(decoder: &mut Source, colours: ColorType, is_jpeg: bool, has_palette: bool) -> Result<(Kind, usize), Reason> {
         if is_jpeg {
             let tables = match decoder.find_tag(Tag::JPEGTables).map_err(reason)? {
                 Some(tables) => tables.into_u8_vec().map_err(reason)?,
@@ -128,7 +169,15 @@ impl Sheet {
                 other => Err(unsupported(&format!("JPEG-packed samples of kind {other:?}"))),
             };
         }
-        let is_multiplied = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples).ok().flatten().is_some_and(|e| e.first() == Some(&1));
+        if has_palette {
+            let ColorType::Gray(bits @ (1 | 2 | 4 | 8)) = colours else {
+                return Err(unsupported("a palette of more than 256 colours"));
+            };
+            let map = decoder.get_tag_u16_vec(Tag::ColorMap).map_err(reason)?;
+            return Ok((Kind::Palette(usize::from(bits), palette(&map, 1 << bits)?), usize::from(bits)));
+        }
+        let is_multiplied =
+            decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples).ok().flatten().is_some_and(|e| e.first() == Some(&1));
         Ok(match colours {
             ColorType::Gray(bits @ (8 | 16)) => (Kind::Whole(Samples::Grey), usize::from(bits)),
             ColorType::GrayA(bits @ (8 | 16)) | ColorType::Multiband { bit_depth: bits @ (8 | 16), num_samples: 2 } => {
@@ -139,10 +188,6 @@ impl Sheet {
             ColorType::RGBA(bits @ (8 | 16)) => (Kind::Whole(Samples::Rgba), usize::from(bits)),
             ColorType::CMYK(bits @ (8 | 16)) => (Kind::Whole(Samples::Cmyk), usize::from(bits)),
             ColorType::Gray(bits @ (1 | 2 | 4)) => (Kind::PackedGrey(usize::from(bits)), usize::from(bits)),
-            ColorType::Palette(bits @ (1 | 2 | 4 | 8)) => {
-                let map = decoder.get_tag_u16_vec(Tag::ColorMap).map_err(reason)?;
-                (Kind::Palette(usize::from(bits), palette(&map, 1 << bits)?), usize::from(bits))
-            }
             other => return Err(unsupported(&format!("samples of kind {other:?}"))),
         })
     }
@@ -171,7 +216,14 @@ impl Sheet {
         [left, top, self.chunk_size[0].min(self.width - left), self.chunk_size[1].min(self.height - top)]
     }
 
-    fn read_chunk(&self, chunk: usize, decoder: &mut Source, bytes: &[u8], limits: &PictureLimits, pixels: &mut [u8]) -> Result<(), Reason> {
+    fn read_chunk(
+        &self,
+        chunk: usize,
+        decoder: &mut Source,
+        bytes: &[u8],
+        limits: &PictureLimits,
+        pixels: &mut [u8],
+    ) -> Result<(), Reason> {
         let [left, top, width, height] = self.place(chunk);
         let line = 3 * self.width;
         if let Kind::Jpeg { tables, is_plain_rgb } = &self.kind {
