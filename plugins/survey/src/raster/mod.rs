@@ -21,11 +21,14 @@ mod crossing;
 mod ends;
 mod filter;
 mod graph;
+mod guess;
 mod legend;
+mod limits;
 mod measure;
 mod morphology;
 mod outline;
 mod picture;
+mod quantise;
 mod read;
 mod sight;
 mod sketch;
@@ -34,8 +37,11 @@ mod thinning;
 mod trace;
 
 pub use bitmap::Bitmap;
-pub use legend::{Legend, LegendColour, MapClass};
-pub use picture::Picture;
+pub use guess::{Guess, guess, guess_legend};
+pub use legend::{Legend, LegendColour, LegendError, MapClass};
+pub use limits::PictureLimits;
+pub use picture::{Picture, PictureError};
+pub use quantise::{MOST_SWATCHES, Swatch, nearest_table, swatches, table_index};
 pub use thinning::{thinned, thinned_portably};
 
 use crate::log::Log;
