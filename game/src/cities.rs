@@ -75,7 +75,9 @@ fn cached(input: &Input) -> Result<PathBuf, Failure> {
     hasher.update(&veduta_bake::PARTITION_VERSION.to_le_bytes());
     hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
     let read = |path: &Path| std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()));
-    hasher.update(&read(&input.path)?);
+    for file in input.files() {
+        hasher.update(&read(&file)?);
+    }
     let overrides = overrides_beside(&input.path);
     if input.kind != InputKind::Plan && overrides.exists() {
         hasher.update(&read(&overrides)?);

@@ -26,7 +26,7 @@ pub enum BakeError {
     },
     /// The input is of no known kind.
     #[error(
-        "{0}: not a map that can be baked; give an OpenStreetMap extract (.osm, .osm.gz, .osm.pbf, Overpass .json), a vector map (.geojson, .shp, .map.ron), a city graph (.graph.ron), a plan (.plan.ron), a description (.words.ron) or a folder with a .graph.ron"
+        "{0}: not a map that can be baked; give an OpenStreetMap extract (.osm, .osm.gz, .osm.pbf, Overpass .json), a vector map (.geojson, .shp, .map.ron), a picture of a street map (.png, .jpg, .tif, .webp), a city graph (.graph.ron), a plan (.plan.ron), a description (.words.ron) or a folder with a .graph.ron"
     )]
     UnknownKind(PathBuf),
     /// A scene folder without a graph or map, or with several.
@@ -51,6 +51,12 @@ pub enum BakeError {
     /// The map could not be surveyed.
     #[error("{0}")]
     Survey(#[from] veduta_survey::SurveyError),
+    /// The picture could not be decoded.
+    #[error("{0}")]
+    Picture(#[from] veduta_survey::raster::PictureError),
+    /// The legend of a raster map has a mistake.
+    #[error("{0}")]
+    Legend(#[from] veduta_survey::raster::LegendError),
     /// The graph is not one that can be grown, or, where the file is one of overrides, not any more after its edits.
     #[error("{path}: {}", list(.errors))]
     Graph {

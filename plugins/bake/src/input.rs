@@ -2,8 +2,10 @@ use std::path::{Path, PathBuf};
 
 use veduta_city::file;
 use veduta_survey::Date;
+use veduta_survey::raster::Picture;
 
 use crate::BakeError;
+use crate::raster_map::RasterMap;
 use crate::vector_map::{VectorMap, is_layer_name, looks_like_layer};
 
 /// Something that can be baked.
@@ -15,6 +17,8 @@ pub struct Input {
     pub kind: InputKind,
     /// The layers of a vector map, and how they are to be read; of nothing else.
     pub vector: Option<VectorMap>,
+    /// How a raster map is to be read; of nothing else.
+    pub raster: Option<RasterMap>,
 }
 
 /// What an input is.
@@ -24,6 +28,8 @@ pub enum InputKind {
     Osm,
     /// A vector map: GeoJSON, Shapefiles, a `.map.ron` or a folder with any of them.
     Vector,
+    /// A picture of a street map.
+    Raster,
     /// A city graph in RON.
     Graph,
     /// A city plan in RON.
@@ -61,14 +67,18 @@ impl Input {
             match () {
                 () if veduta_survey::looks_like_osm(&head) => InputKind::Osm,
                 () if looks_like_layer(&head) => return Ok(Self::vector(path, VectorMap::of_layers([path.to_owned()]))),
+                () if Picture::looks_like_picture(&head) => {
+                    let raster = Some(RasterMap::default());
+                    return Ok(Self { path: path.to_owned(), kind: InputKind::Raster, vector: None, raster });
+                }
                 () => return Err(BakeError::UnknownKind(path.to_owned())),
             }
         };
-        Ok(Self { path: path.to_owned(), kind, vector: None })
+        Ok(Self { path: path.to_owned(), kind, vector: None, raster: None })
     }
 
     fn vector(path: &Path, map: VectorMap) -> Self {
-        Self { path: path.to_owned(), kind: InputKind::Vector, vector: Some(map) }
+        Self { path: path.to_owned(), kind: InputKind::Vector, vector: Some(map), raster: None }
     }
 
     /// What several paths are: one of them by itself, more of them the layers of one vector map.
@@ -112,6 +122,16 @@ impl Input {
         Ok(())
     }
 
+    /// How this raster map is to be read.
+    ///
+    /// # Errors
+    /// If this is no raster map.
+    pub fn raster_mut(&mut self) -> Result<&mut RasterMap, BakeError> {
+        let detail = "a legend, a scale and colours are for pictures of maps, which this is not".to_owned();
+        let path = self.path.clone();
+        self.raster.as_mut().ok_or(BakeError::Option { path, detail })
+    }
+
     fn vector_mut(&mut self, what: &str) -> Result<&mut VectorMap, BakeError> {
         let detail = format!("{what} is for vector maps (GeoJSON, Shapefiles), which this is not");
         let path = self.path.clone();
@@ -123,6 +143,7 @@ impl Input {
     pub fn files(&self) -> Vec<PathBuf> {
         let own = self.path.is_file().then(|| self.path.clone());
         let mut files: Vec<PathBuf> = own.into_iter().chain(self.vector.iter().flat_map(VectorMap::files)).collect();
+        files.extend(self.raster.as_ref().and_then(|map| map.files(&self.path)));
         files.sort();
         files.dedup();
         files
@@ -162,7 +183,7 @@ fn scene(dir: &Path) -> Result<Input, BakeError> {
     let named = |ending: &str| paths.iter().filter(|p| p.to_string_lossy().ends_with(ending)).cloned().collect::<Vec<_>>();
     let (graphs, maps) = (named(".graph.ron"), named(".map.ron"));
     match (graphs.as_slice(), maps.as_slice()) {
-        ([path], _) => Ok(Input { path: path.clone(), kind: InputKind::Graph, vector: None }),
+        ([path], _) => Ok(Input { path: path.clone(), kind: InputKind::Graph, vector: None, raster: None }),
         ([], [path]) => Input::of(path),
         ([], []) => {
             let layers: Vec<PathBuf> = paths.into_iter().filter(|p| p.is_file() && is_layer_name(p)).collect();

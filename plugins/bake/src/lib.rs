@@ -1,7 +1,7 @@
 //! The pipeline from map to city, and the `veduta-bake` program.
 //!
 //! ```text
-//!  OSM, GeoJSON, Shapefile ─survey─► graph ─overrides─► grow ─► plan ─► partition ─► cells ─► packets ─► DIR.city
+//!  OSM, GeoJSON, Shapefile, picture ─survey─► graph ─overrides─► grow ─► plan ─► partition ─► cells ─► packets ─► DIR.city
 //!                    *.graph.ron ──┘                  *.plan.ron ──┘
 //! ```
 //!
@@ -27,6 +27,7 @@ mod enlarge;
 mod error;
 mod input;
 mod pipeline;
+mod raster_map;
 mod scene;
 mod svg;
 mod terrain;
@@ -36,6 +37,7 @@ pub use enlarge::enlarged;
 pub use error::BakeError;
 pub use input::{Input, InputKind};
 pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, bake_input, cut, plan, survey, survey_bare};
+pub use raster_map::{RasterMap, RasterSurvey};
 pub use scene::overrides_beside;
 pub use svg::map_svg;
 pub use terrain::lay_on_ground;

@@ -118,6 +118,10 @@ fn read_graph(input: &Input) -> Result<(CityGraph, Vec<Finding>), BakeError> {
             let survey = map.survey(&name)?;
             (survey.graph, survey.findings)
         }
+        InputKind::Raster => {
+            let survey = input.raster.clone().unwrap_or_default().survey(&input.path)?;
+            (survey.graph, survey.findings)
+        }
         InputKind::Graph => (file::read::<CityGraph>(&input.path)?, Vec::new()),
         InputKind::Words => {
             let survey = veduta_survey::survey_words(&file::read(&input.path)?)?;

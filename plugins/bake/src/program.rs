@@ -47,6 +47,9 @@ enum Command {
         /// Write GeoJSON in degrees of longitude and latitude.
         #[arg(long, requires = "geojson")]
         degrees: bool,
+        /// Print the seconds that each step took on a picture of a map, as one line of JSON.
+        #[arg(long)]
+        timings: bool,
         /// Terrain model that gives nodes their elevation: ESRI ASCII grid, SRTM .hgt or GeoTIFF, also in .zip or .gz; a .prj
         /// beside it tells its coordinate system where it does not do so itself.
         #[arg(long, value_name = "FILE")]
@@ -130,13 +133,37 @@ pub(crate) fn run() -> ExitCode {
 fn command(arguments: Arguments) -> Result<(), Failure> {
     let quiet = arguments.quiet;
     match arguments.command {
-        Command::Survey { source, output, geojson, degrees, terrain, surface } => {
-            let (mut graph, mut findings) = survey_bare(&source.input()?)?;
+        Command::Survey { source, output, geojson, degrees, timings, terrain, surface } => {
+            let began = Instant::now();
+            let mut extent_m = None;
+            let mut seconds = Vec::new();
+            let input = source.input()?;
+            let (mut graph, mut findings) = match &input.raster {
+                Some(raster) => {
+                    let survey = raster.survey(&input.path)?;
+                    if survey.is_guessed {
+                        let path = legend_beside(&output);
+                        file::write_text(&survey.legend_ron, &path)?;
+                        println!("{}: the legend as guessed; correct it and give it by --legend", path.display());
+                    }
+                    extent_m = Some(survey.extent_m);
+                    seconds = survey.seconds;
+                    (survey.graph, survey.findings)
+                }
+                None => survey_bare(&input)?,
+            };
+            let surveyed = began.elapsed();
             findings.extend(lay_on_ground(&mut graph, terrain.as_deref(), surface.as_deref())?);
             file::write(&graph, &output)?;
             if let Some(path) = geojson {
-                let settings = GeoJsonSettings { degrees, ..GeoJsonSettings::default() };
+                let settings = GeoJsonSettings { degrees, extent_m };
                 file::write_text(&to_geojson(&graph, &settings), &path)?;
+            }
+            if timings {
+                seconds.push(("total", seconds.iter().filter(|(step, _)| *step != "decode").map(|(_, s)| s).sum()));
+                seconds.push(("write", (began.elapsed() - surveyed).as_secs_f64()));
+                let steps: serde_json::Map<_, _> = seconds.into_iter().map(|(step, s)| (step.to_owned(), s.into())).collect();
+                println!("{}", serde_json::Value::Object(steps));
             }
             report(&findings, quiet, false);
             println!(
@@ -214,6 +241,13 @@ fn bake_city(
         println!("{}: {}; {total_s:.1} s ({})", output.display(), baked.stats, stages.join(", "));
     }
     Ok(())
+}
+
+/// `X.legend.ron` beside a graph `X.…`.
+fn legend_beside(graph: &Path) -> PathBuf {
+    let name = graph.file_name().unwrap_or_default().to_string_lossy();
+    let stem = name.strip_suffix(".graph.ron").or_else(|| name.strip_suffix(".ron")).unwrap_or(&name).to_owned();
+    graph.with_file_name(format!("{stem}.legend.ron"))
 }
 
 /// `X.city` beside an input `X.…`.

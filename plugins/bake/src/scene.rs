@@ -18,6 +18,12 @@ pub fn overrides_beside(input: &Path) -> PathBuf {
         ".osm.bz2",
         ".osm",
         ".pbf",
+        ".png",
+        ".jpg",
+        ".jpeg",
+        ".tif",
+        ".tiff",
+        ".webp",
         ".json.gz",
         ".json",
     ];

@@ -17,9 +17,24 @@ pub(crate) struct Source {
     /// Which attributes of a vector map mean what (RON).
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
+    /// What the colours of a picture stand for (RON or JSON); guessed if not given and no X.legend.ron lies beside it.
+    #[arg(long, value_name = "FILE")]
+    legend: Option<PathBuf>,
+    /// Size of a picture's pixels in metres; the legend's if not given, else guessed by the width of its streets.
+    #[arg(long, value_name = "METRES", value_parser = scale)]
+    metres_per_pixel: Option<f64>,
+    /// Reduce a picture to so many colours before its legend is guessed.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=64))]
+    colours: Option<u16>,
     /// When to show a vector map whose features have dates: 1876, 1876-05 or 1876-05-12.
     #[arg(long)]
     date: Option<Date>,
+}
+
+/// A size of pixels that a street map can have.
+fn scale(text: &str) -> Result<f64, String> {
+    let metres: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
+    if (0.02..=20.0).contains(&metres) { Ok(metres) } else { Err("a street map has between 0.02 and 20 metres a pixel".to_owned()) }
 }
 
 impl Source {
@@ -31,6 +46,12 @@ impl Source {
         }
         if let Some(date) = &self.date {
             input.set_date(date.clone())?;
+        }
+        if self.legend.is_some() || self.metres_per_pixel.is_some() || self.colours.is_some() {
+            let raster = input.raster_mut()?;
+            raster.legend.clone_from(&self.legend);
+            raster.metres_per_pixel = self.metres_per_pixel;
+            raster.colours = self.colours.map(usize::from);
         }
         Ok(input)
     }

@@ -56,6 +56,24 @@ pub struct RasterSettings {
     pub threads: usize,
 }
 
+/// The metres a pixel by which a map's streets are as wide as streets are: half of their length at least 9 m. Nothing
+/// where it shows no street.
+#[must_use]
+pub fn scale_by_streets(picture: &Picture, legend: &Legend) -> Option<f64> {
+    const ORDINARY_M: f64 = 9.0;
+    const FIRST_GUESS: f64 = 0.5;
+    let reading = read::read_map(picture, legend, FIRST_GUESS, 1, &mut |_| ());
+    let mut streets: Vec<(f64, f64)> = reading.streets.iter().map(|(line, width)| (*width, sketch::length(line))).collect();
+    streets.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = streets.iter().map(|s| s.1).sum::<f64>() / 2.0;
+    let mut gone = 0.0;
+    let median = streets.iter().find(|street| {
+        gone += street.1;
+        gone >= half
+    })?;
+    (median.0 > 0.0).then(|| ORDINARY_M / (median.0 / FIRST_GUESS))
+}
+
 /// Makes a city graph of a street map's picture. `name` is the file's name; `done` is told the name of each step as it
 /// ends. Plan (0, 0) is the picture's lower left corner.
 ///

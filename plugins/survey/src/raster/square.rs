@@ -16,8 +16,10 @@ use super::morphology::grown;
 use super::outline::{Corners, Outline, outlines, simplified_ring};
 use super::sketch::{Sketch, SketchNode, SketchStreet, length};
 
-/// Least radius of the largest disc in a square, metres.
-const LEAST_RADIUS_M: f64 = 8.0;
+/// Least and greatest radius of the largest disc in a square, metres.
+const RADIUS_M: core::ops::Range<f64> = 8.0..150.0;
+/// Rooms of a larger radius are not looked at, pixels: at scales where a square is so large, letters are as wide as streets.
+const MOST_RADIUS_PX: f64 = 160.0;
 /// The disc whose reach is a square's region, in radii of the largest.
 const REGION_RADII: f64 = 0.72;
 /// Least area of a square, in areas covered by the streets that enter it.
@@ -34,10 +36,14 @@ pub(crate) struct FoundSquare {
 pub(crate) fn squares(sketch: &mut Sketch, paved: &Bitmap, margin: i32, mpp: f64) -> Vec<FoundSquare> {
     let mut taken = Bitmap::new(paved.width(), paved.height());
     let mut found = Vec::new();
+    let mut examined: Vec<(DVec2, f64)> = Vec::new();
     for (at, radius) in candidates(sketch, mpp) {
-        if taken.get(at.x as isize, at.y as isize) {
+        // The roomiest place of an open space speaks for it.
+        let is_known = examined.iter().any(|(other, room)| other.distance(at) < 0.6 * room && radius > 0.6 * room);
+        if is_known || taken.get(at.x as isize, at.y as isize) {
             continue;
         }
+        examined.push((at, radius));
         let Some(region) = Region::around(sketch, paved, at, radius, margin) else { continue };
         if region.is_square(sketch, radius) {
             region.add_to(&mut taken);
@@ -55,7 +61,7 @@ fn candidates(sketch: &Sketch, mpp: f64) -> Vec<(DVec2, f64)> {
     let at = sketch.ends();
     let mut result: Vec<(DVec2, f64)> = Vec::new();
     for (node, ends) in sketch.nodes.iter().zip(&at) {
-        if node.radius * mpp < LEAST_RADIUS_M {
+        if !RADIUS_M.contains(&(node.radius * mpp)) || node.radius > MOST_RADIUS_PX {
             continue;
         }
         let narrow: Vec<f64> = ends.iter().map(|&(i, _)| sketch.streets[i].half).filter(|h| *h < 0.85 * node.radius).collect();
