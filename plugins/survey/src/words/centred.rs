@@ -43,6 +43,11 @@ fn by_size(words: &CityWords, least: f64, metres: f64, most: f64) -> u32 {
     libm::round(words.size_m() / 2.0 / metres + least).min(most) as u32
 }
 
+/// Boulevards of a small town are not as broad as a city's.
+fn broad(words: &CityWords) -> f64 {
+    (words.size_m() / 800.0).clamp(0.55, 1.0)
+}
+
 fn old_mains(crooked: f64) -> Mains {
     Mains { role: Role::Street(StreetClass::Street), width_m: 9.5, crooked, clear_m: 17.0 }
 }
@@ -78,8 +83,7 @@ pub(super) fn medieval(words: &CityWords, edge: TownEdge, gates: Option<u32>, cr
 /// Boulevards from a central square, and rings about it.
 pub(super) fn radial(words: &CityWords, boulevards: Option<u32>, rings: Option<u32>, block_m: f64) -> Town {
     let count = rings.unwrap_or_else(|| by_size(words, 1.0, 270.0, 7.0));
-    // Boulevards of a small town are not as broad as a city's.
-    let broad = (words.size_m() / 800.0).clamp(0.55, 1.0);
+    let broad = broad(words);
     // The outermost ring lies a little inside the border, the others closer to one another towards the middle.
     let ring = |n: u32| {
         let t = f64::from(n + 1) / f64::from(count);
@@ -110,7 +114,7 @@ pub(super) fn radial(words: &CityWords, boulevards: Option<u32>, rings: Option<u
 /// A medieval core within a ring street, and a newer town round it.
 pub(super) fn mixed(words: &CityWords, core: f64, roads: Option<u32>, crooked: f64, outside: Outside, block_m: f64) -> Town {
     let half = words.size_m() / 2.0;
-    let mut rings = vec![(core, StreetClass::Main, 22.0)];
+    let mut rings = vec![(core, StreetClass::Main, 22.0 * broad(words))];
     if half * (1.0 - core) > 420.0 {
         rings.push(((1.0 + 2.0 * core) / 3.0, StreetClass::Main, 17.0));
     }
@@ -167,8 +171,14 @@ fn centred(words: &CityWords, plan: &Centred<'_>) -> Town {
     lay_mains(&mut town, words, plan);
     for &(share, class, width_m) in &plan.rings {
         let way = town.fabric.add_way(Role::Street(class), width_m, false);
-        let fit =
-            Fit { clear_m: width_m / 2.0 + 14.0, least_m2: 700.0, least_width_m: 16.0, least_angle: 0.7, gap_m: width_m + 10.0 };
+        let fit = Fit {
+            width_m,
+            clear_m: width_m / 2.0 + 14.0,
+            least_m2: 700.0,
+            least_width_m: 16.0,
+            least_angle: 0.7,
+            gap_m: width_m + 10.0,
+        };
         ring_street(&mut town.fabric, &shape, share, way, &fit);
     }
     for face in 0..town.fabric.faces.len() {

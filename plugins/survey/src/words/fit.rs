@@ -3,12 +3,14 @@
 
 use glam::DVec2;
 
-use super::fabric::{End, Fabric, FaceId};
+use super::fabric::{End, Fabric, FaceId, Spot, ring_edges};
 use crate::polygon::{edges, perimeter_m, signed_area};
 
 /// What a line has to keep to.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fit {
+    /// Width of the street, metres; with half of it, it keeps off half the width of streets that it does not meet.
+    pub width_m: f64,
     /// Least distance to other lines but near its ends, metres.
     pub clear_m: f64,
     /// Least area on each side, square metres.
@@ -85,7 +87,7 @@ impl Fabric {
             }
         }
         let outline = self.outline(face);
-        if self_crosses(&line) || !has_room(&line, length_m, &outline, fit.clear_m) {
+        if self_crosses(&line) || !has_room(&line, length_m, &outline, fit.clear_m) || !self.keeps_off(face, from, to, &line, fit) {
             return None;
         }
         let (a, b) = (signed_area(&left), signed_area(&right));
@@ -101,6 +103,49 @@ impl Fabric {
             End::At(spot) => {
                 let around = self.neighbours(spot);
                 around.len() < MOST_EDGES && around.iter().all(|&n| keeps(self.pos(n) - self.pos(spot)))
+            }
+        }
+    }
+
+    /// Whether a line keeps its own width off all streets round the face but those it ends on.
+    fn keeps_off(&self, face: FaceId, from: End, to: End, line: &[DVec2], fit: &Fit) -> bool {
+        let ring = self.ring(face);
+        let met: Vec<bool> = [from, to].into_iter().fold(vec![false; ring.len()], |mut met, end| {
+            self.mark_met(ring, end, &mut met);
+            met
+        });
+        ring_edges(ring).zip(met).filter(|(_, met)| !met).all(|((a, b), _)| {
+            let width = self.way(a, b).map_or(0.0, |w| w.width_m);
+            let need = (fit.width_m + width) / 2.0 + 0.5;
+            let edge = (self.pos(a), self.pos(b));
+            line.windows(2).all(|w| distance((w[0], w[1]), edge) >= need)
+        })
+    }
+
+    /// Marks the edges of a ring, by their first vertices, that belong to a street on which a line ends: from its end to the next
+    /// junction either way.
+    fn mark_met(&self, ring: &[Spot], end: End, met: &mut [bool]) {
+        let n = ring.len();
+        let (first, last) = match end {
+            End::At(spot) => {
+                let Some(i) = ring.iter().position(|&s| s == spot) else { return };
+                (i, (i + n - 1) % n)
+            }
+            End::On(a, ..) => {
+                let Some(i) = ring.iter().position(|&s| s == a) else { return };
+                (i, i)
+            }
+        };
+        for k in 0..n {
+            met[(first + k) % n] = true;
+            if self.is_junction(ring[(first + k + 1) % n]) {
+                break;
+            }
+        }
+        for k in 0..n {
+            met[(last + n - k) % n] = true;
+            if self.is_junction(ring[(last + n - k) % n]) {
+                break;
             }
         }
     }
@@ -186,7 +231,7 @@ mod tests {
     use super::*;
     use crate::words::fabric::{Role, Way};
 
-    const FIT: Fit = Fit { clear_m: 20.0, least_m2: 500.0, least_width_m: 12.0, least_angle: 0.9, gap_m: 15.0 };
+    const FIT: Fit = Fit { width_m: 6.0, clear_m: 20.0, least_m2: 500.0, least_width_m: 12.0, least_angle: 0.9, gap_m: 15.0 };
 
     fn room() -> Fabric {
         let border = [(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)].map(|(x, y)| DVec2::new(x, y));

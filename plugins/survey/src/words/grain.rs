@@ -84,6 +84,7 @@ fn fit(grain: &Grain<'_>, room: f64) -> Fit {
     let side = libm::sqrt(grain.block_m2);
     let (wide, narrow) = (grain.streets[0].1, grain.streets[1].1);
     Fit {
+        width_m: wide * 1.14,
         clear_m: (side * 0.48 * room).max((wide + narrow) / 2.0 + 12.0),
         least_m2: (grain.block_m2 * 0.42 * room).max(450.0),
         least_width_m: (side * 0.4 * room).max(wide + 10.0),

@@ -9,6 +9,7 @@ use veduta_city::{Block, BlockKind, Id, Ring, Square, Surfacing};
 use super::description::{CityWords, District, Part, Plan};
 use super::fabric::{Fabric, FaceId, Role, Spot, Use, ring_edges};
 use super::grain;
+use super::landmarks::church;
 use super::layout::Town;
 use super::network::Streets;
 use crate::polygon::{Polygon, difference, even_odd, perimeter_m, signed_area};
@@ -118,7 +119,10 @@ pub(super) fn choose_church(town: &mut Town) -> Option<FaceId> {
         (CHURCH_M2.0..=CHURCH_M2.1).contains(&area) && 2.0 * area / perimeter_m(&fabric.outline(f)) > 0.36 * libm::sqrt(area)
     };
     let away = |f: FaceId| fabric.middle(f).distance(square);
-    let face = free(fabric).into_iter().filter(may).min_by(|&a, &b| away(a).total_cmp(&away(b)))?;
+    let mut near: Vec<FaceId> = free(fabric).into_iter().filter(may).collect();
+    near.sort_by(|&a, &b| away(a).total_cmp(&away(b)));
+    let has_room = |f: FaceId| matches!(between_streets(fabric, f).as_slice(), [ground] if church(ground, "", 0).is_some());
+    let face = near.into_iter().take(12).find(|&f| has_room(f))?;
     town.fabric.faces[face].use_ = Use::Monument;
     Some(face)
 }

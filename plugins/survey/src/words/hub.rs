@@ -34,7 +34,14 @@ pub(super) struct Mains {
 
 impl Mains {
     fn fit(&self) -> Fit {
-        Fit { clear_m: self.clear_m, least_m2: 700.0, least_width_m: 15.0, least_angle: 0.6, gap_m: self.width_m + 8.0 }
+        Fit {
+            width_m: self.width_m,
+            clear_m: self.clear_m,
+            least_m2: 700.0,
+            least_width_m: 15.0,
+            least_angle: 0.6,
+            gap_m: self.width_m + 8.0,
+        }
     }
 }
 

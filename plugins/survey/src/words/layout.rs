@@ -111,7 +111,7 @@ fn diagonal(town: &mut Town, through: DVec2, dir: DVec2, border: &[DVec2]) {
     if crossings(border, through, dir).len() != 2 {
         return;
     }
-    let fit = Fit { clear_m: 30.0, least_m2: 2_500.0, least_width_m: 30.0, least_angle: 0.5, gap_m: 34.0 };
+    let fit = Fit { width_m: 20.0, clear_m: 30.0, least_m2: 2_500.0, least_width_m: 30.0, least_angle: 0.5, gap_m: 34.0 };
     let way = town.fabric.add_way(Role::Street(StreetClass::Main), 20.0, true);
     for face in 0..town.fabric.faces.len() {
         let fabric = &mut town.fabric;

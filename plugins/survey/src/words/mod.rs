@@ -197,14 +197,10 @@ fn name_ground(
         graph.places.push(place(&block.name, PlaceKind::Other, middle, 40.0));
     } else if Some(ground.face) == church && block.kind == BlockKind::Monument {
         let name = names.church();
-        match landmarks::church(&block.outline, &name, words.seed) {
-            Some(building) => {
-                graph.buildings.push(building);
-                graph.places.push(place(&name, PlaceKind::Monument, middle, 35.0));
-                block.name = name;
-            }
-            None => block.kind = BlockKind::Built,
-        }
+        // The ground was chosen for having room.
+        graph.buildings.extend(landmarks::church(&block.outline, &name, words.seed));
+        graph.places.push(place(&name, PlaceKind::Monument, middle, 35.0));
+        block.name = name;
     }
     block
 }

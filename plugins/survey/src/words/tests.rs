@@ -48,7 +48,7 @@ fn touches(square: &Square, p: DVec2) -> bool {
 fn flaws(graph: &CityGraph) -> Vec<String> {
     let mut out: Vec<String> = graph.validate().iter().map(ToString::to_string).collect();
     let streets = streets(graph);
-    let least = if graph.nodes.len() > 30 { 8 } else { 2 };
+    let least = if graph.nodes.len() > 30 { 5 } else { 2 };
     if streets.len() < 6 || graph.blocks.iter().filter(|b| b.kind == BlockKind::Built).count() < least {
         out.push(format!("{} streets, {} blocks", streets.len(), graph.blocks.len()));
     }
@@ -79,10 +79,8 @@ fn close_streets(streets: &[Street<'_>], out: &mut Vec<String>) {
                 }
                 let (c, d) = (DVec2::from_array(other.geom().from), DVec2::from_array(other.geom().to));
                 let apart = fit::distance((w[0], w[1]), (c, d));
-                if is_joined(streets, s, o, apart) {
-                    continue;
-                }
-                if apart < (s.link.width() + o.link.width()) / 2.0 {
+                let is_close = apart < (s.link.width() + o.link.width()) / 2.0;
+                if is_close && (apart == 0.0 || !is_joined(streets, s, o)) {
                     out.push(format!("{} and {} are {apart:.1} m apart near {}", s.link.name, o.link.name, w[0]));
                 }
             }
@@ -90,15 +88,16 @@ fn close_streets(streets: &[Street<'_>], out: &mut Vec<String>) {
     }
 }
 
-/// Whether two streets come nearest to one another at ends that a third street joins: corners of one block.
-fn is_joined(streets: &[Street<'_>], a: &Street<'_>, b: &Street<'_>, apart: f64) -> bool {
-    let ends = |s: &Street<'_>| [(s.link.from, s.line[0]), (s.link.to, s.line[s.line.len() - 1])];
-    ends(a).into_iter().any(|(m, p)| {
-        ends(b).into_iter().any(|(n, q)| {
-            let joins = |s: &Street<'_>| [(m, n), (n, m)].contains(&(s.link.from, s.link.to));
-            (p.distance(q) - apart).abs() < 0.01 && apart > 9.0 && streets.iter().any(joins)
-        })
-    })
+/// Whether a short street joins ends of two: the three are corners of one block, and how sharp those may be is looked at apart.
+fn is_joined(streets: &[Street<'_>], a: &Street<'_>, b: &Street<'_>) -> bool {
+    let near = 1.1 * (a.link.width() + b.link.width());
+    let ends = |s: &Street<'_>| [s.link.from, s.link.to];
+    let joins = |s: &&Street<'_>| {
+        let [from, to] = ends(s);
+        let (at_a, at_b) = (|n| ends(a).contains(&n), |n| ends(b).contains(&n));
+        (at_a(from) && at_b(to)) || (at_a(to) && at_b(from))
+    };
+    streets.iter().filter(joins).any(|s| s.line.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>() < near)
 }
 
 /// Streets that leave a node at less than 28° to one another.
