@@ -231,7 +231,7 @@ impl Colour {
 
     /// Whether both may be colours of streets on one map: of similar lightness and width, and leading far.
     fn goes_with(&self, other: &Self) -> bool {
-        self.is_alike(other) && self.shape.far_reaching > 0.25 && self.shape.share > 0.004
+        self.is_alike(other) && self.shape.far_reaching > 0.12 && self.shape.share > 0.004
     }
 
     /// The same for a piece of street here and there.
