@@ -1,4 +1,5 @@
-//! Maps to city graph: OpenStreetMap extracts, and vector maps of other sources (GeoJSON, Shapefiles); raster maps to come.
+//! Maps to city graph: OpenStreetMap extracts, vector maps of other sources (GeoJSON, Shapefiles), pictures of street maps
+//! ([`raster`]), and towns described in words ([`survey_words`]).
 //!
 //! ```text
 //!  bytes ──osm──► nodes, ways, relations ──extent──► plan metres ─┬─ lines, network ──► nodes, links

@@ -139,32 +139,49 @@ fn class_of(class: MapClass) -> u8 {
 /// How far a pixel may be from its shade for the fit of the paper, in colour steps.
 const SURE: f32 = 40.0;
 
-/// Ink on tinted, unevenly lit paper: every channel is stretched and shifted, alike for all colours. The fit alternates
-/// between finding the nearest shade of a sample of pixels and the line through the pairs.
+/// How a channel comes out: stretched and shifted.
+type Fit = [(f32, f32); 3];
+
+/// Ink on tinted, unevenly lit paper: every channel is stretched and shifted, alike for all colours. The fit is begun with
+/// the colours as they stand, and with the brightest of them as bright as the picture is; the better one holds.
 fn as_printed(picture: &Picture, shades: &[Shade]) -> Vec<Shade> {
     let sample = sample(picture);
-    let mut fit = [(1.0f32, 0.0f32); 3];
-    for (c, fit) in fit.iter_mut().enumerate() {
+    let plain: Fit = [(1.0, 0.0); 3];
+    let toned: Fit = core::array::from_fn(|c| {
         let brightest = shades.iter().map(|s| s.colour[c]).fold(1.0, f32::max);
         let mut values: Vec<f32> = sample.iter().map(|p| p[c]).collect();
         values.sort_by(f32::total_cmp);
         let high = values.get(values.len() * 19 / 20).copied().unwrap_or(255.0);
-        fit.0 = (high / brightest).clamp(0.6, 1.2);
-    }
-    let printed = |fit: &[(f32, f32); 3]| -> Vec<Shade> {
-        let colour = |s: &Shade| core::array::from_fn(|c| s.colour[c] * fit[c].0 + fit[c].1);
-        shades.iter().map(|s| Shade { class: s.class, colour: colour(s) }).collect()
-    };
-    for _ in 0..6 {
-        let now = printed(&fit);
+        ((high / brightest).clamp(0.6, 1.2), 0.0)
+    });
+    let (plain, toned) = (fitted(&sample, shades, plain), fitted(&sample, shades, toned));
+    let fit = if toned.1 < 0.8 * plain.1 { toned.0 } else { plain.0 };
+    printed(shades, &fit)
+}
+
+fn printed(shades: &[Shade], fit: &Fit) -> Vec<Shade> {
+    let colour = |s: &Shade| core::array::from_fn(|c| s.colour[c] * fit[c].0 + fit[c].1);
+    shades.iter().map(|s| Shade { class: s.class, colour: colour(s) }).collect()
+}
+
+/// Improves a fit by turns: the nearest shade of each pixel, then the line through the pairs. Gives it with how far the
+/// pixels are from their shades; those farther than [`SURE`] count as that.
+fn fitted(sample: &[[f32; 3]], shades: &[Shade], mut fit: Fit) -> (Fit, f32) {
+    const ROUNDS: usize = 6;
+    let mut off = 0.0;
+    for round in 0..=ROUNDS {
+        let now = printed(shades, &fit);
         let mut pairs: Vec<(usize, [f32; 3])> = Vec::new();
-        for pixel in &sample {
+        off = 0.0;
+        for pixel in sample {
             let nearest = now.iter().enumerate().map(|(i, s)| (distance2(*pixel, s.colour), i)).min_by(|a, b| a.0.total_cmp(&b.0));
-            if let Some((_, i)) = nearest.filter(|(d, _)| *d < SURE * SURE) {
+            let Some((distance2, i)) = nearest else { continue };
+            off += distance2.min(SURE * SURE);
+            if distance2 < SURE * SURE {
                 pairs.push((i, *pixel));
             }
         }
-        if pairs.is_empty() {
+        if pairs.is_empty() || round == ROUNDS {
             break;
         }
         let n = pairs.len() as f32;
@@ -179,7 +196,7 @@ fn as_printed(picture: &Picture, shades: &[Shade]) -> Vec<Shade> {
             fit.1 = mean_y - fit.0 * mean_x;
         }
     }
-    printed(&fit)
+    (fit, off)
 }
 
 /// Some 16,000 pixels from all over a picture.

@@ -156,7 +156,7 @@ fn streets(sheet: &Sheet, found: &[Colour], paper: [u8; 3], notes: &mut Notes) -
     if best.1 >= LEAST_NETWORK {
         let set = best.0;
         let more = |&i: &usize| !set.contains(&i) && set.iter().any(|&s| found[i].runs_with(&found[s]));
-        let more: Vec<usize> = starts.iter().copied().filter(more).filter(|&i| edge_with(sheet, found, i, &set) < 0.5).collect();
+        let more: Vec<usize> = starts.iter().copied().filter(more).filter(|&i| edge_with(sheet, found, i, &set) < 0.42).collect();
         return [set, more].concat();
     }
     // A small town in the middle of a large sheet: the land around counts for nothing.
@@ -231,7 +231,7 @@ impl Colour {
 
     /// Whether both may be colours of streets on one map: of similar lightness and width, and leading far.
     fn goes_with(&self, other: &Self) -> bool {
-        self.is_alike(other) && self.shape.far_reaching > 0.25 && self.shape.share > 0.004
+        self.is_alike(other) && self.shape.far_reaching > 0.12 && self.shape.share > 0.004
     }
 
     /// The same for a piece of street here and there.

@@ -1,15 +1,32 @@
 //! Raster maps: from a picture of streets to a city graph.
 //!
 //! ```text
-//!  picture ─ legend ─► classify ─► clean ────────────► skeleton ─► trace ─► sketch ─┬─ squares ─┐
-//!  (RGB)               (a bitmap   (labels looked       (Zhang–     (nodes,  (pruned, │  crossing ├─► links, squares
-//!                       a class)    through, noise      Suen)        lines)  measured)└─ ends ────┘
-//!                          │        absorbed) ─► blocks: what is left between streets and courses
-//!                          └─► courses: rivers and railways, at a quarter of the resolution
+//!  bytes ──Picture::decode──► RGB ──swatches──► its few colours ──guess──► Legend + findings ──► a person corrects it
+//!  (PNG, JPEG, TIFF, WebP)     │                                  or Legend::parse ◄──────────── (RON, or JSON)
+//!                              ▼                                            │
+//!    ┌──────────────────── classify ◄───────────────────────────────────────┘
+//!    │                     (a bitmap a class)
+//!    │
+//!    ├─► clean ──────────► skeleton ─► trace ──► sketch ──┬─ squares  ─┐
+//!    │   (labels looked    (Zhang–     (nodes,   (pruned, ├─ crossing ─┼─► links, squares ─┐
+//!    │    through, noise    Suen)       lines)   measured)└─ ends ─────┘                   ├─► CityGraph
+//!    │    absorbed) ─────► blocks: what is left between streets and courses ──────────────┤
+//!    └─► courses: rivers and railways, at a quarter of the resolution ────────────────────┘
 //! ```
 //!
 //! Everything is done on bitmaps of one bit a pixel, 64 pixels a word, or on the few pixels of the skeleton; a distance is
 //! measured where it is asked for and nowhere else.
+//!
+//! # Limits
+//! Streets and squares are told by colour: a map of outlines alone, whose streets and blocks are both bare paper, is not
+//! read. Squares of more than 160 pixels from the middle to the wall are not found. A street has one width.
+//!
+//! # Rejected
+//! The `image` crate as a front to the same decoders: it copies JPEG and TIFF once more, takes neither palettes nor JPEG in
+//! TIFF, lets cut-off JPEG pass, and cannot say what a decoder will need. Guessing by hue alone: black streets on white and
+//! white streets on black differ in nothing else than in how they lie. A distance transform of the whole map: widths are
+//! asked for at a few places only. Squares as hulls of loops of short streets, as the papers have them: a region of the
+//! picture keeps its shape.
 
 mod bitmap;
 mod blocks;

@@ -87,7 +87,7 @@ fn pngs() -> Vec<Bad> {
         bad("png: no palette", of(64, 48, 8, 3)),
         bad("png: palette of half a colour", png(&[ihdr(64, 48, 8, 3, 0), chunk(b"PLTE", &[1, 2, 3, 4]), data.clone()])),
         bad("png: palette of 16 MiB", png(&[ihdr(64, 48, 8, 3, 0), chunk(b"PLTE", &vec![7; 3 << 22]), data.clone()])),
-        bad("png: no header", png(std::slice::from_ref(&data))),
+        bad("png: no header", png(core::slice::from_ref(&data))),
         bad("png: no data", png(&[ihdr(64, 48, 8, 2, 0)])),
         bad("png: data that are not packed", png(&[ihdr(64, 48, 8, 2, 0), chunk(b"IDAT", &shades(3000))])),
         bad("png: filter 9", png(&[ihdr(64, 48, 8, 0, 0), chunk(b"IDAT", &zlib(&[9; 65 * 48]))])),

@@ -69,7 +69,8 @@ pub(super) fn class_of(colour: &Colour, network: &Shape, paper: [u8; 3], is_outl
     let [chroma, hue] = chroma_and_hue(on_white(colour.rgb, paper));
     let reach = if is_outlined { network.thickness.min(15.0) } else { network.thickness };
     let is_spots = shape.far_reaching < 0.05 && shape.region_area < (2.5 * reach).powi(2);
-    let is_strokes = shape.far_reaching < 0.3 && shape.share < 0.08 && shape.thickness < 0.3 * reach;
+    let is_fine = shape.thickness < 0.3 * reach && shape.region_area < (4.0 * reach).powi(2);
+    let is_strokes = is_fine && shape.far_reaching < 0.3 && shape.share < 0.08;
     let is_leafy = chroma > 0.03 && (105.0..178.0).contains(&hue);
     let is_watery = chroma > 0.025 && (178.0..285.0).contains(&hue);
     let is_long = shape.region_length.powi(2) > 8.0 * shape.region_area;

@@ -47,6 +47,10 @@ fn decode_as(bytes: &[u8], out: ColorSpace, limits: &PictureLimits) -> Result<Pi
         .jpeg_set_out_colorspace(out);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(reason)?;
+    if decoder.input_colorspace() == Some(ColorSpace::RGB) {
+        // It says itself that there is nothing to turn.
+        decoder.set_options(options.jpeg_set_out_colorspace(ColorSpace::RGB));
+    }
     let (width, height) = (usize::from(header.width), usize::from(header.height));
     let mut pixels = blank(width, height);
     // The decoder reads the same header; if it disagrees, the sizes of the buffers do.

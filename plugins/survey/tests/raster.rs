@@ -1,0 +1,199 @@
+//! Pictures of towns, drawn here, whose streets are known; and the real maps of the shared test data.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec2;
+use veduta_city::{BlockKind, CityGraph, LinkKind, NodeKind, StreetClass};
+use veduta_survey::raster::{Legend, Picture, PictureLimits, RasterSettings, guess_legend, scale_by_streets, survey_raster};
+
+const SIZE: usize = 640;
+const METRES: f64 = 0.5;
+
+const STREET: [u8; 3] = [255, 254, 248];
+const BUILT: [u8; 3] = [226, 211, 190];
+const PARK: [u8; 3] = [181, 213, 158];
+const WATER: [u8; 3] = [157, 198, 226];
+const INK: [u8; 3] = [38, 34, 36];
+
+const LEGEND: &str = r#"{ "metres_per_pixel": 0.5, "classes": { "street": [[255, 254, 248]], "built": [[226, 211, 190]],
+    "park": [[181, 213, 158]], "water": [[157, 198, 226]], "railroad": [[112, 78, 140]], "label": [[38, 34, 36]] } }"#;
+
+/// Streets of a picture, in pixels with y down: ends and width.
+const STREETS: &[([f64; 2], [f64; 2], f64)] = &[
+    // Two avenues through the picture, two streets across them, one at a slant.
+    ([0.0, 160.0], [640.0, 160.0], 24.0),
+    ([0.0, 480.0], [640.0, 480.0], 24.0),
+    ([160.0, 0.0], [160.0, 640.0], 16.0),
+    ([420.0, 0.0], [420.0, 640.0], 12.0),
+    ([160.0, 160.0], [420.0, 480.0], 14.0),
+    // A blind alley from the first street.
+    ([160.0, 330.0], [70.0, 330.0], 9.0),
+];
+
+fn distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let along = b - a;
+    let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    p.distance(a + along * t)
+}
+
+/// A town with a square of 64 × 56 m about (540, 330), a park in the upper right corner and a pond in the lower left one.
+fn town() -> Picture {
+    let mut pixels = Vec::with_capacity(SIZE * SIZE * 3);
+    for y in 0..SIZE {
+        for x in 0..SIZE {
+            let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+            let is_street = STREETS.iter().any(|(a, b, width)| distance(p, DVec2::from(*a), DVec2::from(*b)) < width / 2.0);
+            let is_square = (476.0..604.0).contains(&p.x) && (274.0..386.0).contains(&p.y);
+            let to_square = (p.y - 330.0).abs() < 5.0 && (420.0..480.0).contains(&p.x);
+            let colour = if is_street || is_square || to_square {
+                STREET
+            } else if p.x > 420.0 && p.y < 160.0 {
+                PARK
+            } else if p.x < 100.0 && p.y > 560.0 {
+                WATER
+            } else {
+                BUILT
+            };
+            pixels.extend(colour);
+        }
+    }
+    Picture { width: SIZE, height: SIZE, pixels }
+}
+
+/// Ink over a box of a picture, but for every fifth column: letters.
+fn write_over(picture: &mut Picture, low: [usize; 2], high: [usize; 2]) {
+    for y in low[1]..high[1] {
+        for x in (low[0]..high[0]).filter(|x| x % 5 != 0) {
+            picture.pixels[(y * SIZE + x) * 3..][..3].copy_from_slice(&INK);
+        }
+    }
+}
+
+fn surveyed(picture: &Picture, threads: usize) -> CityGraph {
+    let legend = Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}"));
+    let settings = RasterSettings { metres_per_pixel: METRES, threads };
+    survey_raster(picture, &legend, &settings, "town.png", &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).graph
+}
+
+/// Places of nodes of a kind, in pixels with y down.
+fn nodes(graph: &CityGraph, kind: NodeKind) -> Vec<DVec2> {
+    let mut degree = std::collections::BTreeMap::new();
+    for link in &graph.links {
+        *degree.entry(link.from).or_insert(0) += 1;
+        *degree.entry(link.to).or_insert(0) += 1;
+    }
+    let is_kind = |n: usize| match kind {
+        NodeKind::BlindAlley => n == 1,
+        NodeKind::Crossroads => n > 2,
+        _ => false,
+    };
+    let of_kind = graph.nodes.iter().filter(|node| is_kind(degree.get(&node.id).copied().unwrap_or(0)));
+    of_kind.map(|node| DVec2::new(node.pos.x / METRES, SIZE as f64 - node.pos.y / METRES)).collect()
+}
+
+/// The width of the link nearest to a place, metres.
+fn width_at(graph: &CityGraph, pixel: DVec2) -> f64 {
+    let p = DVec2::new(pixel.x, SIZE as f64 - pixel.y) * METRES;
+    let at = graph.node_positions();
+    let reach = |link: &veduta_city::Link| {
+        let line: Vec<DVec2> = core::iter::once(at[&link.from]).chain(link.via.iter().copied()).chain([at[&link.to]]).collect();
+        line.windows(2).map(|w| distance(p, w[0], w[1])).fold(f64::MAX, f64::min)
+    };
+    graph.links.iter().min_by(|a, b| reach(a).total_cmp(&reach(b))).map_or(0.0, |link| link.width_m)
+}
+
+#[test]
+fn a_town_is_read_as_it_was_drawn() {
+    let graph = surveyed(&town(), 1);
+    for crossroads in [[160.0, 160.0], [420.0, 160.0], [160.0, 480.0], [420.0, 480.0], [160.0, 330.0], [420.0, 330.0]] {
+        let nearest =
+            nodes(&graph, NodeKind::Crossroads).iter().map(|p| p.distance(DVec2::from(crossroads))).fold(f64::MAX, f64::min);
+        assert!(nearest < 4.0, "crossroads {crossroads:?} is {nearest:.1} pixels off: {:?}", nodes(&graph, NodeKind::Crossroads));
+    }
+    assert_eq!(nodes(&graph, NodeKind::Crossroads).len(), 6);
+    let inner = |p: &DVec2| p.min_element() > 20.0 && p.max_element() < 620.0;
+    let blind: Vec<DVec2> = nodes(&graph, NodeKind::BlindAlley).into_iter().filter(inner).collect();
+    let alley = DVec2::new(70.0 - 4.5, 330.0);
+    assert!(blind.iter().any(|p| p.distance(alley) < 3.0), "the blind alley ends at {alley}: {blind:?}");
+
+    for (at, width) in
+        [([300.0, 160.0], 12.0), ([160.0, 250.0], 8.0), ([420.0, 60.0], 6.0), ([300.0, 332.0], 7.0), ([110.0, 330.0], 4.0)]
+    {
+        let found = width_at(&graph, DVec2::from(at));
+        assert!((found - width).abs() < 0.5, "street at {at:?} is {width} m wide, found {found}");
+    }
+    assert!(graph.links.iter().any(|l| l.kind == LinkKind::Street(StreetClass::Street)));
+
+    assert_eq!(graph.squares.len(), 1);
+    let square = &graph.squares[0].outline;
+    let (low, high) = square.iter().fold((DVec2::MAX, DVec2::MIN), |(l, h), p| (l.min(*p), h.max(*p)));
+    let (want_low, want_high) = (DVec2::new(238.0, 127.0), DVec2::new(302.0, 183.0));
+    assert!(low.distance(want_low) < 4.0 && high.distance(want_high) < 4.0, "square from {low} to {high}");
+
+    let of = |kind: BlockKind| graph.blocks.iter().filter(|b| b.kind == kind).count();
+    assert_eq!(of(BlockKind::Park), 1);
+    assert!(of(BlockKind::Built) >= 8, "{} built blocks", of(BlockKind::Built));
+}
+
+#[test]
+fn any_number_of_threads_reads_the_same() {
+    assert_eq!(surveyed(&town(), 1), surveyed(&town(), 3));
+}
+
+#[test]
+fn a_street_goes_on_under_its_name() {
+    let bare = surveyed(&town(), 1);
+    let mut lettered = town();
+    // A name over all of a street's width, one on an avenue, one on a block.
+    write_over(&mut lettered, [414, 200], [426, 290]);
+    write_over(&mut lettered, [220, 154], [330, 166]);
+    write_over(&mut lettered, [200, 560], [330, 574]);
+    let graph = surveyed(&lettered, 1);
+    assert_eq!(nodes(&graph, NodeKind::Crossroads).len(), nodes(&bare, NodeKind::Crossroads).len());
+    let inner = |graph: &CityGraph| {
+        nodes(graph, NodeKind::BlindAlley).into_iter().filter(|p| p.min_element() > 20.0 && p.max_element() < 620.0).count()
+    };
+    assert_eq!(inner(&graph), inner(&bare), "no street ends at a name");
+}
+
+#[test]
+fn a_blank_picture_is_an_error() {
+    let blank = Picture { width: 64, height: 64, pixels: BUILT.repeat(64 * 64) };
+    let legend = Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}"));
+    let settings = RasterSettings { metres_per_pixel: METRES, threads: 1 };
+    let refused = survey_raster(&blank, &legend, &settings, "blank.png", &mut |_| ());
+    assert!(refused.is_err_and(|e| e.to_string().contains("blank.png")));
+}
+
+/// The raster maps of the shared data, and how many links each has at least.
+const REAL: &[(&str, usize)] = &[
+    ("raster_prague_new_town_derived/prague_new_town_streets.png", 400),
+    ("raster_heidelberg_derived/heidelberg_altstadt_streets.png", 400),
+    ("raster_san_francisco_toner/sf_mission_toner_z15.png", 150),
+    ("raster_figure_ground/portland_figure_ground.png", 300),
+    ("raster_prettymaps/palmanova.png", 100),
+];
+
+fn data() -> PathBuf {
+    std::env::var_os("VEDUTA_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from)
+}
+
+#[test]
+fn real_maps_give_valid_graphs() {
+    if !data().is_dir() {
+        eprintln!("left out: no test data at {}; VEDUTA_DATA names another place", data().display());
+        return;
+    }
+    for (file, least) in REAL {
+        let bytes = std::fs::read(data().join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+        let picture = Picture::decode(&bytes, file, &PictureLimits::default()).unwrap_or_else(|e| panic!("{e}"));
+        let (legend, _) = guess_legend(&picture, None);
+        let metres_per_pixel = scale_by_streets(&picture, &legend).unwrap_or_else(|| panic!("{file} shows streets"));
+        assert!((0.3..6.0).contains(&metres_per_pixel), "{file}: {metres_per_pixel} metres a pixel");
+        let settings = RasterSettings { metres_per_pixel, threads: 1 };
+        let survey = survey_raster(&picture, &legend, &settings, file, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
+        assert!(survey.graph.links.len() >= *least, "{file}: {} links", survey.graph.links.len());
+        assert!(!survey.graph.blocks.is_empty(), "{file} has blocks");
+    }
+}
