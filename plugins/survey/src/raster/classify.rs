@@ -28,7 +28,9 @@ const STEPS: usize = 32;
 /// Classifies a picture's pixels.
 #[must_use]
 pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
-    let table = table(&palette(picture, legend));
+    let printed = printed_legend(picture, legend);
+    let table = table(&with_edges(printed.clone()));
+    let light = Light::of(picture, &printed);
     let (w, h) = (picture.width, picture.height);
     let [mut street, mut park, mut water, mut railway, mut ink] = [(); 5].map(|()| Bitmap::new(w, h));
     for y in 0..h {
@@ -36,8 +38,10 @@ pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
         let [s, p, wa, r, i] = [street.row_mut(y), park.row_mut(y), water.row_mut(y), railway.row_mut(y), ink.row_mut(y)];
         for (k, pixels) in row.chunks(64 * 3).enumerate() {
             let mut seen = [0u8; 64];
-            for (class, pixel) in seen.iter_mut().zip(pixels.chunks_exact(3)) {
-                *class = table[colour_index(pixel[0], pixel[1], pixel[2])];
+            let step = light.steps_at(k * 64, y);
+            for (class, pixel) in seen.iter_mut().zip(pixels.as_chunks::<3>().0) {
+                let [r, g, b] = pixel.map(|value| usize::from(step[usize::from(value)]));
+                *class = table[r << 10 | g << 5 | b];
             }
             let all = seen.iter().fold(0, |a, b| a | b);
             for (bit, word) in [(STREET, &mut s[k]), (PARK, &mut p[k]), (WATER, &mut wa[k]), (RAILWAY, &mut r[k]), (INK, &mut i[k])]
@@ -61,9 +65,70 @@ fn gathered(bytes: &[u8; 64], bit: u8) -> u64 {
     word
 }
 
-#[inline(always)]
-fn colour_index(r: u8, g: u8, b: u8) -> usize {
-    (usize::from(r) >> 3) << 10 | (usize::from(g) >> 3) << 5 | usize::from(b) >> 3
+/// How bright a scan is from place to place.
+struct Light {
+    /// Tiles a row.
+    columns: usize,
+    /// For each tile, the number of its brightness.
+    level: Vec<u8>,
+    /// For each brightness, the step that each value of a channel falls on.
+    steps: Vec<[u8; 256]>,
+}
+
+/// Pixels of a tile's side.
+const TILE: usize = 128;
+/// Pixels looked at along a tile's side.
+const LOOKS: usize = 12;
+/// Brightness is told in so many hundredths.
+const LEVEL: f32 = 0.01;
+/// Steps of brightness to either side.
+const LEVELS: i32 = 12;
+
+impl Light {
+    fn of(picture: &Picture, shades: &[Shade]) -> Self {
+        let (columns, rows) = (picture.width.div_ceil(TILE).max(1), picture.height.div_ceil(TILE).max(1));
+        let own: Vec<f32> = (0..rows * columns).map(|i| brightness(picture, shades, i % columns, i / columns)).collect();
+        // A tile's own figure is rough; light changes slowly.
+        let level = (0..rows * columns).map(|i| {
+            let (x, y) = (i % columns, i / columns);
+            let (mut sum, mut n) = (0.0, 0.0);
+            for ny in y.saturating_sub(1)..(y + 2).min(rows) {
+                for nx in x.saturating_sub(1)..(x + 2).min(columns) {
+                    sum += own[ny * columns + nx];
+                    n += 1.0;
+                }
+            }
+            let level = ((sum / n - 1.0) / LEVEL).round() as i32;
+            (level.clamp(-LEVELS, LEVELS) + LEVELS) as u8
+        });
+        let steps = (-LEVELS..=LEVELS).map(|level| {
+            let gain = 1.0 + level as f32 * LEVEL;
+            core::array::from_fn(|value| ((value as f32 / gain) as usize).min(255) as u8 >> 3)
+        });
+        Self { columns, level: level.collect(), steps: steps.collect() }
+    }
+
+    #[inline(always)]
+    fn steps_at(&self, x: usize, y: usize) -> &[u8; 256] {
+        &self.steps[usize::from(self.level[y / TILE * self.columns + x / TILE])]
+    }
+}
+
+/// How much brighter the pixels of a tile are than the shades they are nearest to: the median.
+fn brightness(picture: &Picture, shades: &[Shade], column: usize, row: usize) -> f32 {
+    let mut ratios = Vec::with_capacity(LOOKS * LOOKS);
+    for i in 0..LOOKS * LOOKS {
+        let x = column * TILE + (i % LOOKS) * TILE / LOOKS + TILE / LOOKS / 2;
+        let y = row * TILE + (i / LOOKS) * TILE / LOOKS + TILE / LOOKS / 2;
+        let Some(pixel) = picture.at(x, y) else { continue };
+        let pixel = pixel.map(f32::from);
+        let nearest = shades.iter().map(|s| (distance2(pixel, s.colour), s)).min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, shade)) = nearest.filter(|(d, _)| *d < SURE * SURE) {
+            ratios.push(pixel.iter().sum::<f32>() / shade.colour.iter().sum::<f32>().max(1.0));
+        }
+    }
+    let middle = ratios.len() / 2;
+    if ratios.len() < LOOKS { 1.0 } else { *ratios.select_nth_unstable_by(middle, f32::total_cmp).1 }
 }
 
 /// A colour and what it stands for.
@@ -96,11 +161,15 @@ fn mixed(a: [f32; 3], b: [f32; 3], t: f32) -> [f32; 3] {
     core::array::from_fn(|c| a[c] + (b[c] - a[c]) * t)
 }
 
-/// The legend's colours as they came out on this map's paper, and the mixtures that soft edges show.
-fn palette(picture: &Picture, legend: &Legend) -> Vec<Shade> {
+/// The legend's colours as they came out on this map's paper.
+fn printed_legend(picture: &Picture, legend: &Legend) -> Vec<Shade> {
     let shades: Vec<Shade> =
         legend.colours.iter().map(|entry| Shade { class: class_of(entry.class), colour: entry.colour.map(f32::from) }).collect();
-    let mut shades = as_printed(picture, &shades);
+    as_printed(picture, &shades)
+}
+
+/// Shades with the mixtures that soft edges show.
+fn with_edges(mut shades: Vec<Shade>) -> Vec<Shade> {
     let of = |classes: &[u8]| -> Vec<Shade> { shades.iter().copied().filter(|s| classes.contains(&s.class)).collect() };
     let (street, blocks, inks) = (of(&[STREET]), of(&[BUILT, PARK, WATER]), of(&[INK]));
     let ground = of(&[STREET, BUILT, PARK, WATER, RAILWAY]);

@@ -4,6 +4,8 @@
 //! quite square. So a crossroads is put where the streets that lead to it would meet if they went on as they come; and
 //! two joined by a very short street are one if those places lie closer together than the streets are wide.
 
+use std::collections::VecDeque;
+
 use glam::DVec2;
 
 use super::bitmap::Bitmap;
@@ -34,9 +36,14 @@ const LEAST_STRAIGHT_PX: f64 = 6.0;
 /// Puts crossroads where their streets meet, and makes one of those that are one. `mpp`: metres a pixel.
 pub(crate) fn settle(sketch: &mut Sketch, paved: &Bitmap, mpp: f64) {
     let at = sketch.ends();
-    let arms: Vec<[Option<Arm>; 2]> = sketch.streets.iter().map(|s| [arm(s, 0, sketch, paved), arm(s, 1, sketch, paved)]).collect();
     let swerves: Vec<[f64; 2]> =
         sketch.streets.iter().map(|s| [swerve(s, 0, sketch, paved), swerve(s, 1, sketch, paved)]).collect();
+    let arms: Vec<[Option<Arm>; 2]> = sketch
+        .streets
+        .iter()
+        .zip(&swerves)
+        .map(|(street, swerves)| [arm(street, 0, swerves[0], sketch), arm(street, 1, swerves[1], sketch)])
+        .collect();
     // Too short to show where they go: all of their line is bent by what meets at their ends.
     let is_short = |i: usize| {
         let [a, b] = sketch.streets[i].ends;
@@ -131,10 +138,10 @@ impl SketchStreet {
 }
 
 /// How a street comes to the node at one of its ends.
-fn arm(street: &SketchStreet, end: usize, sketch: &Sketch, paved: &Bitmap) -> Option<Arm> {
+fn arm(street: &SketchStreet, end: usize, swerve: f64, sketch: &Sketch) -> Option<Arm> {
     let far = sketch.nodes[street.ends[1 - end]];
     let length = street.length();
-    let from = (swerve(street, end, sketch, paved) + 0.5 * street.half).min(0.5 * length);
+    let from = (swerve + 0.5 * street.half).min(0.5 * length);
     let to = (from + (3.0 * street.half).max(10.0)).min(length - (1.15 * far.radius).min(0.3 * length)).max(from + 3.0);
     let (mut gone, mut before) = (0.0, sketch.nodes[street.ends[end]].pos);
     let mut points: Vec<DVec2> = Vec::new();
@@ -163,25 +170,35 @@ impl Arm {
 fn swerve(street: &SketchStreet, end: usize, sketch: &Sketch, paved: &Bitmap) -> f64 {
     let node = sketch.nodes[street.ends[end]];
     let (mut gone, mut before) = (0.0, node.pos);
-    let mut rooms: Vec<(f64, f64)> = Vec::new();
-    let reach = 8.0 * node.radius + 20.0;
+    // Room at places ahead, the nearest first: a place is judged once those within two radii ahead of it are known.
+    let mut rooms: VecDeque<(f64, f64)> = VecDeque::new();
+    let is_narrow = |rooms: &VecDeque<(f64, f64)>| {
+        let least = rooms.iter().map(|(_, room)| *room).fold(f64::MAX, f64::min);
+        rooms.front().filter(|(_, room)| *room < 1.08 * least + 0.5).map(|(at, _)| at + 1.0)
+    };
+    let (ahead, reach) = (2.0 * node.radius, 8.0 * node.radius + 20.0);
     for (i, point) in street.seen_from(end).enumerate() {
         gone += before.distance(point);
         before = point;
         if gone > reach {
             break;
         }
-        if gone >= 0.7 * node.radius && i % 2 == 0 {
-            rooms.push((gone, clearance(paved, point, node.radius + 2.0)));
+        if gone < 0.7 * node.radius || i % 2 == 1 {
+            continue;
+        }
+        rooms.push_back((gone, clearance(paved, point, node.radius + 2.0)));
+        while rooms.front().is_some_and(|(at, _)| at + ahead <= gone) {
+            if let Some(at) = is_narrow(&rooms) {
+                return at;
+            }
+            rooms.pop_front();
         }
     }
-    // From the far end: the least room within two radii ahead.
-    for (i, &(at, room)) in rooms.iter().enumerate() {
-        let ahead = rooms[i..].iter().take_while(|(there, _)| *there < at + 2.0 * node.radius);
-        let least = ahead.map(|(_, room)| *room).fold(f64::MAX, f64::min);
-        if room < 1.08 * least + 0.5 {
-            return at + 1.0;
+    while !rooms.is_empty() {
+        if let Some(at) = is_narrow(&rooms) {
+            return at;
         }
+        rooms.pop_front();
     }
     gone
 }

@@ -19,8 +19,11 @@ use super::square::squares;
 use super::thinning::thinned;
 use super::trace::traced;
 
-/// How far a street's line may be from what was traced, metres.
+/// How far a street's line may be from what was traced, metres, or pixels if these are larger.
 const SIMPLE_M: f64 = 0.6;
+
+/// Less than one pixel in so many is no river and no railway.
+const LEAST_SHARE: usize = 2000;
 
 /// What a map shows, in plan metres.
 #[derive(Debug, Clone, Default)]
@@ -71,6 +74,7 @@ pub(super) fn read_map(
     let size = DVec2::new(picture.width as f64, picture.height as f64);
     let margin = DVec2::splat(MARGIN as f64);
     let plan = |p: DVec2| DVec2::new(p.x - margin.x, size.y - (p.y - margin.y)) * mpp;
+    let tolerance_px = (SIMPLE_M / mpp).max(1.0);
     let mut streets = Vec::new();
     for street in &sketch.streets {
         let mut line = street.line.clone();
@@ -80,20 +84,23 @@ pub(super) fn read_map(
             }
         }
         for piece in clipped(&line, margin, margin + size) {
-            let piece: Vec<DVec2> = simplified(&piece, SIMPLE_M / mpp).into_iter().map(plan).collect();
+            let piece: Vec<DVec2> = simplified(&piece, tolerance_px).into_iter().map(plan).collect();
             streets.push((piece, 2.0 * street.half * mpp));
         }
     }
     done("streets");
     let street = paved.without_margin(MARGIN);
-    let (mut railway, mut river) = (course_mask(&classes.railway, &classes.ink), course_mask(&classes.water, &classes.ink));
+    let blank = || Bitmap::new(picture.width, picture.height);
+    let (mut railway, mut river) = (blank(), blank());
     let mut courses_found = Vec::new();
-    for (kind, mask) in [(LinkKind::Railway { tram: false }, &mut railway), (LinkKind::Watercourse, &mut river)] {
-        if mask.count() * 2000 < mask.width() * mask.height() {
-            *mask = Bitmap::new(mask.width(), mask.height());
+    for (kind, class, mask) in
+        [(LinkKind::Railway { tram: false }, &classes.railway, &mut railway), (LinkKind::Watercourse, &classes.water, &mut river)]
+    {
+        if class.count() * LEAST_SHARE < picture.width * picture.height {
             continue;
         }
-        for course in courses(mask, mpp, SIMPLE_M / mpp) {
+        *mask = course_mask(class, &classes.ink);
+        for course in courses(mask, mpp, tolerance_px) {
             let line = course.line.iter().map(|p| DVec2::new(p.x, size.y - p.y) * mpp).collect();
             courses_found.push((kind, line, 2.0 * course.half * mpp));
         }

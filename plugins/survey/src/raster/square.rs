@@ -9,6 +9,8 @@
 //! The papers go the other way, from loops of short streets to their hull. A region of the picture itself keeps its
 //! shape: an L stays an L.
 
+use std::collections::BTreeMap;
+
 use glam::{DVec2, IVec2};
 
 use super::bitmap::Bitmap;
@@ -36,6 +38,7 @@ pub(crate) struct FoundSquare {
 pub(crate) fn squares(sketch: &mut Sketch, paved: &Bitmap, margin: i32, mpp: f64) -> Vec<FoundSquare> {
     let mut taken = Bitmap::new(paved.width(), paved.height());
     let mut found = Vec::new();
+    let ends = Ends::of(sketch);
     let mut examined: Vec<(DVec2, f64)> = Vec::new();
     for (at, radius) in candidates(sketch, mpp) {
         // The roomiest place of an open space speaks for it.
@@ -44,7 +47,7 @@ pub(crate) fn squares(sketch: &mut Sketch, paved: &Bitmap, margin: i32, mpp: f64
             continue;
         }
         examined.push((at, radius));
-        let Some(region) = Region::around(sketch, paved, at, radius, margin) else { continue };
+        let Some(region) = Region::around(sketch, &ends, paved, at, radius, margin) else { continue };
         if region.is_square(sketch, radius) {
             region.add_to(&mut taken);
             found.push((FoundSquare { outline: region.outline() }, region));
@@ -74,6 +77,42 @@ fn candidates(sketch: &Sketch, mpp: f64) -> Vec<(DVec2, f64)> {
     result
 }
 
+/// Where streets end, found by place.
+struct Ends {
+    by_cell: BTreeMap<(i32, i32), Vec<(usize, DVec2)>>,
+}
+
+impl Ends {
+    /// Size of a cell, pixels.
+    const CELL: f64 = 128.0;
+
+    fn of(sketch: &Sketch) -> Self {
+        let mut by_cell: BTreeMap<_, Vec<_>> = BTreeMap::new();
+        for (i, street) in sketch.streets.iter().enumerate() {
+            for end in street.ends {
+                let pos = sketch.nodes[end].pos;
+                by_cell.entry(Self::cell(pos)).or_default().push((i, pos));
+            }
+        }
+        Self { by_cell }
+    }
+
+    fn cell(p: DVec2) -> (i32, i32) {
+        ((p.x / Self::CELL).floor() as i32, (p.y / Self::CELL).floor() as i32)
+    }
+
+    /// The streets with an end within `reach` of a place on both axes, in order.
+    fn within(&self, at: DVec2, reach: f64) -> Vec<usize> {
+        let (low, high) = (Self::cell(at - reach), Self::cell(at + reach));
+        let cells = (low.0..=high.0).flat_map(|x| (low.1..=high.1).map(move |y| (x, y)));
+        let ends = cells.filter_map(|cell| self.by_cell.get(&cell)).flatten();
+        let mut near: Vec<usize> = ends.filter(|(_, p)| (*p - at).abs().max_element() < reach).map(|(i, _)| *i).collect();
+        near.sort_unstable();
+        near.dedup();
+        near
+    }
+}
+
 /// A part of the picture about a candidate, and what of it a disc can reach.
 struct Region {
     /// Upper left corner of the window.
@@ -81,10 +120,12 @@ struct Region {
     /// The region.
     area: Bitmap,
     border: Outline,
+    /// Streets that end near it.
+    near: Vec<usize>,
 }
 
 impl Region {
-    fn around(sketch: &Sketch, paved: &Bitmap, at: DVec2, radius: f64, margin: i32) -> Option<Self> {
+    fn around(sketch: &Sketch, ends: &Ends, paved: &Bitmap, at: DVec2, radius: f64, margin: i32) -> Option<Self> {
         let reach = (6.0 * radius) as i32 + 8;
         let origin = IVec2::new(at.x as i32, at.y as i32) - reach;
         let side = 2 * reach as usize;
@@ -104,11 +145,8 @@ impl Region {
         area.keep(&window);
         let mut away = Bitmap::new(side, side);
         let inside = |p: DVec2| reached.get(p.x.floor() as isize, p.y.floor() as isize);
-        for street in &sketch.streets {
-            let near = |p: &DVec2| (*p - at).abs().max_element() < f64::from(reach);
-            if !near(&street.line[0]) && !near(&street.line[street.line.len() - 1]) {
-                continue;
-            }
+        let near = ends.within(at, f64::from(reach));
+        for street in near.iter().map(|&i| &sketch.streets[i]) {
             let local: Vec<DVec2> = street.line.iter().map(|p| *p - origin.as_dvec2()).collect();
             for stretch in local.windows(4).step_by(3).filter(|w| !inside(w[0]) && !inside(w[3])) {
                 band(&mut away, stretch[0], stretch[3], street.half + 1.5);
@@ -122,14 +160,14 @@ impl Region {
         let is_inside = low.min_element() > 1 && high.max_element() < side as i32 - 1;
         let size = IVec2::new(paved.width() as i32, paved.height() as i32);
         let on_map = (low + origin).cmpgt(IVec2::splat(margin)).all() && (high + origin).cmplt(size - margin).all();
-        (is_inside && on_map).then_some(Self { origin, area, border })
+        (is_inside && on_map).then_some(Self { origin, area, border, near })
     }
 
     /// Whether the streets that enter it leave enough of it open.
     fn is_square(&self, sketch: &Sketch, radius: f64) -> bool {
         let middle = self.middle();
         let mut covered = Bitmap::new(self.area.width(), self.area.height());
-        for street in &sketch.streets {
+        for street in self.near.iter().map(|&i| &sketch.streets[i]) {
             if street.half > 0.9 * radius || street.line.len() < 2 {
                 continue;
             }
