@@ -3,14 +3,21 @@
 use glam::DVec2;
 
 use super::bitmap::Bitmap;
+use super::morphology::band;
 use super::sketch::{Sketch, SketchStreet};
 
 /// Longest stretch that is led through, metres.
 const REACH_M: f64 = 70.0;
 /// Cosine of the most that either end may turn away.
 const FACING: f64 = 0.8;
+/// The same for ends closer together than so many pixels.
+const NEARLY_FACING: f64 = 0.3;
+const NEAR_PX: f64 = 26.0;
 /// Share of what lies between that must be hidden.
 const HIDDEN: f64 = 0.5;
+/// Between nearby ends, the same of the way from so many pixels before them.
+const NEARBY_HIDDEN: f64 = 0.25;
+const BACK_PX: f64 = 12.0;
 /// Pixels before its end that tell where a street was going.
 const COURSE_PX: usize = 14;
 
@@ -23,8 +30,8 @@ struct Tip {
     ahead: DVec2,
 }
 
-/// Joins blind ends that face each other across what is hidden.
-pub(crate) fn lead_through(sketch: &mut Sketch, paved: &Bitmap, hidden: &Bitmap, mpp: f64) {
+/// Joins blind ends that face each other across what is hidden, in the graph and in what is `paved`.
+pub(crate) fn lead_through(sketch: &mut Sketch, paved: &mut Bitmap, hidden: &Bitmap, mpp: f64) {
     let tips = tips(sketch);
     let reach = REACH_M / mpp;
     let mut pairs = Vec::new();
@@ -35,8 +42,12 @@ pub(crate) fn lead_through(sketch: &mut Sketch, paved: &Bitmap, hidden: &Bitmap,
             if length > reach || a.street == b.street || length < 1.0 {
                 continue;
             }
-            let is_facing = length < 8.0 || (a.ahead.dot(gap) > FACING * length && b.ahead.dot(-gap) > FACING * length);
-            if is_facing && share_hidden(hidden, paved, a.at, b.at) > HIDDEN {
+            // Nearby ends need not face each other so well: their last pixels may lead aside.
+            let facing = if length < NEAR_PX { NEARLY_FACING } else { FACING };
+            let is_facing = length < 8.0 || (a.ahead.dot(gap) > facing * length && b.ahead.dot(-gap) > facing * length);
+            // What shows between two words may be too little to be known for street.
+            let by_words = || length < NEAR_PX && share(hidden, a.at - a.ahead * BACK_PX, b.at - b.ahead * BACK_PX) > NEARBY_HIDDEN;
+            if is_facing && (share_hidden(hidden, paved, a.at, b.at) > HIDDEN || by_words()) {
                 pairs.push((length, i, j));
             }
         }
@@ -52,6 +63,7 @@ pub(crate) fn lead_through(sketch: &mut Sketch, paved: &Bitmap, hidden: &Bitmap,
         let n = (length as usize).max(2);
         let line = (0..=n).map(|k| a.at.lerp(b.at, k as f64 / n as f64)).collect();
         let half = sketch.streets[a.street].half.min(sketch.streets[b.street].half);
+        band(paved, a.at, b.at, half.max(1.0));
         sketch.streets.push(SketchStreet { ends: [a.node, b.node], line, half });
     }
 }
@@ -85,4 +97,14 @@ fn share_hidden(hidden: &Bitmap, paved: &Bitmap, a: DVec2, b: DVec2) -> f64 {
         }
     }
     if open > 0.0 { covered / open } else { 1.0 }
+}
+
+/// The share of the way between two points that is hidden.
+fn share(hidden: &Bitmap, a: DVec2, b: DVec2) -> f64 {
+    let n = (a.distance(b) as usize).max(2);
+    let is_hidden = |k: &usize| {
+        let p = a.lerp(b, *k as f64 / n as f64);
+        hidden.get(p.x.floor() as isize, p.y.floor() as isize)
+    };
+    (0..=n).filter(is_hidden).count() as f64 / (n + 1) as f64
 }

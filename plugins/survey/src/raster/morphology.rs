@@ -1,5 +1,6 @@
 //! Growing and shrinking by discs.
 
+use glam::DVec2;
 use pulp::{Arch, NullaryFnOnce};
 
 use super::bitmap::Bitmap;
@@ -20,6 +21,22 @@ pub(crate) fn grown(bitmap: &Bitmap, steps: usize) -> Bitmap {
 #[must_use]
 pub(crate) fn shrunk(bitmap: &Bitmap, steps: usize) -> Bitmap {
     grown(&bitmap.inverted(), steps).inverted()
+}
+
+/// Sets the pixels within `half` of a stretch.
+pub(crate) fn band(bitmap: &mut Bitmap, a: DVec2, b: DVec2, half: f64) {
+    let (low, high) = (a.min(b) - half, a.max(b) + half);
+    let along = b - a;
+    let length2 = along.length_squared().max(1e-9);
+    for y in low.y.max(0.0) as usize..(high.y.max(0.0) as usize + 1).min(bitmap.height()) {
+        for x in low.x.max(0.0) as usize..(high.x.max(0.0) as usize + 1).min(bitmap.width()) {
+            let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - a;
+            let t = (p.dot(along) / length2).clamp(0.0, 1.0);
+            if (p - along * t).length_squared() < half * half {
+                bitmap.set(x, y, true);
+            }
+        }
+    }
 }
 
 /// What is set, and what touches it by a side, or by a corner too.

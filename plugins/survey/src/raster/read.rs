@@ -48,7 +48,7 @@ pub(super) fn read_map(
 ) -> MapReading {
     let classes = classified(picture, legend);
     done("classify");
-    let (paved, hidden) = cleaned(&classes, mpp);
+    let (mut paved, hidden) = cleaned(&classes, mpp);
     done("clean");
     let skeleton = thinned(&paved, threads);
     done("skeleton");
@@ -61,7 +61,7 @@ pub(super) fn read_map(
     sketch.join_chains();
     done("simplify");
     sketch.measure(&paved);
-    lead_through(&mut sketch, &paved, &hidden, mpp);
+    lead_through(&mut sketch, &mut paved, &hidden, mpp);
     sketch.join_chains();
     done("widths");
     let found = squares(&mut sketch, &paved, MARGIN as i32, mpp);

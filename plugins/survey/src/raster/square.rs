@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use glam::{DVec2, IVec2};
 
 use super::bitmap::Bitmap;
-use super::morphology::grown;
+use super::morphology::{band, grown};
 use super::outline::{Corners, Outline, outlines, simplified_ring};
 use super::sketch::{Sketch, SketchNode, SketchStreet, length};
 
@@ -230,22 +230,6 @@ fn encloses(corners: &[IVec2], at: DVec2) -> bool {
         }
     }
     inside
-}
-
-/// Sets the pixels within `half` of a stretch.
-fn band(bitmap: &mut Bitmap, a: DVec2, b: DVec2, half: f64) {
-    let (low, high) = (a.min(b) - half, a.max(b) + half);
-    let along = b - a;
-    let length2 = along.length_squared().max(1e-9);
-    for y in low.y.max(0.0) as usize..(high.y.max(0.0) as usize + 1).min(bitmap.height()) {
-        for x in low.x.max(0.0) as usize..(high.x.max(0.0) as usize + 1).min(bitmap.width()) {
-            let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - a;
-            let t = (p.dot(along) / length2).clamp(0.0, 1.0);
-            if (p - along * t).length_squared() < half * half {
-                bitmap.set(x, y, true);
-            }
-        }
-    }
 }
 
 /// The point of a ring nearest to another.
