@@ -224,7 +224,7 @@ fn a_long_file_needs_a_reason() {
 }
 
 /// Hosts that documents and sources may name: standards, licences, public sources, and names made for examples.
-const HOSTS: [&str; 17] = [
+const HOSTS: [&str; 23] = [
     "github.com",
     "docs.rs",
     "doc.rust-lang.org",
@@ -242,6 +242,12 @@ const HOSTS: [&str; 17] = [
     "protobuf.dev",
     "www.w3.org",
     "embarkstudios.github.io",
+    "www.opengis.net",
+    "www.loc.gov",
+    "www.clicketyclick.dk",
+    "geojson.org",
+    "www2.census.gov",
+    "www.esri.com",
 ];
 
 /// Whether a host is made for examples, or is this machine.
