@@ -119,7 +119,7 @@ fn read_graph(input: &Input) -> Result<(CityGraph, Vec<Finding>), BakeError> {
             (survey.graph, survey.findings)
         }
         InputKind::Raster => {
-            let survey = input.raster.clone().unwrap_or_default().survey(&input.path)?;
+            let survey = input.raster.clone().unwrap_or_default().survey(&input.path, &mut |_| ())?;
             (survey.graph, survey.findings)
         }
         InputKind::Graph => (file::read::<CityGraph>(&input.path)?, Vec::new()),

@@ -140,14 +140,18 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
             let input = source.input()?;
             let (mut graph, mut findings) = match &input.raster {
                 Some(raster) => {
-                    let survey = raster.survey(&input.path)?;
+                    let mut since = began;
+                    let survey = raster.survey(&input.path, &mut |step| {
+                        let now = Instant::now();
+                        seconds.push((step, (now - since).as_secs_f64()));
+                        since = now;
+                    })?;
                     if survey.is_guessed {
                         let path = legend_beside(&output);
                         file::write_text(&survey.legend_ron, &path)?;
                         println!("{}: the legend as guessed; correct it and give it by --legend", path.display());
                     }
                     extent_m = Some(survey.extent_m);
-                    seconds = survey.seconds;
                     (survey.graph, survey.findings)
                 }
                 None => survey_bare(&input)?,

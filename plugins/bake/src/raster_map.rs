@@ -1,7 +1,6 @@
 //! Raster maps: a picture, its legend and its scale.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use veduta_city::{CityGraph, Finding, Id, Severity};
 use veduta_survey::SurveyError;
@@ -20,8 +19,6 @@ pub struct RasterMap {
     pub metres_per_pixel: Option<f64>,
     /// To how few colours the map is reduced before its legend is guessed; its own most frequent ones if not given.
     pub colours: Option<usize>,
-    /// Threads; one if not given.
-    pub threads: Option<usize>,
 }
 
 /// A raster map as read.
@@ -37,28 +34,25 @@ pub struct RasterSurvey {
     pub is_guessed: bool,
     /// Extent in metres, east and north.
     pub extent_m: [f64; 2],
-    /// Seconds that each step took, in order: `decode` first.
-    pub seconds: Vec<(&'static str, f64)>,
 }
 
 impl RasterMap {
-    /// Reads the picture at a path.
+    /// Reads the picture at a path. `done` is told the name of each step as it ends, `decode` first.
     ///
     /// # Errors
     /// If the picture or its legend cannot be read, or it shows no street.
-    pub fn survey(&self, path: &Path) -> Result<RasterSurvey, BakeError> {
+    pub fn survey(&self, path: &Path, done: &mut dyn FnMut(&'static str)) -> Result<RasterSurvey, BakeError> {
         let bytes = content(path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let mut clock = Clock { since: Instant::now(), seconds: Vec::new() };
         let picture = Picture::decode(&bytes, &path.to_string_lossy(), &PictureLimits::default())?;
-        clock.step("decode");
+        done("decode");
         let mut findings = Vec::new();
-        let (legend, is_guessed) = match self.legend_beside(path) {
+        let (legend, is_guessed) = match self.legend_file(path) {
             Some(file) => (read_legend(&file)?, false),
             None => {
                 let (legend, found) = guess_legend(&picture, self.colours);
                 findings.extend(found);
-                clock.step("legend");
+                done("legend");
                 (legend, true)
             }
         };
@@ -74,43 +68,26 @@ impl RasterMap {
                     "the map's scale is not known: {metres:.2} metres a pixel make its streets as wide as streets are; say --metres-per-pixel if they are not"
                 );
                 findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
-                clock.step("scale");
+                done("scale");
                 metres
             }
         };
-        let settings = RasterSettings { metres_per_pixel, threads: self.threads.unwrap_or(1) };
-        let survey = survey_raster(&picture, &legend, &settings, &name, &mut |step| clock.step(step))?;
+        let settings = RasterSettings { metres_per_pixel, threads: 1 };
+        let survey = survey_raster(&picture, &legend, &settings, &name, done)?;
         findings.extend(survey.findings);
         let extent_m = [picture.width, picture.height].map(|n| n as f64 * metres_per_pixel);
-        Ok(RasterSurvey { graph: survey.graph, findings, legend_ron, is_guessed, extent_m, seconds: clock.seconds })
+        Ok(RasterSurvey { graph: survey.graph, findings, legend_ron, is_guessed, extent_m })
     }
 
-    fn legend_beside(&self, path: &Path) -> Option<PathBuf> {
+    /// Its legend's file: the one given, or one beside the picture.
+    pub(crate) fn legend_file(&self, path: &Path) -> Option<PathBuf> {
         let beside = |ending: &str| path.with_extension(ending);
         let candidates = [beside("legend.ron"), beside("legend.json")];
         self.legend.clone().or_else(|| candidates.into_iter().find(|file| file.is_file()))
-    }
-
-    /// The legend's file, if there is one: what a cache must look at.
-    pub(crate) fn files(&self, path: &Path) -> Option<PathBuf> {
-        self.legend_beside(path)
     }
 }
 
 fn read_legend(path: &Path) -> Result<Legend, BakeError> {
     let text = std::fs::read_to_string(path).map_err(|source| BakeError::Read { path: path.to_owned(), source })?;
     Ok(Legend::parse(&text, &path.to_string_lossy())?)
-}
-
-struct Clock {
-    since: Instant,
-    seconds: Vec<(&'static str, f64)>,
-}
-
-impl Clock {
-    fn step(&mut self, name: &'static str) {
-        let now = Instant::now();
-        self.seconds.push((name, (now - self.since).as_secs_f64()));
-        self.since = now;
-    }
 }

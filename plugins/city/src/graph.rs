@@ -526,24 +526,7 @@ impl CityGraph {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn lane(from: u64, to: u64) -> Link {
-        Link {
-            id: Id::NONE,
-            from: Id(from),
-            to: Id(to),
-            via: Vec::new(),
-            kind: LinkKind::Street(StreetClass::Lane),
-            width_m: 0.0,
-            name: String::new(),
-            layer: 0,
-            surfacing: None,
-        }
-    }
-
-    fn node(id: u64, x: f64, y: f64) -> Node {
-        Node { id: Id(id), pos: DVec2::new(x, y), z: 0.0 }
-    }
+    use crate::testing::{lane, node};
 
     #[test]
     fn filled_ids_are_unique_and_stay() {

@@ -179,25 +179,8 @@ impl CityGraph {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Link, LinkKind, Node, Place, StreetClass};
-
-    fn lane(from: u64, to: u64) -> Link {
-        Link {
-            id: Id::NONE,
-            from: Id(from),
-            to: Id(to),
-            via: Vec::new(),
-            kind: LinkKind::Street(StreetClass::Lane),
-            width_m: 0.0,
-            name: String::new(),
-            layer: 0,
-            surfacing: None,
-        }
-    }
-
-    fn node(id: u64, x: f64, y: f64) -> Node {
-        Node { id: Id(id), pos: DVec2::new(x, y), z: 0.0 }
-    }
+    use crate::Place;
+    use crate::testing::{lane, node};
 
     #[test]
     fn a_link_to_nowhere_is_named() {

@@ -39,6 +39,8 @@ mod packet;
 mod place;
 mod plan;
 mod style;
+#[cfg(test)]
+mod testing;
 mod tile;
 mod tour;
 

@@ -165,6 +165,21 @@ fn a_blank_picture_is_an_error() {
     assert!(refused.is_err_and(|e| e.to_string().contains("blank.png")));
 }
 
+#[test]
+fn a_picture_that_is_none_and_a_scale_that_is_none_are_errors() {
+    let legend = Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}"));
+    let refused = |picture: &Picture, metres_per_pixel: f64| {
+        let settings = RasterSettings { metres_per_pixel, threads: 1 };
+        survey_raster(picture, &legend, &settings, "odd.png", &mut |_| ()).is_err_and(|e| e.to_string().contains("odd.png"))
+    };
+    for metres in [0.0, -1.0, 1e-9, 1e9, f64::NAN] {
+        assert!(refused(&town(), metres), "{metres} metres a pixel");
+    }
+    for (width, height) in [(0, 0), (0, 5), (5, 0), (9, 9)] {
+        assert!(refused(&Picture { width, height, pixels: Vec::new() }, METRES), "{width} × {height} without pixels");
+    }
+}
+
 /// The raster maps of the shared data, and how many links each has at least.
 const REAL: &[(&str, usize)] = &[
     ("raster_prague_new_town_derived/prague_new_town_streets.png", 400),

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use veduta_bake::Input;
 use veduta_survey::Date;
+use veduta_survey::raster::SCALES_M;
 
 use super::Failure;
 
@@ -34,7 +35,11 @@ pub(crate) struct Source {
 /// A size of pixels that a street map can have.
 fn scale(text: &str) -> Result<f64, String> {
     let metres: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
-    if (0.02..=20.0).contains(&metres) { Ok(metres) } else { Err("a street map has between 0.02 and 20 metres a pixel".to_owned()) }
+    if SCALES_M.contains(&metres) {
+        Ok(metres)
+    } else {
+        Err(format!("a street map has between {} and {} metres a pixel", SCALES_M.start(), SCALES_M.end()))
+    }
 }
 
 impl Source {

@@ -36,7 +36,8 @@ pub(crate) fn lead_through(sketch: &mut Sketch, paved: &mut Bitmap, hidden: &Bit
     let reach = REACH_M / mpp;
     let mut pairs = Vec::new();
     for (i, a) in tips.iter().enumerate() {
-        for (j, b) in tips.iter().enumerate().skip(i + 1) {
+        // They are in order from the left.
+        for (j, b) in tips.iter().enumerate().skip(i + 1).take_while(|(_, b)| b.at.x - a.at.x <= reach) {
             let gap = b.at - a.at;
             let length = gap.length();
             if length > reach || a.street == b.street || length < 1.0 {
@@ -46,8 +47,11 @@ pub(crate) fn lead_through(sketch: &mut Sketch, paved: &mut Bitmap, hidden: &Bit
             let facing = if length < NEAR_PX { NEARLY_FACING } else { FACING };
             let is_facing = length < 8.0 || (a.ahead.dot(gap) > facing * length && b.ahead.dot(-gap) > facing * length);
             // What shows between two words may be too little to be known for street.
-            let by_words = || length < NEAR_PX && share(hidden, a.at - a.ahead * BACK_PX, b.at - b.ahead * BACK_PX) > NEARBY_HIDDEN;
-            if is_facing && (share_hidden(hidden, paved, a.at, b.at) > HIDDEN || by_words()) {
+            let by_words = || {
+                let (from, to) = (a.at - a.ahead * BACK_PX, b.at - b.ahead * BACK_PX);
+                length < NEAR_PX && share_hidden(hidden, from, to, |_, _| true) > NEARBY_HIDDEN
+            };
+            if is_facing && (share_hidden(hidden, a.at, b.at, |x, y| !paved.get(x, y)) > HIDDEN || by_words()) {
                 pairs.push((length, i, j));
             }
         }
@@ -68,6 +72,7 @@ pub(crate) fn lead_through(sketch: &mut Sketch, paved: &mut Bitmap, hidden: &Bit
     }
 }
 
+/// The blind ends, from the left to the right.
 fn tips(sketch: &Sketch) -> Vec<Tip> {
     let at = sketch.ends();
     let mut tips = Vec::new();
@@ -81,30 +86,21 @@ fn tips(sketch: &Sketch) -> Vec<Tip> {
             tips.push(Tip { node, street, at: tip, ahead });
         }
     }
+    tips.sort_by(|a, b| a.at.x.total_cmp(&b.at.x).then(a.node.cmp(&b.node)));
     tips
 }
 
-/// The share of the way between two points, where it is not paved, that is hidden.
-fn share_hidden(hidden: &Bitmap, paved: &Bitmap, a: DVec2, b: DVec2) -> f64 {
+/// Of the pixels on the way between two points that `count`, the share that is hidden; all, where none counts.
+fn share_hidden(hidden: &Bitmap, a: DVec2, b: DVec2, counts: impl Fn(isize, isize) -> bool) -> f64 {
     let n = (a.distance(b) as usize).max(2);
-    let (mut open, mut covered) = (0.0, 0.0);
+    let (mut all, mut covered) = (0.0, 0.0);
     for k in 0..=n {
         let p = a.lerp(b, k as f64 / n as f64);
         let (x, y) = (p.x.floor() as isize, p.y.floor() as isize);
-        if !paved.get(x, y) {
-            open += 1.0;
+        if counts(x, y) {
+            all += 1.0;
             covered += f64::from(u8::from(hidden.get(x, y)));
         }
     }
-    if open > 0.0 { covered / open } else { 1.0 }
-}
-
-/// The share of the way between two points that is hidden.
-fn share(hidden: &Bitmap, a: DVec2, b: DVec2) -> f64 {
-    let n = (a.distance(b) as usize).max(2);
-    let is_hidden = |k: &usize| {
-        let p = a.lerp(b, *k as f64 / n as f64);
-        hidden.get(p.x.floor() as isize, p.y.floor() as isize)
-    };
-    (0..=n).filter(is_hidden).count() as f64 / (n + 1) as f64
+    if all > 0.0 { covered / all } else { 1.0 }
 }

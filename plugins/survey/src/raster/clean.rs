@@ -1,7 +1,5 @@
 //! Streets, rails and water free of labels and noise.
 
-use glam::IVec2;
-
 use super::bitmap::Bitmap;
 use super::classify::Classes;
 use super::filter::{crowded, dilated, filled, median5};
@@ -22,12 +20,16 @@ const LARGE_PX: usize = 7;
 /// What is so much wider than that is letters side by side, what is not is a symbol.
 const SYMBOL_PX: i32 = 20;
 
+/// Whether so few pixels are set that they are noise: one in 2,000.
+pub(crate) fn is_rare(class: &Bitmap) -> bool {
+    class.count() * 2000 < class.width() * class.height()
+}
+
 /// The streets free of labels and noise, and what a label may hide, both with a margin.
 pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap) {
     let mut street = classes.street.clone();
     let mut hidden = Bitmap::new(street.width(), street.height());
-    let has_ink = classes.ink.count() * 2000 > classes.ink.width() * classes.ink.height();
-    if has_ink {
+    if !is_rare(&classes.ink) {
         let mut ink = crowded(&classes.ink, 4);
         ink.keep(&classes.ink);
         ink.remove(&dilated(&dilated(&median5(&classes.railway))));
@@ -51,8 +53,7 @@ pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap) {
         open.remove(&under);
         street = filled(&street, &open);
     }
-    let has_rails = classes.railway.count() * 5000 > classes.railway.width() * classes.railway.height();
-    if has_rails {
+    if !is_rare(&classes.railway) {
         // Streets go on under viaducts.
         let reach = (VIADUCT_M / 2.0 / mpp) as usize + 1;
         let mut through = shrunk(&grown(&street, reach), reach);
@@ -76,8 +77,8 @@ pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap) {
 fn names(ink: &Bitmap) -> Bitmap {
     let words = shrunk(&grown(ink, WORD_GAP_PX), WORD_GAP_PX);
     let mut large = shrunk(&words, LARGE_PX);
-    for outline in outlines(&large.clone(), Corners::Join).iter().filter(|o| !o.is_hole()) {
-        let (low, high) = outline.corners.iter().fold((IVec2::MAX, IVec2::MIN), |(l, h), &c| (l.min(c), h.max(c)));
+    for outline in outlines(&large, Corners::Join).iter().filter(|o| !o.is_hole()) {
+        let (low, high) = outline.extent();
         if (high - low).max_element() < SYMBOL_PX {
             outline.paint(&mut large, false);
         }

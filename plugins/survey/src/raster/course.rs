@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::bitmap::Bitmap;
+use super::ends::clipped;
 use super::measure::{median, ray};
 use super::morphology::{grown, shrunk};
 use super::outline::{Corners, outlines, simplified};
@@ -32,8 +33,7 @@ pub(crate) struct FoundCourse {
 
 /// Finds courses, and clears of `mask` what is none of them (ponds).
 pub(crate) fn courses(mask: &mut Bitmap, mpp: f64, tolerance_px: f64) -> Vec<FoundCourse> {
-    let whole = mask.clone();
-    let small = whole.quartered();
+    let small = mask.quartered();
     let bridge = (BRIDGE_M / (mpp * SCALE as f64)) as usize + 1;
     let wide = small.with_margin(MARGIN);
     let mut closed = shrunk(&grown(&wide, bridge), bridge);
@@ -44,9 +44,7 @@ pub(crate) fn courses(mask: &mut Bitmap, mpp: f64, tolerance_px: f64) -> Vec<Fou
         let extent = (high - low).as_dvec2().length();
         if extent < least || outline.area_px as f64 > COMPACT * extent * extent {
             outline.paint(&mut closed, false);
-            let scale = SCALE as i32;
-            let margin = MARGIN as i32;
-            outline.scaled(scale, -margin * scale).paint_within(mask, false);
+            outline.scaled(SCALE as i32, -((MARGIN * SCALE) as i32)).paint(mask, false);
         }
     }
     let mut sketch = Sketch::of(traced(&thinned(&closed, 1)), &closed);
@@ -59,7 +57,7 @@ pub(crate) fn courses(mask: &mut Bitmap, mpp: f64, tolerance_px: f64) -> Vec<Fou
     for street in &sketch.streets {
         let line: Vec<DVec2> = smooth(&street.line).iter().map(|p| (*p - MARGIN as f64) * SCALE as f64).collect();
         let half = half_width(&line, mask);
-        for piece in super::ends::clipped(&line, DVec2::ZERO, size) {
+        for piece in clipped(&line, DVec2::ZERO, size) {
             if length(&piece) * mpp > LEAST_M / 2.0 {
                 found.push(FoundCourse { line: simplified(&piece, tolerance_px), half });
             }

@@ -64,10 +64,13 @@ pub use thinning::{thinned, thinned_portably};
 use crate::log::Log;
 use crate::{Survey, SurveyError};
 
+/// Metres that a pixel of a street map may be wide.
+pub const SCALES_M: core::ops::RangeInclusive<f64> = 0.02..=20.0;
+
 /// What may be chosen of the survey of a raster map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RasterSettings {
-    /// Metres a pixel.
+    /// Metres a pixel, in [`SCALES_M`].
     pub metres_per_pixel: f64,
     /// Threads for thinning; the result is the same for any number.
     pub threads: usize,
@@ -95,7 +98,8 @@ pub fn scale_by_streets(picture: &Picture, legend: &Legend) -> Option<f64> {
 /// ends. Plan (0, 0) is the picture's lower left corner.
 ///
 /// # Errors
-/// [`SurveyError`] if the picture shows no street, or is wider than 16,384 pixels.
+/// [`SurveyError`] if the picture shows no street, has no pixels or more than 16,384 a side, or if its scale is none that a
+/// street map has.
 pub fn survey_raster(
     picture: &Picture,
     legend: &Legend,
@@ -107,13 +111,23 @@ pub fn survey_raster(
     if picture.width.max(picture.height) > SIDE_PX {
         return Err(SurveyError::TooLarge { name: name.to_owned(), what: "pixels a side", limit: SIDE_PX as u64 });
     }
+    let holds = || format!("{} × {} pixels", picture.width, picture.height);
+    let empty = || SurveyError::Empty { name: name.to_owned(), holds: holds(), findings: String::new() };
+    if picture.width == 0 || picture.height == 0 || picture.pixels.len() != picture.width * picture.height * 3 {
+        return Err(empty());
+    }
+    if !SCALES_M.contains(&settings.metres_per_pixel) {
+        let (low, high) = (SCALES_M.start(), SCALES_M.end());
+        let detail =
+            format!("{} metres a pixel is no scale of a street map: take one from {low} to {high}", settings.metres_per_pixel);
+        return Err(SurveyError::Unplaced { name: name.to_owned(), detail });
+    }
     let mut log = Log::default();
     let reading = read::read_map(picture, legend, settings.metres_per_pixel, settings.threads, done);
     let mut graph = graph::graph_of(reading, &mut log);
     done("graph");
     if graph.links.is_empty() {
-        let holds = format!("{} × {} pixels", picture.width, picture.height);
-        return Err(SurveyError::Empty { name: name.to_owned(), holds, findings: String::new() });
+        return Err(empty());
     }
     graph.name = crate::stem(name);
     graph.fill_ids();

@@ -54,19 +54,10 @@ impl Outline {
     }
 
     /// Sets or clears all pixels inside of it and of the picture.
-    pub fn paint_within(&self, bitmap: &mut Bitmap, on: bool) {
+    pub fn paint(&self, bitmap: &mut Bitmap, on: bool) {
         let (width, height) = (bitmap.width() as i32, bitmap.height() as i32);
         for (y, from, to) in self.spans(|y| y >= 0 && y < height) {
             for x in from.max(0)..to.min(width) {
-                bitmap.set(x as usize, y as usize, on);
-            }
-        }
-    }
-
-    /// Sets or clears all pixels inside.
-    pub fn paint(&self, bitmap: &mut Bitmap, on: bool) {
-        for (y, from, to) in self.spans(|_| true) {
-            for x in from..to {
                 bitmap.set(x as usize, y as usize, on);
             }
         }

@@ -7,7 +7,7 @@ use super::bitmap::Bitmap;
 use super::blocks::blocks;
 use super::bridge::lead_through;
 use super::classify::classified;
-use super::clean::{MARGIN, cleaned, course_mask};
+use super::clean::{MARGIN, cleaned, course_mask, is_rare};
 use super::course::courses;
 use super::crossing;
 use super::ends::{clipped, run_on};
@@ -21,9 +21,6 @@ use super::trace::traced;
 
 /// How far a street's line may be from what was traced, metres, or pixels if these are larger.
 const SIMPLE_M: f64 = 0.6;
-
-/// Less than one pixel in so many is no river and no railway.
-const LEAST_SHARE: usize = 2000;
 
 /// What a map shows, in plan metres.
 #[derive(Debug, Clone, Default)]
@@ -96,7 +93,7 @@ pub(super) fn read_map(
     for (kind, class, mask) in
         [(LinkKind::Railway { tram: false }, &classes.railway, &mut railway), (LinkKind::Watercourse, &classes.water, &mut river)]
     {
-        if class.count() * LEAST_SHARE < picture.width * picture.height {
+        if is_rare(class) {
             continue;
         }
         *mask = course_mask(class, &classes.ink);

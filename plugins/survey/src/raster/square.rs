@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use glam::{DVec2, IVec2};
 
 use super::bitmap::Bitmap;
-use super::morphology::{band, grown};
+use super::morphology::{band, grown, shrunk};
 use super::outline::{Corners, Outline, outlines, simplified_ring};
 use super::sketch::{Sketch, SketchNode, SketchStreet, length};
 
@@ -131,7 +131,7 @@ impl Region {
         let side = 2 * reach as usize;
         let window = Bitmap::from_window(paved, origin.x as isize, origin.y as isize, side, side);
         let steps = (REGION_RADII * radius) as usize;
-        let core = grown(&window.inverted(), steps).inverted();
+        let core = shrunk(&window, steps);
         // The part of what remains that belongs to this place.
         let local = at - origin.as_dvec2();
         let seeds = outlines(&core, Corners::Join);
@@ -156,7 +156,7 @@ impl Region {
         area.remove(&away);
         let border = outlines(&area, Corners::Part).into_iter().max_by_key(|o| o.area_px)?;
         // What touches the window's border is no place, and what is cut by the map's is not known.
-        let (low, high) = border.corners.iter().fold((IVec2::MAX, IVec2::MIN), |(l, h), &c| (l.min(c), h.max(c)));
+        let (low, high) = border.extent();
         let is_inside = low.min_element() > 1 && high.max_element() < side as i32 - 1;
         let size = IVec2::new(paved.width() as i32, paved.height() as i32);
         let on_map = (low + origin).cmpgt(IVec2::splat(margin)).all() && (high + origin).cmplt(size - margin).all();
