@@ -1,5 +1,9 @@
 use core::fmt;
 
+use glam::IVec2;
+
+use super::lanes::{Three, beside};
+
 /// Words a chunk: 512 pixels, the widest register there is.
 pub(crate) const CHUNK: usize = 8;
 /// Pixels a chunk.
@@ -59,6 +63,14 @@ impl Bitmap {
     pub fn get(&self, x: isize, y: isize) -> bool {
         let inside = x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height;
         inside && self.words[self.index(x as usize, y as usize)] >> (x as usize % 64) & 1 == 1
+    }
+
+    /// As [`get`](Self::get), sooner, for pixels that are at most one pixel outside.
+    #[inline]
+    pub(crate) fn get_near(&self, x: i32, y: i32) -> bool {
+        // The blank words beside the rows answer for what is left and right of them, and there is nothing above and below.
+        let word = (y as isize * self.stride as isize + 1 + (x >> 6) as isize) as usize;
+        self.words.get(word).is_some_and(|word| word >> (x & 63) & 1 == 1)
     }
 
     /// Sets or clears a pixel inside of the picture.
@@ -125,6 +137,14 @@ impl Bitmap {
         }
     }
 
+    /// A chunk of a row, and of those above and below; what lies outside is `blank`, which is as long as a padded row.
+    #[inline(always)]
+    pub(crate) fn three<'a>(&'a self, y: usize, chunk: usize, blank: &'a [u64]) -> Three<'a> {
+        let above = if y > 0 { self.padded(y - 1) } else { blank };
+        let below = if y + 1 < self.height { self.padded(y + 1) } else { blank };
+        Three { above: beside(above, chunk), at: beside(self.padded(y), chunk), below: beside(below, chunk) }
+    }
+
     /// All words, blank ones included.
     pub(crate) fn words(&self) -> &[u64] {
         &self.words
@@ -187,7 +207,7 @@ impl Bitmap {
 
     /// The three pixels (x-1, y), (x, y), (x+1, y), in this order from the lowest bit.
     #[inline]
-    pub(crate) fn three(&self, x: usize, y: usize) -> u64 {
+    fn three_pixels(&self, x: usize, y: usize) -> u64 {
         let at = y * self.stride + 1;
         let (word, bit) = (at + x / 64, x % 64);
         match bit {
@@ -200,9 +220,9 @@ impl Bitmap {
     /// The eight pixels around one, clockwise from the pixel above it in the lowest bit.
     #[inline]
     pub(crate) fn around(&self, x: usize, y: usize) -> u8 {
-        let above = if y > 0 { self.three(x, y - 1) } else { 0 };
-        let at = self.three(x, y);
-        let below = if y + 1 < self.height { self.three(x, y + 1) } else { 0 };
+        let above = if y > 0 { self.three_pixels(x, y - 1) } else { 0 };
+        let at = self.three_pixels(x, y);
+        let below = if y + 1 < self.height { self.three_pixels(x, y + 1) } else { 0 };
         let n_ne = above >> 1; // bit 0: north, bit 1: north-east
         let s_sw = (below >> 1 & 1) | (below & 1) << 1; // south, south-west
         ((n_ne & 3) | (at >> 2) << 2 | (below >> 2) << 3 | s_sw << 4 | (at & 1) << 6 | (above & 1) << 7) as u8
@@ -277,15 +297,24 @@ impl Bitmap {
     /// The picture at a quarter of its size: a pixel is set if at least five of its sixteen are.
     #[must_use]
     pub(crate) fn quartered(&self) -> Self {
+        const LOW: u64 = 0x0F0F_0F0F_0F0F_0F0F;
         let mut small = Self::new(self.width.div_ceil(4), self.height.div_ceil(4));
         for y in 0..small.height {
             let rows = 4 * y..(4 * y + 4).min(self.height);
-            for x in 0..small.width {
-                let (k, bit) = (x / 16, 4 * (x % 16));
-                let set: u32 = rows.clone().map(|row| (self.row(row)[k] >> bit & 15).count_ones()).sum();
-                if set >= 5 {
-                    small.set(x, y, true);
+            for k in 0..self.width.div_ceil(64) {
+                // Counts of the word's sixteen fours, in bytes: those in even places and those in odd ones.
+                let (mut even, mut odd) = (0, 0);
+                for row in rows.clone() {
+                    let pairs = |x: u64| x - (x >> 1 & 0x5555_5555_5555_5555);
+                    let fours = |x: u64| (x & 0x3333_3333_3333_3333) + (x >> 2 & 0x3333_3333_3333_3333);
+                    let counts = fours(pairs(self.row(row)[k]));
+                    even += counts & LOW;
+                    odd += counts >> 4 & LOW;
                 }
+                // A count of five or more reaches 16 with eleven more.
+                let enough = |counts: u64| (counts + 0x0B0B_0B0B_0B0B_0B0B) >> 4 & 0x0101_0101_0101_0101;
+                let sixteen = low_pairs(enough(even) | enough(odd) << 1);
+                small.row_mut(y)[k / 4] |= sixteen << (k % 4 * 16);
             }
         }
         small
@@ -294,37 +323,54 @@ impl Bitmap {
     /// How many pixels are set in a stretch of a row.
     pub(crate) fn count_between(&self, y: usize, from: usize, to: usize) -> usize {
         let row = self.row(y);
-        let mask = |k: usize| {
-            let low = from.saturating_sub(k * 64).min(64);
-            let high = to.saturating_sub(k * 64).min(64);
-            let below = |n: usize| if n == 64 { u64::MAX } else { (1 << n) - 1 };
-            below(high) & !below(low)
-        };
-        (from / 64..to.div_ceil(64)).map(|k| (row[k] & mask(k)).count_ones() as usize).sum()
+        stretch(from, to).map(|(k, mask)| (row[k] & mask).count_ones() as usize).sum()
+    }
+
+    /// Sets or clears a stretch of a row.
+    pub(crate) fn set_between(&mut self, y: usize, from: usize, to: usize, on: bool) {
+        assert!(y < self.height && to <= self.width, "pixels {from} to {to} of row {y} are outside of {self:?}");
+        let row = self.row_mut(y);
+        for (k, mask) in stretch(from, to) {
+            if on { row[k] |= mask } else { row[k] &= !mask }
+        }
     }
 
     /// A window of another picture; what lies outside of that is not set.
-    pub(crate) fn from_window(of: &Self, left: isize, top: isize, width: usize, height: usize) -> Self {
+    pub(crate) fn from_window(of: &Self, corner: IVec2, width: usize, height: usize) -> Self {
         let mut window = Self::new(width, height);
-        let (used, last) = (width.div_ceil(64), window.last_word());
-        for y in 0..height {
-            let from_y = top + y as isize;
-            if from_y < 0 || from_y >= of.height as isize {
-                continue;
-            }
-            let from = of.row(from_y as usize);
-            let word = |i: isize| if i >= 0 && (i as usize) < from.len() { from[i as usize] } else { 0 };
-            let (first, bit) = (left.div_euclid(64), left.rem_euclid(64) as u32);
-            let to = &mut window.row_mut(y)[..used];
-            for (k, to) in to.iter_mut().enumerate() {
-                let i = first + k as isize;
-                *to = if bit == 0 { word(i) } else { word(i) >> bit | word(i + 1) << (64 - bit) };
-            }
-            if let Some(word) = to.last_mut() {
-                *word &= last;
+        window.add_from(of, corner, IVec2::ZERO, IVec2::new(width as i32, height as i32));
+        window
+    }
+
+    /// Adds a part of another picture: what lies there from one corner on is added from another corner on. Pixels outside
+    /// of either picture count for nothing.
+    pub(crate) fn add_from(&mut self, other: &Self, from: IVec2, to: IVec2, size: IVec2) {
+        // Only what lies inside of both.
+        let low = (-from).max(-to).max(IVec2::ZERO);
+        let extent = |of: &Self| IVec2::new(of.width as i32, of.height as i32);
+        let high = (extent(other) - from).min(extent(self) - to).min(size);
+        if low.cmpge(high).any() {
+            return;
+        }
+        let (from, to) = ((from + low).as_usizevec2(), (to + low).as_usizevec2());
+        let (width, height) = ((high.x - low.x) as usize, (high.y - low.y) as usize);
+        for row in 0..height {
+            let there = other.padded(from.y + row);
+            for (k, mask) in stretch(to.x, to.x + width) {
+                // The pixels of this word there: from the one that comes into its lowest bit.
+                let first = (k * 64 + from.x) as isize - to.x as isize + 64;
+                let (word, bit) = (first as usize / 64, first as usize % 64);
+                let low = there[word] >> bit;
+                let bits = if bit == 0 { low } else { low | there.get(word + 1).map_or(0, |next| next << (64 - bit)) };
+                self.row_mut(to.y + row)[k] |= bits & mask;
             }
         }
-        window
+    }
+
+    /// Takes rows of another picture of the same width, from row `to` on.
+    pub(crate) fn copy_rows(&mut self, other: &Self, rows: core::ops::Range<usize>, to: usize) {
+        let n = rows.len() * self.stride;
+        self.words[1 + to * self.stride..][..n].copy_from_slice(&other.words[1 + rows.start * other.stride..][..n]);
     }
 
     /// The picture without `margin` (a multiple of 64) pixels on every side.
@@ -348,6 +394,20 @@ impl fmt::Debug for Bitmap {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "bitmap of {} × {} pixels", self.width, self.height)
     }
+}
+
+/// The words of a row that hold the pixels from one to before another, and which of their bits these are.
+fn stretch(from: usize, to: usize) -> impl Iterator<Item = (usize, u64)> {
+    let below = |n: usize| if n >= 64 { u64::MAX } else { (1 << n) - 1 };
+    let words = if from < to { from / 64..to.div_ceil(64) } else { 0..0 };
+    words.map(move |k| (k, below(to - k * 64) & !below(from.saturating_sub(k * 64))))
+}
+
+/// The two lowest bits of each of a word's bytes, side by side.
+fn low_pairs(x: u64) -> u64 {
+    let x = (x | x >> 6) & 0x000F_000F_000F_000F;
+    let x = (x | x >> 12) & 0x0000_00FF_0000_00FF;
+    (x | x >> 24) & 0xFFFF
 }
 
 /// Exchanges rows and columns of 64 × 64 bits, by exchanging ever smaller quarters.
@@ -424,10 +484,28 @@ mod tests {
     fn a_window_shows_what_is_there_and_nothing_outside() {
         let bitmap = Bitmap::from_fn(150, 20, |x, y| (x * 5 + y * 3) % 7 < 3);
         for (left, top) in [(-70, -3), (0, 0), (13, 5), (64, 2), (100, 15)] {
-            let window = Bitmap::from_window(&bitmap, left, top, 90, 12);
+            let window = Bitmap::from_window(&bitmap, IVec2::new(left as i32, top as i32), 90, 12);
             let is_same = |x: isize, y: isize| window.get(x, y) == bitmap.get(x + left, y + top);
             assert!((0..90).all(|x| (0..12).all(|y| is_same(x, y))), "window at ({left}, {top})");
             assert_eq!(window.count(), window.pixels().count());
+        }
+    }
+
+    #[test]
+    fn a_quarter_of_the_picture_shows_what_five_of_sixteen_pixels_are() {
+        for (width, height) in [(64, 8), (130, 9), (517, 6), (3, 3)] {
+            let bitmap = Bitmap::from_fn(width, height, |x, y| (x * 31 + y * 17 + x * y) % 7 < 2);
+            let full = Bitmap::from_fn(width, height, |_, _| true);
+            for bitmap in [bitmap, full] {
+                let small = bitmap.quartered();
+                assert_eq!((small.width(), small.height()), (width.div_ceil(4), height.div_ceil(4)));
+                for (x, y) in (0..small.width()).flat_map(|x| (0..small.height()).map(move |y| (x, y))) {
+                    let all = (0..16).map(|i| (4 * x + i % 4, 4 * y + i / 4));
+                    let set = all.filter(|&(x, y)| bitmap.get(x as isize, y as isize)).count();
+                    assert_eq!(small.get(x as isize, y as isize), set >= 5, "({x}, {y}) of {bitmap:?}");
+                }
+                assert_eq!(small.count(), small.pixels().filter(|&(x, _)| x < small.width()).count());
+            }
         }
     }
 

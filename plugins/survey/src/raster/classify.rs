@@ -24,6 +24,8 @@ const INK: u8 = 5;
 
 /// Steps a channel of the table of colours.
 const STEPS: usize = 32;
+/// Entries of that table.
+const TABLE: usize = STEPS * STEPS * STEPS;
 
 /// Classifies a picture's pixels.
 #[must_use]
@@ -40,8 +42,9 @@ pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
             let mut seen = [0u8; 64];
             let step = light.steps_at(k * 64, y);
             for (class, pixel) in seen.iter_mut().zip(pixels.as_chunks::<3>().0) {
-                let [r, g, b] = pixel.map(|value| usize::from(step[usize::from(value)]));
-                *class = table[r << 10 | g << 5 | b];
+                let [r, g, b] = *pixel;
+                let at = |value: u8| usize::from(step[usize::from(value)]);
+                *class = table[(at(r) << 10 | at(g) << 5 | at(b)) % TABLE];
             }
             let all = seen.iter().fold(0, |a, b| a | b);
             for (bit, word) in [(STREET, &mut s[k]), (PARK, &mut p[k]), (WATER, &mut wa[k]), (RAILWAY, &mut r[k]), (INK, &mut i[k])]
@@ -139,9 +142,9 @@ struct Shade {
 }
 
 /// For each colour, its class as a bit.
-fn table(shades: &[Shade]) -> Vec<u8> {
+fn table(shades: &[Shade]) -> Box<[u8; TABLE]> {
     let middle = |i: usize| (i * 256 / STEPS) as f32 + 3.5;
-    let mut table = vec![0; STEPS * STEPS * STEPS];
+    let mut table = Box::new([0; TABLE]);
     for (i, class) in table.iter_mut().enumerate() {
         let at = [middle(i >> 10), middle(i >> 5 & 31), middle(i & 31)];
         let nearest = shades.iter().fold((f32::MAX, BUILT), |best, shade| {

@@ -2,7 +2,9 @@
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::bitmap::{Bitmap, CHUNK};
+use super::bitmap::Bitmap;
+use super::lanes::{Beside, Lanes, beside, full_add};
+use super::patches::Patches;
 
 /// The pixels with at least 13 of the 25 around them (themselves among these) set: the median of 5 × 5.
 #[must_use]
@@ -28,13 +30,23 @@ pub(crate) fn crowded(bitmap: &Bitmap, at_least: u32) -> Bitmap {
 /// neighbours become set, the others not. What nothing known surrounds stays unset.
 #[must_use]
 pub(crate) fn filled(set: &Bitmap, unknown: &Bitmap) -> Bitmap {
-    let mut filling = Filling::of(set, unknown);
-    let arch = Arch::new();
-    while arch.dispatch(&mut filling) {}
-    filling.set
+    let patches = Patches::of(unknown);
+    let mut known = set.clone();
+    known.remove(unknown);
+    let mut unset = set.inverted();
+    unset.remove(unknown);
+    let of = [&patches.shown(&known), &patches.shown(&unset), &patches.parts()];
+    let decided = patches.sheet_by_sheet(of, |[set, unset, parts]| {
+        let mut filling = Filling::of(set, unset, parts);
+        while Arch::new().dispatch(&mut filling) {}
+        filling.set.keep(&filling.parts);
+        filling.set
+    });
+    patches.put_back(&decided, &mut known);
+    known
 }
 
-/// The words of a row in which there may be pixels, the last one's bits in use only.
+/// Where a row may have pixels.
 fn frame(bitmap: &Bitmap) -> Vec<u64> {
     let mut row = vec![0; bitmap.stride()];
     let used = bitmap.width().div_ceil(64);
@@ -45,41 +57,16 @@ fn frame(bitmap: &Bitmap) -> Vec<u64> {
     row
 }
 
-/// Sum of two bits and a carry: (sum, carry).
-#[inline(always)]
-fn full_add(a: u64, b: u64, c: u64) -> (u64, u64) {
-    (a ^ b ^ c, (a & b) | (c & (a ^ b)))
-}
-
 struct Median5<'a>(&'a Bitmap);
 
-/// A row's sums of five pixels side by side, three bits each.
-#[derive(Clone)]
-struct Fives([Vec<u64>; 3]);
+/// Sums of five pixels side by side, three bits each.
+type Five = [Lanes; 3];
 
-impl Fives {
-    fn new(stride: usize) -> Self {
-        Self([vec![0; stride], vec![0; stride], vec![0; stride]])
-    }
-
-    /// Sums a row, given with the blank words beside it.
-    #[inline(always)]
-    fn sum(&mut self, row: &[u64]) {
-        let [ones, twos, fours] = &mut self.0;
-        let n = row.len() - 1;
-        for (k, ((one, two), four)) in ones[..n].iter_mut().zip(&mut twos[..n]).zip(&mut fours[..n]).enumerate().take(n - 1) {
-            let (before, at, after) = (row[k], row[k + 1], row[k + 2]);
-            let (w1, w2) = (at << 1 | before >> 63, at << 2 | before >> 62);
-            let (e1, e2) = (at >> 1 | after << 63, at >> 2 | after << 62);
-            let (s, c) = full_add(w1, at, e1);
-            let (sum, d) = full_add(s, w2, e2);
-            (*one, *two, *four) = (sum, c ^ d, c & d);
-        }
-    }
-
-    fn clear(&mut self) {
-        self.0.iter_mut().for_each(|slice| slice.fill(0));
-    }
+#[inline(always)]
+fn five(words: &Beside) -> Five {
+    let (s, c) = full_add(Lanes::west::<1>(words), Lanes::here(words), Lanes::east::<1>(words));
+    let (sum, d) = full_add(s, Lanes::west::<2>(words), Lanes::east::<2>(words));
+    [sum, c ^ d, c & d]
 }
 
 impl NullaryFnOnce for Median5<'_> {
@@ -88,24 +75,18 @@ impl NullaryFnOnce for Median5<'_> {
     #[inline(always)]
     fn call(self) -> Bitmap {
         let bitmap = self.0;
-        let (height, stride) = (bitmap.height(), bitmap.stride());
+        let (height, chunks) = (bitmap.height(), bitmap.chunks());
         let mut result = Bitmap::new(bitmap.width(), height);
         let inside = frame(bitmap);
-        let mut sums = vec![Fives::new(stride); 5];
-        for (y, sum) in sums.iter_mut().enumerate().take(height.min(2)) {
-            sum.sum(bitmap.padded(y));
-        }
-        for y in 0..height {
-            match y + 2 {
-                next if next < height => sums[next % 5].sum(bitmap.padded(next)),
-                next => sums[next % 5].clear(),
-            }
-            let [a, b, c, d, e] = &sums[..] else { continue };
-            let to = result.row_mut(y);
-            let n = to.len();
-            for k in 0..n {
-                let at = |row: &Fives| [row.0[0][k], row.0[1][k], row.0[2][k]];
-                to[k] = most(at(a), at(b), at(c), at(d), at(e)) & inside[k];
+        // Sums of the row, of the two above and of the two below, in turn.
+        let mut sums = vec![[[Lanes::NONE; 3]; 5]; chunks];
+        for y in 0..height + 2 {
+            for (chunk, sums) in sums.iter_mut().enumerate() {
+                sums[y % 5] = if y < height { five(beside(bitmap.padded(y), chunk)) } else { [Lanes::NONE; 3] };
+                if y >= 2 {
+                    let [a, b, c, d, e] = *sums;
+                    (most(a, b, c, d, e) & Lanes::of(&inside, chunk)).write(result.row_mut(y - 2), chunk);
+                }
             }
         }
         result
@@ -114,7 +95,7 @@ impl NullaryFnOnce for Median5<'_> {
 
 /// Whether five numbers of three bits add up to 13 or more.
 #[inline(always)]
-fn most(a: [u64; 3], b: [u64; 3], c: [u64; 3], d: [u64; 3], e: [u64; 3]) -> u64 {
+fn most(a: Five, b: Five, c: Five, d: Five, e: Five) -> Lanes {
     // Carry-save: three numbers at a time become two.
     let (s0, k1) = full_add(a[0], b[0], c[0]);
     let (s1, k2) = full_add(a[1], b[1], c[1]);
@@ -146,22 +127,18 @@ impl NullaryFnOnce for Near<'_> {
         let mut result = Bitmap::new(bitmap.width(), height);
         let blank = vec![0; bitmap.stride() + 1];
         for y in 0..height {
-            let above = if y > 0 { bitmap.padded(y - 1) } else { &blank };
-            let below = if y + 1 < height { bitmap.padded(y + 1) } else { &blank };
-            let rows = [above, bitmap.padded(y), below];
-            let to = result.row_mut(y);
-            for k in 0..to.len() {
+            for chunk in 0..bitmap.chunks() {
+                let three = bitmap.three(y, chunk, &blank);
                 // Saturating counts in unary: seen[n] where more than n are set.
-                let mut seen = [0u64; 4];
-                for row in rows {
-                    for bit in [row[k + 1] << 1 | row[k] >> 63, row[k + 1], row[k + 1] >> 1 | row[k + 2] << 63] {
-                        seen[3] |= seen[2] & bit;
-                        seen[2] |= seen[1] & bit;
-                        seen[1] |= seen[0] & bit;
-                        seen[0] |= bit;
+                let mut seen = [Lanes::here(three.at), Lanes::NONE, Lanes::NONE, Lanes::NONE];
+                for bit in three.ring() {
+                    for n in (1..self.at_least as usize).rev() {
+                        let fewer = seen[n - 1];
+                        seen[n] |= fewer & bit;
                     }
+                    seen[0] |= bit;
                 }
-                to[k] = seen[self.at_least as usize - 1] & self.inside[k];
+                (seen[self.at_least as usize - 1] & Lanes::of(&self.inside, chunk)).write(result.row_mut(y), chunk);
             }
         }
         result
@@ -171,25 +148,25 @@ impl NullaryFnOnce for Near<'_> {
 struct Filling {
     set: Bitmap,
     unset: Bitmap,
-    /// For each row, whether it may still have undecided pixels.
+    /// What was to be decided.
+    parts: Bitmap,
+    /// What of it is not yet.
+    rest: Bitmap,
+    /// For each row, whether that may be anything.
     open: Vec<bool>,
-    inside: Vec<u64>,
+    blank: Vec<u64>,
 }
 
 impl Filling {
-    fn of(set: &Bitmap, unknown: &Bitmap) -> Self {
-        let mut known = set.clone();
-        known.remove(unknown);
-        let mut unset = set.inverted();
-        unset.remove(unknown);
-        let open = (0..set.height()).map(|y| unknown.row(y).iter().any(|&w| w != 0)).collect();
-        Self { inside: frame(set), set: known, unset, open }
+    fn of(set: Bitmap, unset: Bitmap, parts: Bitmap) -> Self {
+        let blank = vec![0; set.stride() + 1];
+        Self { set, unset, open: vec![true; parts.height()], rest: parts.clone(), parts, blank }
     }
 }
 
-/// Numbers of eight bits, as a sum of four bits.
+/// How many of eight bits are set, as a sum of four bits.
 #[inline(always)]
-fn eight(ring: [u64; 8]) -> [u64; 4] {
+fn eight(ring: [Lanes; 8]) -> [Lanes; 4] {
     let (s1, c1) = full_add(ring[0], ring[1], ring[2]);
     let (s2, c2) = full_add(ring[3], ring[4], ring[5]);
     let (s3, c3) = full_add(s1, s2, ring[6]);
@@ -201,13 +178,21 @@ fn eight(ring: [u64; 8]) -> [u64; 4] {
 
 /// Where one number is greater than another.
 #[inline(always)]
-fn greater(a: [u64; 4], b: [u64; 4]) -> u64 {
-    let (mut more, mut same) = (0, u64::MAX);
+fn greater(a: [Lanes; 4], b: [Lanes; 4]) -> Lanes {
+    let (mut more, mut same) = (Lanes::NONE, Lanes::ALL);
     for i in (0..4).rev() {
         more |= same & a[i] & !b[i];
         same &= !(a[i] ^ b[i]);
     }
     more
+}
+
+/// What is decided in a row, written when the next has been looked at.
+struct Decided {
+    row: usize,
+    any: bool,
+    set: Vec<u64>,
+    unset: Vec<u64>,
 }
 
 impl NullaryFnOnce for &mut Filling {
@@ -217,63 +202,58 @@ impl NullaryFnOnce for &mut Filling {
     #[inline(always)]
     fn call(self) -> bool {
         let (height, stride) = (self.set.height(), self.set.stride());
-        let blank = vec![0; stride + 1];
         let mut any = false;
-        // What is decided in a row is written when the next has been looked at.
-        let (mut pending, mut now) = ((0, vec![0; stride], vec![0; stride], false), (vec![0; stride], vec![0; stride]));
+        let new = || Decided { row: 0, any: false, set: vec![0; stride], unset: vec![0; stride] };
+        let (mut pending, mut now) = (new(), new());
         for y in 0..=height {
-            let mut decided = false;
-            let is_open = y < height && self.open[y];
-            if is_open {
-                let mut left = false;
-                for chunk in 0..stride / CHUNK {
-                    let from = chunk * CHUNK;
-                    let unknown: u64 = (from..from + CHUNK)
-                        .map(|k| self.inside[k] & !(self.set.row(y)[k] | self.unset.row(y)[k]))
-                        .fold(0, |a, b| a | b);
-                    now.0[from..from + CHUNK].fill(0);
-                    now.1[from..from + CHUNK].fill(0);
-                    if unknown == 0 {
-                        continue;
-                    }
-                    left = true;
-                    for k in from..from + CHUNK {
-                        let ring = |of: &Bitmap| {
-                            let above = if y > 0 { of.padded(y - 1) } else { &blank[..] };
-                            let below = if y + 1 < height { of.padded(y + 1) } else { &blank[..] };
-                            let at = of.padded(y);
-                            let west = |r: &[u64]| r[k + 1] << 1 | r[k] >> 63;
-                            let east = |r: &[u64]| r[k + 1] >> 1 | r[k + 2] << 63;
-                            let sides = [west(above), above[k + 1], east(above), west(at)];
-                            eight([sides[0], sides[1], sides[2], sides[3], east(at), west(below), below[k + 1], east(below)])
-                        };
-                        let open = self.inside[k] & !(self.set.row(y)[k] | self.unset.row(y)[k]);
-                        let (yes, no) = (ring(&self.set), ring(&self.unset));
-                        let seen = open & (yes[0] | yes[1] | yes[2] | yes[3] | no[0] | no[1] | no[2] | no[3]);
-                        let more = greater(yes, no);
-                        now.0[k] = seen & more;
-                        now.1[k] = seen & !more;
-                        decided |= seen != 0;
-                    }
-                }
-                self.open[y] = left;
+            (now.row, now.any) = (y, false);
+            if y < height && self.open[y] {
+                self.decide(y, &mut now);
             }
-            if pending.3 {
-                let (row, yes, no, _) = &pending;
-                for (to, from) in self.set.row_mut(*row).iter_mut().zip(yes) {
-                    *to |= from;
+            if pending.any {
+                let y = pending.row;
+                add_words(self.set.row_mut(y), &pending.set);
+                add_words(self.unset.row_mut(y), &pending.unset);
+                for (rest, (set, unset)) in self.rest.row_mut(y).iter_mut().zip(pending.set.iter().zip(&pending.unset)) {
+                    *rest &= !(set | unset);
                 }
-                for (to, from) in self.unset.row_mut(*row).iter_mut().zip(no) {
-                    *to |= from;
-                }
+                any = true;
             }
-            core::mem::swap(&mut pending.1, &mut now.0);
-            core::mem::swap(&mut pending.2, &mut now.1);
-            pending.0 = y;
-            pending.3 = decided;
-            any |= decided;
+            core::mem::swap(&mut pending, &mut now);
         }
         any
+    }
+}
+
+#[inline(always)]
+fn add_words(to: &mut [u64], more: &[u64]) {
+    for (to, more) in to.iter_mut().zip(more) {
+        *to |= more;
+    }
+}
+
+impl Filling {
+    /// Decides the pixels of a row that have a known neighbour.
+    #[inline(always)]
+    fn decide(&mut self, y: usize, now: &mut Decided) {
+        let (mut left, mut any) = (false, Lanes::NONE);
+        for chunk in 0..self.set.chunks() {
+            let rest = Lanes::of(self.rest.row(y), chunk);
+            let (mut set, mut unset) = (Lanes::NONE, Lanes::NONE);
+            if rest.any() {
+                left = true;
+                let yes = eight(self.set.three(y, chunk, &self.blank).ring());
+                let no = eight(self.unset.three(y, chunk, &self.blank).ring());
+                let seen = rest & (yes[0] | yes[1] | yes[2] | yes[3] | no[0] | no[1] | no[2] | no[3]);
+                let more = greater(yes, no);
+                (set, unset) = (seen & more, seen & !more);
+                any |= seen;
+            }
+            set.write(&mut now.set, chunk);
+            unset.write(&mut now.unset, chunk);
+        }
+        self.open[y] = left;
+        now.any = any.any();
     }
 }
 

@@ -4,15 +4,29 @@ use glam::DVec2;
 use pulp::{Arch, NullaryFnOnce};
 
 use super::bitmap::Bitmap;
+use super::lanes::Lanes;
+
+/// Words that are grown together, so that the steps' results stay near the processor.
+const WORDS: usize = 8192;
 
 /// What lies within so many pixels of what is set (an octagon, which is near enough to a disc).
 #[must_use]
 pub(crate) fn grown(bitmap: &Bitmap, steps: usize) -> Bitmap {
-    let mut result = bitmap.clone();
+    let (width, height) = (bitmap.width(), bitmap.height());
     let share = core::f64::consts::SQRT_2 - 1.0;
-    for i in 0..steps {
-        let corners = ((i + 1) as f64 * share) as usize > (i as f64 * share) as usize;
-        result = Arch::new().dispatch(Step { bitmap: &result, corners });
+    let rows = (WORDS / bitmap.stride()).max(2 * steps);
+    let mut result = Bitmap::new(width, height);
+    for top in (0..height).step_by(rows) {
+        let (from, to, end) = (top.saturating_sub(steps), (top + rows + steps).min(height), (top + rows).min(height));
+        let mut now = Bitmap::new(width, to - from);
+        now.copy_rows(bitmap, from..to, 0);
+        let mut next = now.clone();
+        for i in 0..steps {
+            let corners = ((i + 1) as f64 * share) as usize > (i as f64 * share) as usize;
+            Arch::new().dispatch(Step { bitmap: &now, corners, result: &mut next });
+            core::mem::swap(&mut now, &mut next);
+        }
+        result.copy_rows(&now, top - from..end - from, top);
     }
     result
 }
@@ -23,19 +37,30 @@ pub(crate) fn shrunk(bitmap: &Bitmap, steps: usize) -> Bitmap {
     grown(&bitmap.inverted(), steps).inverted()
 }
 
-/// Sets the pixels within `half` of a stretch.
+/// Sets the pixels whose middles are within `half` of a stretch.
 pub(crate) fn band(bitmap: &mut Bitmap, a: DVec2, b: DVec2, half: f64) {
-    let (low, high) = (a.min(b) - half, a.max(b) + half);
-    let along = b - a;
-    let length2 = along.length_squared().max(1e-9);
-    for y in low.y.max(0.0) as usize..(high.y.max(0.0) as usize + 1).min(bitmap.height()) {
-        for x in low.x.max(0.0) as usize..(high.x.max(0.0) as usize + 1).min(bitmap.width()) {
-            let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - a;
-            let t = (p.dot(along) / length2).clamp(0.0, 1.0);
-            if (p - along * t).length_squared() < half * half {
-                bitmap.set(x, y, true);
+    let (low, high) = (a.y.min(b.y) - half, a.y.max(b.y) + half);
+    let aside = (b - a).normalize_or_zero().perp() * half;
+    let corners = [a + aside, b + aside, b - aside, a - aside];
+    let pixel = |at: f64, most: usize| (at - 0.5).ceil().clamp(0.0, most as f64) as usize;
+    for y in pixel(low, bitmap.height())..pixel(high, bitmap.height()) {
+        let at = y as f64 + 0.5;
+        // Discs about the ends, and a rectangle between them: all of it hangs together in a row.
+        let (mut from, mut to) = (f64::MAX, f64::MIN);
+        for end in [a, b] {
+            let across = half * half - (end.y - at) * (end.y - at);
+            if across > 0.0 {
+                (from, to) = (from.min(end.x - across.sqrt()), to.max(end.x + across.sqrt()));
             }
         }
+        for (i, p) in corners.iter().enumerate() {
+            let q = corners[(i + 1) % 4];
+            if (p.y > at) != (q.y > at) {
+                let x = p.x + (q.x - p.x) * (at - p.y) / (q.y - p.y);
+                (from, to) = (from.min(x), to.max(x));
+            }
+        }
+        bitmap.set_between(y, pixel(from, bitmap.width()), pixel(to, bitmap.width()), true);
     }
 }
 
@@ -43,39 +68,38 @@ pub(crate) fn band(bitmap: &mut Bitmap, a: DVec2, b: DVec2, half: f64) {
 struct Step<'a> {
     bitmap: &'a Bitmap,
     corners: bool,
+    result: &'a mut Bitmap,
 }
 
 impl NullaryFnOnce for Step<'_> {
-    type Output = Bitmap;
+    type Output = ();
 
     #[inline(always)]
-    fn call(self) -> Bitmap {
-        let Self { bitmap, corners } = self;
-        let mut result = Bitmap::new(bitmap.width(), bitmap.height());
+    fn call(self) {
+        let Self { bitmap, corners, result } = self;
         let (used, last) = (bitmap.width().div_ceil(64), bitmap.last_word());
         let blank = vec![0; bitmap.stride() + 1];
         for y in 0..bitmap.height() {
-            let above = if y > 0 { bitmap.padded(y - 1) } else { &blank };
-            let below = if y + 1 < bitmap.height() { bitmap.padded(y + 1) } else { &blank };
-            let at = bitmap.padded(y);
-            let to = result.row_mut(y);
-            let n = to.len();
-            let (above, at, below) = (&above[..n + 2], &at[..n + 2], &below[..n + 2]);
-            for k in 0..n {
-                let wide = |row: &[u64]| row[k + 1] | row[k + 1] << 1 | row[k] >> 63 | row[k + 1] >> 1 | row[k + 2] << 63;
-                let beside = if corners { wide(above) | wide(below) } else { above[k + 1] | below[k + 1] };
-                to[k] = wide(at) | beside;
+            for chunk in 0..bitmap.chunks() {
+                let three = bitmap.three(y, chunk, &blank);
+                let [n, ne, e, se, s, sw, w, nw] = three.ring();
+                let mut grown = Lanes::here(three.at) | n | e | s | w;
+                if corners {
+                    grown |= ne | se | sw | nw;
+                }
+                grown.write(result.row_mut(y), chunk);
             }
+            let to = result.row_mut(y);
             to[used..].fill(0);
             to[used - 1] &= last;
         }
-        result
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn growing_reaches_every_border() {
@@ -83,6 +107,21 @@ mod tests {
             let full = Bitmap::from_fn(width, 3, |_, _| true);
             assert_eq!(grown(&full, 2), full, "width {width}");
             assert_eq!(shrunk(&full, 2), full, "width {width}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_band_is_what_lies_near_a_stretch(a in (-20.0..120.0f64, -20.0..70.0f64), b in (-20.0..120.0f64, -20.0..70.0f64), half in 0.1..30.0f64) {
+            let (a, b) = (DVec2::from(a), DVec2::from(b));
+            let mut bitmap = Bitmap::new(100, 50);
+            band(&mut bitmap, a, b, half);
+            for (x, y) in (0..100).flat_map(|x| (0..50).map(move |y| (x, y))) {
+                let p = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+                let t = ((p - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
+                let off = p.distance(a + (b - a) * t) - half;
+                prop_assert!(off.abs() < 1e-6 || bitmap.get(x as isize, y as isize) == (off < 0.0), "{} at {}", off, p);
+            }
         }
     }
 

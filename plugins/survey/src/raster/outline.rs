@@ -39,6 +39,11 @@ impl Outline {
         Self { corners, area_px: self.area_px * i64::from(scale) * i64::from(scale) }
     }
 
+    /// Moved.
+    pub fn moved(&self, by: IVec2) -> Self {
+        Self { corners: self.corners.iter().map(|&c| c + by).collect(), area_px: self.area_px }
+    }
+
     /// The stretches of pixels inside, in some rows: each a row, its first pixel and the one after its last.
     pub fn spans(&self, mut is_wanted: impl FnMut(i32) -> bool) -> Vec<(i32, i32, i32)> {
         // Each vertical edge toggles the pixels to its right.
@@ -57,9 +62,8 @@ impl Outline {
     pub fn paint(&self, bitmap: &mut Bitmap, on: bool) {
         let (width, height) = (bitmap.width() as i32, bitmap.height() as i32);
         for (y, from, to) in self.spans(|y| y >= 0 && y < height) {
-            for x in from.max(0)..to.min(width) {
-                bitmap.set(x as usize, y as usize, on);
-            }
+            let (from, to) = (from.clamp(0, width), to.clamp(0, width));
+            bitmap.set_between(y as usize, from as usize, to as usize, on);
         }
     }
 }
@@ -101,7 +105,7 @@ fn follow(bitmap: &Bitmap, done: &mut Bitmap, start: IVec2, connect: Corners) ->
         let pixel = |side: IVec2| {
             // The pixel ahead on that side: the lower of its two corners' coordinates, on each axis.
             let p = at + (heading + side - IVec2::ONE) / 2;
-            bitmap.get(p.x as isize, p.y as isize)
+            bitmap.get_near(p.x, p.y)
         };
         let (left_ahead, right_ahead) = (pixel(left), pixel(-left));
         let turn = match connect {

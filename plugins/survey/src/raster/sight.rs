@@ -6,19 +6,27 @@
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::bitmap::{Bitmap, CHUNK};
+use super::bitmap::Bitmap;
+use super::lanes::{Lanes, beside};
+use super::patches::Patches;
 
 /// Directions of looking that are steeper than a diagonal; as many again are not.
-const DIRECTIONS: i32 = 32;
+const DIRECTIONS: usize = 32;
 
 /// The `hidden` pixels that are street.
 #[must_use]
 pub(crate) fn seen_as_street(street: &Bitmap, hidden: &Bitmap) -> Bitmap {
     let mut known = street.clone();
     known.remove(hidden);
-    let mut result = Arch::new().dispatch(Looking { street: &known, hidden });
-    let (known, hidden) = (known.transposed(), hidden.transposed());
-    result.add(&Arch::new().dispatch(Looking { street: &known, hidden: &hidden }).transposed());
+    let patches = Patches::of(hidden);
+    let seen = patches.sheet_by_sheet([&patches.shown(&known), &patches.parts()], |[street, hidden]| {
+        let mut seen = Arch::new().dispatch(Looking { street: &street, hidden: &hidden });
+        let (street, hidden) = (street.transposed(), hidden.transposed());
+        seen.add(&Arch::new().dispatch(Looking { street: &street, hidden: &hidden }).transposed());
+        seen
+    });
+    let mut result = Bitmap::new(street.width(), street.height());
+    patches.put_back(&seen, &mut result);
     result
 }
 
@@ -36,47 +44,41 @@ impl NullaryFnOnce for Looking<'_> {
 
     #[inline(always)]
     fn call(self) -> Bitmap {
-        let (hidden, height) = (self.hidden, self.hidden.height());
-        let mut result = Bitmap::new(hidden.width(), height);
-        let chunks: Vec<u64> = (0..height).map(|y| used_chunks(hidden.row(y))).collect();
-        let (mut from_above, mut from_below) = (Vec::new(), Vec::new());
+        let (width, height) = (self.hidden.width(), self.hidden.height());
+        let mut result = Bitmap::new(width, height);
+        // What is reached from above and from below, of the last few directions.
+        let mut reached = vec![[Bitmap::new(width, height), Bitmap::new(width, height)]; BEND + 1];
         for direction in 0..DIRECTIONS {
             // The tangent of evenly spaced angles from -45° to 45°.
-            let angle =
-                (f64::from(direction) + 0.5 - f64::from(DIRECTIONS) / 2.0) / f64::from(DIRECTIONS) * core::f64::consts::FRAC_PI_2;
+            let angle = ((direction as f64 + 0.5) / DIRECTIONS as f64 - 0.5) * core::f64::consts::FRAC_PI_2;
             let slope = libm::tan(angle);
             let column = |y: usize| libm::floor(slope * y as f64 + 0.5) as i64;
-            let (mut down, mut up) = (Bitmap::new(hidden.width(), height), Bitmap::new(hidden.width(), height));
-            for (y, &chunks) in chunks.iter().enumerate().skip(1) {
-                self.look(y, y - 1, column(y) - column(y - 1), chunks, &mut down);
+            reached.rotate_right(1);
+            let [down, up] = &mut reached[0];
+            for y in 1..height {
+                self.look(y, y - 1, column(y) - column(y - 1), down);
             }
-            for (y, &chunks) in chunks.iter().enumerate().rev().skip(1) {
-                self.look(y, y + 1, column(y) - column(y + 1), chunks, &mut up);
+            for y in (0..height.saturating_sub(1)).rev() {
+                self.look(y, y + 1, column(y) - column(y + 1), up);
             }
-            from_above.push(down);
-            from_below.push(up);
-            let n = from_above.len() - 1;
-            for other in n.saturating_sub(BEND)..=n {
-                meet(&mut result, &from_above[n], &from_below[other], &chunks);
-                meet(&mut result, &from_above[other], &from_below[n], &chunks);
-            }
+            meet(&mut result, &reached);
         }
         result
     }
 }
 
-/// Adds what two bitmaps share.
+/// Adds what the latest direction from one side shares with any from the other.
 #[inline(always)]
-fn meet(result: &mut Bitmap, a: &Bitmap, b: &Bitmap, chunks: &[u64]) {
-    for (y, &chunks) in chunks.iter().enumerate() {
-        let (to, a, b) = (result.row_mut(y), a.row(y), b.row(y));
-        let mut rest = chunks;
-        while rest != 0 {
-            let chunk = rest.trailing_zeros() as usize * CHUNK;
-            rest &= rest - 1;
-            for k in chunk..chunk + CHUNK {
-                to[k] |= a[k] & b[k];
+fn meet(result: &mut Bitmap, reached: &[[Bitmap; 2]]) {
+    let [[down, up], earlier @ ..] = reached else { return };
+    for y in 0..result.height() {
+        for chunk in 0..result.chunks() {
+            let (down, up) = (Lanes::of(down.row(y), chunk), Lanes::of(up.row(y), chunk));
+            let mut both = Lanes::of(result.row(y), chunk) | (down & up);
+            for [other_down, other_up] in earlier {
+                both |= (down & Lanes::of(other_up.row(y), chunk)) | (up & Lanes::of(other_down.row(y), chunk));
             }
+            both.write(result.row_mut(y), chunk);
         }
     }
 }
@@ -84,29 +86,17 @@ fn meet(result: &mut Bitmap, a: &Bitmap, b: &Bitmap, chunks: &[u64]) {
 impl Looking<'_> {
     /// Which hidden pixels of row `y` are reached from the row `before`, shifted by so many pixels to the right.
     #[inline(always)]
-    fn look(&self, y: usize, before: usize, shift: i64, mut rest: u64, reached: &mut Bitmap) {
-        let (street, hidden) = (self.street.padded(before), self.hidden.row(y));
-        let (old, to) = reached.padded_and_row(before, y);
-        while rest != 0 {
-            let chunk = rest.trailing_zeros() as usize * CHUNK;
-            rest &= rest - 1;
-            for k in chunk..chunk + CHUNK {
-                let at = |k: usize| old[k] | street[k];
-                let come = match shift {
-                    0 => at(k + 1),
-                    1 => at(k + 1) << 1 | at(k) >> 63,
-                    _ => at(k + 1) >> 1 | at(k + 2) << 63,
-                };
-                to[k] = come & hidden[k];
-            }
+    fn look(&self, y: usize, before: usize, shift: i64, reached: &mut Bitmap) {
+        for chunk in 0..self.hidden.chunks() {
+            let (old, street) = (beside(reached.padded(before), chunk), beside(self.street.padded(before), chunk));
+            let come = match shift {
+                0 => Lanes::here(old) | Lanes::here(street),
+                1 => Lanes::west::<1>(old) | Lanes::west::<1>(street),
+                _ => Lanes::east::<1>(old) | Lanes::east::<1>(street),
+            };
+            (come & Lanes::of(self.hidden.row(y), chunk)).write(reached.row_mut(y), chunk);
         }
     }
-}
-
-/// The chunks of a row with anything set, a bit each.
-fn used_chunks(row: &[u64]) -> u64 {
-    let any = |chunk: &[u64]| u64::from(chunk.iter().any(|&w| w != 0));
-    row.chunks_exact(CHUNK).enumerate().fold(0, |all, (i, chunk)| all | any(chunk) << i)
 }
 
 #[cfg(test)]

@@ -24,6 +24,10 @@ const RADIUS_M: core::ops::Range<f64> = 8.0..150.0;
 const MOST_RADIUS_PX: f64 = 160.0;
 /// The disc whose reach is a square's region, in radii of the largest.
 const REGION_RADII: f64 = 0.72;
+/// How far into its corners it goes, in that disc's radii.
+const CORNER_SHARE: f64 = 0.45;
+/// How far a square goes from the middle of its largest disc, in its radii.
+const MOST_REACH_RADII: f64 = 6.0;
 /// Least area of a square, in areas covered by the streets that enter it.
 const LEAST_SURPLUS: f64 = 1.2;
 
@@ -115,7 +119,7 @@ impl Ends {
 
 /// A part of the picture about a candidate, and what of it a disc can reach.
 struct Region {
-    /// Upper left corner of the window.
+    /// Upper left corner of its window.
     origin: IVec2,
     /// The region.
     area: Bitmap,
@@ -126,40 +130,38 @@ struct Region {
 
 impl Region {
     fn around(sketch: &Sketch, ends: &Ends, paved: &Bitmap, at: DVec2, radius: f64, margin: i32) -> Option<Self> {
-        let reach = (6.0 * radius) as i32 + 8;
-        let origin = IVec2::new(at.x as i32, at.y as i32) - reach;
-        let side = 2 * reach as usize;
-        let window = Bitmap::from_window(paved, origin.x as isize, origin.y as isize, side, side);
         let steps = (REGION_RADII * radius) as usize;
-        let core = shrunk(&window, steps);
-        // The part of what remains that belongs to this place.
-        let local = at - origin.as_dvec2();
-        let seeds = outlines(&core, Corners::Join);
-        let own = seeds.iter().filter(|o| !o.is_hole()).find(|o| encloses(&o.corners, local))?;
-        let mut area = Bitmap::new(side, side);
-        own.paint(&mut area, true);
-        area.keep(&core);
-        let reached = grown(&area, steps);
+        let middle = IVec2::new(at.x as i32, at.y as i32);
+        let reach = (MOST_REACH_RADII * radius) as i32 + 8;
+        let (seed, origin) = seed(paved, at, steps, reach)?;
+        let reached = grown(&seed, steps);
         // A disc does not reach into corners: what is paved there belongs to it, but for the streets that lead away.
-        let mut area = grown(&reached, (0.45 * steps as f64) as usize);
-        area.keep(&window);
-        let mut away = Bitmap::new(side, side);
+        let mut area = grown(&reached, corner_steps(steps));
+        let (width, height) = (area.width(), area.height());
+        area.keep(&Bitmap::from_window(paved, origin, width, height));
+        let mut away = Bitmap::new(width, height);
         let inside = |p: DVec2| reached.get(p.x.floor() as isize, p.y.floor() as isize);
         let near = ends.within(at, f64::from(reach));
+        let (low, high) = (origin.as_dvec2(), (origin + IVec2::new(width as i32, height as i32)).as_dvec2());
         for street in near.iter().map(|&i| &sketch.streets[i]) {
-            let local: Vec<DVec2> = street.line.iter().map(|p| *p - origin.as_dvec2()).collect();
-            for stretch in local.windows(4).step_by(3).filter(|w| !inside(w[0]) && !inside(w[3])) {
-                band(&mut away, stretch[0], stretch[3], street.half + 1.5);
+            let half = street.half + 1.5;
+            let is_near = |p: DVec2| p.cmpgt(low - half).all() && p.cmplt(high + half).all();
+            for stretch in street.line.windows(4).step_by(3).filter(|w| is_near(w[0]) || is_near(w[3])) {
+                let (a, b) = (stretch[0] - low, stretch[3] - low);
+                if !inside(a) && !inside(b) {
+                    band(&mut away, a, b, half);
+                }
             }
         }
         away.remove(&reached);
         area.remove(&away);
         let border = outlines(&area, Corners::Part).into_iter().max_by_key(|o| o.area_px)?;
-        // What touches the window's border is no place, and what is cut by the map's is not known.
+        // What goes on is no place, and what is cut by the map's border is not known.
         let (low, high) = border.extent();
-        let is_inside = low.min_element() > 1 && high.max_element() < side as i32 - 1;
+        let (low, high) = (low + origin, high + origin);
+        let is_inside = low.cmpgt(middle - reach + 1).all() && high.cmplt(middle + reach - 1).all();
         let size = IVec2::new(paved.width() as i32, paved.height() as i32);
-        let on_map = (low + origin).cmpgt(IVec2::splat(margin)).all() && (high + origin).cmplt(size - margin).all();
+        let on_map = low.cmpgt(IVec2::splat(margin)).all() && high.cmplt(size - margin).all();
         (is_inside && on_map).then_some(Self { origin, area, border, near })
     }
 
@@ -218,6 +220,39 @@ impl Region {
         let ring: Vec<DVec2> = self.border.corners.iter().map(|&c| (c + self.origin).as_dvec2()).collect();
         simplified_ring(&ring, 1.2)
     }
+}
+
+/// How far into corners a square goes that a disc of so many pixels' radius can reach.
+fn corner_steps(steps: usize) -> usize {
+    (CORNER_SHARE * steps as f64) as usize
+}
+
+/// The places about one at which a disc of `steps` pixels' radius fits in, in a window that holds all that it then
+/// reaches, and the window's upper left corner. Nothing where it does not fit, or goes farther than `reach`.
+fn seed(paved: &Bitmap, at: DVec2, steps: usize, reach: i32) -> Option<(Bitmap, IVec2)> {
+    let middle = IVec2::new(at.x as i32, at.y as i32);
+    // Most squares lie in a small window; where one does not, the larger is looked at.
+    for reach in [reach / 2, reach] {
+        let (origin, side) = (middle - reach, 2 * reach);
+        let window = Bitmap::from_window(paved, origin, side as usize, side as usize);
+        let core = shrunk(&window, steps);
+        let found = outlines(&core, Corners::Join);
+        let own = found.iter().filter(|o| !o.is_hole()).find(|o| encloses(&o.corners, at - origin.as_dvec2()))?;
+        let (low, high) = own.extent();
+        // Nearer to the border than that, it is not known what a disc touches.
+        let open = steps as i32;
+        if low.min_element() <= open || high.max_element() >= side - open {
+            continue;
+        }
+        let about = IVec2::splat((steps + corner_steps(steps)) as i32 + 2);
+        let size = (high - low + 2 * about).as_uvec2();
+        let mut seed = Bitmap::new(size.x as usize, size.y as usize);
+        own.moved(about - low).paint(&mut seed, true);
+        let corner = low - about;
+        seed.keep(&Bitmap::from_window(&core, corner, seed.width(), seed.height()));
+        return Some((seed, origin + corner));
+    }
+    None
 }
 
 /// Whether a closed line of horizontal and vertical edges goes around a point.

@@ -12,6 +12,7 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use super::bitmap::{Bitmap, CHUNK};
+use super::lanes::{Lanes, Three, beside};
 
 /// The skeleton of a bitmap, on so many threads (at least one), with the same result for any number.
 ///
@@ -160,20 +161,16 @@ impl Band {
         while rest != 0 {
             let chunk = rest.trailing_zeros() as usize;
             rest &= rest - 1;
-            let from = i * stride + chunk * CHUNK;
-            let Some(above) = ten(&self.words, from - stride) else { continue };
-            let Some(at) = ten(&self.words, from) else { continue };
-            let Some(below) = ten(&self.words, from + stride) else { continue };
-            let mut gone = marked::<FIRST>(above, at, below);
+            let row = |i: usize| beside(&self.words[i * stride..], chunk);
+            let mut gone = marked::<FIRST>(Three { above: row(i - 1), at: row(i), below: row(i + 1) });
             for (word, bits) in self.fixed {
                 if word / CHUNK == chunk {
-                    gone[word % CHUNK] &= !bits;
+                    gone.0[word % CHUNK] &= !bits;
                 }
             }
-            let has_any = gone.iter().fold(0, |a, b| a | b) != 0;
-            found |= u64::from(has_any) << chunk;
-            if has_any {
-                marks[chunk * CHUNK..][..CHUNK].copy_from_slice(&gone);
+            if gone.any() {
+                found |= 1 << chunk;
+                gone.write(marks, chunk);
             }
         }
         found
@@ -193,67 +190,30 @@ impl Band {
     }
 }
 
-/// A chunk's words with the word before and the word after.
-#[inline(always)]
-fn ten(words: &[u64], from: usize) -> Option<&[u64; CHUNK + 2]> {
-    words.get(from..from + CHUNK + 2)?.try_into().ok()
-}
-
-/// A chunk's words: one wide register, or two, or what the processor has.
-type Words = [u64; CHUNK];
-
-/// A word by word function of two chunks.
-#[inline(always)]
-fn zip(a: Words, b: Words, f: impl Fn(u64, u64) -> u64) -> Words {
-    let mut result = [0; CHUNK];
-    for k in 0..CHUNK {
-        result[k] = f(a[k], b[k]);
-    }
-    result
-}
-
-/// A chunk of a row, as its pixels' western neighbours, its pixels, and its pixels' eastern neighbours.
-#[inline(always)]
-fn side_by_side(row: &[u64; CHUNK + 2]) -> (Words, Words, Words) {
-    let (mut west, mut at, mut east) = ([0; CHUNK], [0; CHUNK], [0; CHUNK]);
-    for k in 0..CHUNK {
-        west[k] = row[k + 1] << 1 | row[k] >> 63;
-    }
-    at.copy_from_slice(&row[1..=CHUNK]);
-    for k in 0..CHUNK {
-        east[k] = row[k + 1] >> 1 | row[k + 2] << 63;
-    }
-    (west, at, east)
-}
-
 /// The pixels of a chunk that a step takes: those with two to six neighbours, all in one run around them, where the
 /// step's two triples of side neighbours are not full.
 #[inline(always)]
-fn marked<const FIRST: bool>(above: &[u64; CHUNK + 2], at: &[u64; CHUNK + 2], below: &[u64; CHUNK + 2]) -> Words {
-    let (nw, n, ne) = side_by_side(above);
-    let (w, own, e) = side_by_side(at);
-    let (sw, s, se) = side_by_side(below);
-    let ring = [n, ne, e, se, s, sw, w, nw];
+fn marked<const FIRST: bool>(three: Three<'_>) -> Lanes {
+    let ring = three.ring();
+    let [n, _, e, _, s, _, w, _] = ring;
     // Of the changes from unset to set around the pixel there is exactly one; of set and of unset at least two.
-    let (mut one_rise, mut two_rises) = ([0; CHUNK], [0; CHUNK]);
-    let (mut one_set, mut two_set) = ([0; CHUNK], [0; CHUNK]);
-    let (mut all_set, mut all_but_one_set) = ([u64::MAX; CHUNK], [u64::MAX; CHUNK]);
+    let (mut one_rise, mut two_rises) = (Lanes::NONE, Lanes::NONE);
+    let (mut one_set, mut two_set) = (Lanes::NONE, Lanes::NONE);
+    let (mut all_set, mut all_but_one_set) = (Lanes::ALL, Lanes::ALL);
     for j in 0..8 {
         let (here, next) = (ring[j], ring[(j + 1) % 8]);
-        let rise = zip(here, next, |here, next| !here & next);
-        two_rises = zip(two_rises, zip(one_rise, rise, |a, b| a & b), |a, b| a | b);
-        one_rise = zip(one_rise, rise, |a, b| a | b);
-        two_set = zip(two_set, zip(one_set, here, |a, b| a & b), |a, b| a | b);
-        one_set = zip(one_set, here, |a, b| a | b);
-        all_but_one_set = zip(all_but_one_set, zip(all_set, here, |a, b| a | b), |a, b| a & b);
-        all_set = zip(all_set, here, |a, b| a & b);
+        let rise = !here & next;
+        two_rises |= one_rise & rise;
+        one_rise |= rise;
+        two_set |= one_set & here;
+        one_set |= here;
+        all_but_one_set &= all_set | here;
+        all_set &= here;
     }
-    let pair = if FIRST { zip(e, s, |a, b| a & b) } else { zip(n, w, |a, b| a & b) };
-    let third = if FIRST { zip(n, w, |a, b| a | b) } else { zip(e, s, |a, b| a | b) };
-    let full = zip(pair, third, |a, b| a & b);
-    let one_run = zip(one_rise, two_rises, |a, b| a & !b);
-    let some = zip(two_set, all_but_one_set, |a, b| a & !b);
-    zip(zip(own, one_run, |a, b| a & b), zip(some, full, |a, b| a & !b), |a, b| a & b)
+    let full = if FIRST { e & s & (n | w) } else { n & w & (e | s) };
+    let one_run = one_rise & !two_rises;
+    let some = two_set & !all_but_one_set;
+    Lanes::here(three.at) & one_run & some & !full
 }
 
 /// Gives every band its neighbours' border rows, and what changed there.

@@ -1,0 +1,150 @@
+//! Connected parts of a bitmap, found by its runs of pixels.
+
+use glam::IVec2;
+
+use super::bitmap::{Bitmap, ones};
+use super::outline::Corners;
+
+/// Pixels side by side in a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Run {
+    pub y: i32,
+    /// Its first pixel, and the one after its last.
+    pub from: i32,
+    pub to: i32,
+    /// Number of the part that it belongs to.
+    pub part: u32,
+}
+
+/// A connected part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Part {
+    /// The corners of its extent: pixels from `low` to before `high`.
+    pub low: IVec2,
+    pub high: IVec2,
+    pub area_px: i64,
+}
+
+/// The connected parts of a bitmap.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Parts {
+    /// Row by row, from the left.
+    pub runs: Vec<Run>,
+    /// In the order of their first runs.
+    pub parts: Vec<Part>,
+}
+
+impl Parts {
+    /// The parts of what is set.
+    pub fn of(bitmap: &Bitmap, corners: Corners) -> Self {
+        let mut runs: Vec<Run> = Vec::new();
+        // For each run, one before it of the same part, or itself.
+        let mut parent: Vec<u32> = Vec::new();
+        let touch = i32::from(corners == Corners::Join);
+        let mut above = 0..0;
+        for y in 0..bitmap.height() {
+            let start = runs.len();
+            add_runs(bitmap, y, &mut runs);
+            let mut i = above.start;
+            for k in start..runs.len() {
+                let run = runs[k];
+                parent.push(k as u32);
+                while i < above.end && runs[i].to + touch <= run.from {
+                    i += 1;
+                }
+                let mut j = i;
+                while j < above.end && runs[j].from < run.to + touch {
+                    join(&mut parent, j as u32, k as u32);
+                    j += 1;
+                }
+            }
+            above = start..runs.len();
+        }
+        let mut parts: Vec<Part> = Vec::new();
+        for k in 0..runs.len() {
+            // What it was joined to comes before it.
+            let root = root(&mut parent, k as u32) as usize;
+            let run = runs[k];
+            let (low, high) = (IVec2::new(run.from, run.y), IVec2::new(run.to, run.y + 1));
+            let area_px = i64::from(run.to - run.from);
+            if root == k {
+                runs[k].part = parts.len() as u32;
+                parts.push(Part { low, high, area_px });
+            } else {
+                let number = runs[root].part;
+                runs[k].part = number;
+                let part = &mut parts[number as usize];
+                *part = Part { low: part.low.min(low), high: part.high.max(high), area_px: part.area_px + area_px };
+            }
+        }
+        Self { runs, parts }
+    }
+}
+
+/// Adds a row's runs.
+fn add_runs(bitmap: &Bitmap, y: usize, runs: &mut Vec<Run>) {
+    let row = bitmap.padded(y);
+    let mut open = 0;
+    for k in 0..row.len() - 1 {
+        // Where what is set begins or ends; the blank word at the end ends all.
+        let changes = row[k + 1] ^ (row[k + 1] << 1 | row[k] >> 63);
+        for bit in ones(changes) {
+            let x = (k * 64 + bit) as i32;
+            if row[k + 1] >> bit & 1 == 1 {
+                open = x;
+            } else {
+                runs.push(Run { y: y as i32, from: open, to: x, part: 0 });
+            }
+        }
+    }
+}
+
+/// Makes one of the parts of two runs.
+fn join(parent: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (root(parent, a), root(parent, b));
+    let (first, last) = (a.min(b), a.max(b));
+    parent[last as usize] = first;
+}
+
+/// The first run of a run's part.
+fn root(parent: &mut [u32], mut run: u32) -> u32 {
+    while parent[run as usize] != run {
+        let next = parent[parent[run as usize] as usize];
+        parent[run as usize] = next;
+        run = next;
+    }
+    run
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::outline::outlines;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn parts_are_what_outlines_go_around(width in 1usize..600, height in 1usize..40, density in 1u64..16, cell in 1usize..4, seed: u64) {
+            let bitmap = Bitmap::from_fn(width, height, |x, y| {
+                let n = ((x / cell) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((y / cell) as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F) ^ seed;
+                (n ^ n >> 29).wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 60 < density
+            });
+            for corners in [Corners::Join, Corners::Part] {
+                let found = Parts::of(&bitmap, corners);
+                let mut extents: Vec<_> = found.parts.iter().map(|part| (part.low.to_array(), part.high.to_array())).collect();
+                let around = outlines(&bitmap, corners);
+                let mut expected: Vec<_> = around.iter().filter(|o| !o.is_hole()).map(|o| o.extent()).map(|(low, high)| (low.to_array(), high.to_array())).collect();
+                (extents.sort_unstable(), expected.sort_unstable());
+                prop_assert_eq!(extents, expected);
+                let mut painted = Bitmap::new(width, height);
+                let mut areas = vec![0; found.parts.len()];
+                for run in &found.runs {
+                    painted.set_between(run.y as usize, run.from as usize, run.to as usize, true);
+                    areas[run.part as usize] += i64::from(run.to - run.from);
+                }
+                prop_assert_eq!(&painted, &bitmap);
+                prop_assert_eq!(areas, found.parts.iter().map(|part| part.area_px).collect::<Vec<_>>());
+            }
+        }
+    }
+}
