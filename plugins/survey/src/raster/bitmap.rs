@@ -2,7 +2,7 @@ use core::fmt;
 
 use glam::IVec2;
 
-use super::lanes::{Three, beside};
+use super::lanes::ThreeRows;
 
 /// Words a chunk: 512 pixels, the widest register there is.
 pub(crate) const CHUNK: usize = 8;
@@ -124,25 +124,12 @@ impl Bitmap {
         &mut self.words[y * self.stride + 1..(y + 1) * self.stride]
     }
 
-    /// A row between blank words, and the words of the next or the one before, to be written.
+    /// A row, and those above and below; what lies outside is `blank`, which is as long as a padded row.
     #[inline(always)]
-    pub(crate) fn padded_and_row(&mut self, from: usize, to: usize) -> (&[u64], &mut [u64]) {
-        let (stride, padded) = (self.stride, self.stride + 1);
-        if from < to {
-            let (head, tail) = self.words.split_at_mut(to * stride + 1);
-            (&head[from * stride..][..padded], &mut tail[..stride - 1])
-        } else {
-            let (head, tail) = self.words.split_at_mut(from * stride);
-            (&tail[..padded], &mut head[to * stride + 1..][..stride - 1])
-        }
-    }
-
-    /// A chunk of a row, and of those above and below; what lies outside is `blank`, which is as long as a padded row.
-    #[inline(always)]
-    pub(crate) fn three<'a>(&'a self, y: usize, chunk: usize, blank: &'a [u64]) -> Three<'a> {
+    pub(crate) fn around_row<'a>(&'a self, y: usize, blank: &'a [u64]) -> ThreeRows<'a> {
         let above = if y > 0 { self.padded(y - 1) } else { blank };
         let below = if y + 1 < self.height { self.padded(y + 1) } else { blank };
-        Three { above: beside(above, chunk), at: beside(self.padded(y), chunk), below: beside(below, chunk) }
+        ThreeRows { above, at: self.padded(y), below }
     }
 
     /// All words, blank ones included.

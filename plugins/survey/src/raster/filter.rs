@@ -127,8 +127,9 @@ impl NullaryFnOnce for Near<'_> {
         let mut result = Bitmap::new(bitmap.width(), height);
         let blank = vec![0; bitmap.stride() + 1];
         for y in 0..height {
+            let (rows, to) = (bitmap.around_row(y, &blank), result.row_mut(y));
             for chunk in 0..bitmap.chunks() {
-                let three = bitmap.three(y, chunk, &blank);
+                let three = rows.chunk(chunk);
                 // Saturating counts in unary: seen[n] where more than n are set.
                 let mut seen = [Lanes::here(three.at), Lanes::NONE, Lanes::NONE, Lanes::NONE];
                 for bit in three.ring() {
@@ -138,7 +139,7 @@ impl NullaryFnOnce for Near<'_> {
                     }
                     seen[0] |= bit;
                 }
-                (seen[self.at_least as usize - 1] & Lanes::of(&self.inside, chunk)).write(result.row_mut(y), chunk);
+                (seen[self.at_least as usize - 1] & Lanes::of(&self.inside, chunk)).write(to, chunk);
             }
         }
         result
@@ -237,13 +238,14 @@ impl Filling {
     #[inline(always)]
     fn decide(&mut self, y: usize, now: &mut Decided) {
         let (mut left, mut any) = (false, Lanes::NONE);
+        let (set_rows, unset_rows) = (self.set.around_row(y, &self.blank), self.unset.around_row(y, &self.blank));
         for chunk in 0..self.set.chunks() {
             let rest = Lanes::of(self.rest.row(y), chunk);
             let (mut set, mut unset) = (Lanes::NONE, Lanes::NONE);
             if rest.any() {
                 left = true;
-                let yes = eight(self.set.three(y, chunk, &self.blank).ring());
-                let no = eight(self.unset.three(y, chunk, &self.blank).ring());
+                let yes = eight(set_rows.chunk(chunk).ring());
+                let no = eight(unset_rows.chunk(chunk).ring());
                 let seen = rest & (yes[0] | yes[1] | yes[2] | yes[3] | no[0] | no[1] | no[2] | no[3]);
                 let more = greater(yes, no);
                 (set, unset) = (seen & more, seen & !more);

@@ -8,6 +8,7 @@ use super::bitmap::CHUNK;
 
 /// The words of a chunk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(align(64))]
 pub(crate) struct Lanes(pub [u64; CHUNK]);
 
 /// The words of a chunk, with the one before and the one after.
@@ -30,15 +31,17 @@ impl Lanes {
     /// A chunk of a row, given without the blank words.
     #[inline(always)]
     pub fn of(row: &[u64], chunk: usize) -> Self {
-        let mut lanes = Self::NONE;
-        lanes.0.copy_from_slice(&row[chunk * CHUNK..][..CHUNK]);
-        lanes
+        let row = &row[chunk * CHUNK..][..CHUNK];
+        Self::each(|k| row[k])
     }
 
     /// Writes a chunk of a row, given without the blank words.
     #[inline(always)]
     pub fn write(self, row: &mut [u64], chunk: usize) {
-        row[chunk * CHUNK..][..CHUNK].copy_from_slice(&self.0);
+        let row = &mut row[chunk * CHUNK..][..CHUNK];
+        for k in 0..CHUNK {
+            row[k] = self.0[k];
+        }
     }
 
     /// The pixels themselves.
@@ -68,8 +71,8 @@ impl Lanes {
     #[inline(always)]
     fn each(f: impl Fn(usize) -> u64) -> Self {
         let mut lanes = [0; CHUNK];
-        for (k, word) in lanes.iter_mut().enumerate() {
-            *word = f(k);
+        for k in 0..CHUNK {
+            lanes[k] = f(k);
         }
         Self(lanes)
     }
@@ -129,6 +132,21 @@ impl BitOrAssign for Lanes {
 #[inline(always)]
 pub(crate) fn full_add(a: Lanes, b: Lanes, c: Lanes) -> (Lanes, Lanes) {
     (a ^ b ^ c, (a & b) | (c & (a ^ b)))
+}
+
+/// A row, and those above and below, each between its blank words.
+#[derive(Clone, Copy)]
+pub(crate) struct ThreeRows<'a> {
+    pub above: &'a [u64],
+    pub at: &'a [u64],
+    pub below: &'a [u64],
+}
+
+impl<'a> ThreeRows<'a> {
+    #[inline(always)]
+    pub fn chunk(self, chunk: usize) -> Three<'a> {
+        Three { above: beside(self.above, chunk), at: beside(self.at, chunk), below: beside(self.below, chunk) }
+    }
 }
 
 /// A chunk of a row, and of those above and below.

@@ -76,20 +76,27 @@ impl NullaryFnOnce for Step<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { bitmap, corners, result } = self;
+        if self.corners { self.grow::<true>() } else { self.grow::<false>() }
+    }
+}
+
+impl Step<'_> {
+    #[inline(always)]
+    fn grow<const CORNERS: bool>(self) {
+        let Self { bitmap, result, .. } = self;
         let (used, last) = (bitmap.width().div_ceil(64), bitmap.last_word());
         let blank = vec![0; bitmap.stride() + 1];
         for y in 0..bitmap.height() {
+            let (rows, to) = (bitmap.around_row(y, &blank), result.row_mut(y));
             for chunk in 0..bitmap.chunks() {
-                let three = bitmap.three(y, chunk, &blank);
+                let three = rows.chunk(chunk);
                 let [n, ne, e, se, s, sw, w, nw] = three.ring();
                 let mut grown = Lanes::here(three.at) | n | e | s | w;
-                if corners {
+                if CORNERS {
                     grown |= ne | se | sw | nw;
                 }
-                grown.write(result.row_mut(y), chunk);
+                grown.write(to, chunk);
             }
-            let to = result.row_mut(y);
             to[used..].fill(0);
             to[used - 1] &= last;
         }

@@ -72,13 +72,15 @@ impl NullaryFnOnce for Looking<'_> {
 fn meet(result: &mut Bitmap, reached: &[[Bitmap; 2]]) {
     let [[down, up], earlier @ ..] = reached else { return };
     for y in 0..result.height() {
-        for chunk in 0..result.chunks() {
-            let (down, up) = (Lanes::of(down.row(y), chunk), Lanes::of(up.row(y), chunk));
-            let mut both = Lanes::of(result.row(y), chunk) | (down & up);
+        let chunks = result.chunks();
+        let (to, down, up) = (result.row_mut(y), down.row(y), up.row(y));
+        for chunk in 0..chunks {
+            let (down, up) = (Lanes::of(down, chunk), Lanes::of(up, chunk));
+            let mut both = Lanes::of(to, chunk) | (down & up);
             for [other_down, other_up] in earlier {
                 both |= (down & Lanes::of(other_up.row(y), chunk)) | (up & Lanes::of(other_down.row(y), chunk));
             }
-            both.write(result.row_mut(y), chunk);
+            both.write(to, chunk);
         }
     }
 }
