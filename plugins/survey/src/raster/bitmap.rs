@@ -313,6 +313,16 @@ impl Bitmap {
         stretch(from, to).map(|(k, mask)| (row[k] & mask).count_ones() as usize).sum()
     }
 
+    /// Whether all pixels of a stretch of a row are set; those outside of the picture are not.
+    #[inline]
+    pub(crate) fn is_full(&self, y: isize, from: isize, to: isize) -> bool {
+        if y < 0 || y as usize >= self.height || from < 0 || to > self.width as isize {
+            return false;
+        }
+        let row = self.row(y as usize);
+        stretch(from as usize, to as usize).all(|(k, mask)| row[k] & mask == mask)
+    }
+
     /// Sets or clears a stretch of a row.
     pub(crate) fn set_between(&mut self, y: usize, from: usize, to: usize, on: bool) {
         assert!(y < self.height && to <= self.width, "pixels {from} to {to} of row {y} are outside of {self:?}");

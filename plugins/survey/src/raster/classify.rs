@@ -31,8 +31,12 @@ const TABLE: usize = STEPS * STEPS * STEPS;
 #[must_use]
 pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
     let printed = printed_legend(picture, legend);
-    let table = table(&with_edges(printed.clone()));
     let light = Light::of(picture, &printed);
+    let shades = with_edges(printed);
+    let mut table = Box::new([1 << BUILT; TABLE]);
+    for (class, &shade) in table.iter_mut().zip(nearest(&shades).iter()) {
+        *class = 1 << shades.get(usize::from(shade)).map_or(BUILT, |shade| shade.class);
+    }
     let (w, h) = (picture.width, picture.height);
     let [mut street, mut park, mut water, mut railway, mut ink] = [(); 5].map(|()| Bitmap::new(w, h));
     for y in 0..h {
@@ -41,10 +45,12 @@ pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
         for (k, pixels) in row.chunks(64 * 3).enumerate() {
             let mut seen = [0u8; 64];
             let step = light.steps_at(k * 64, y);
-            for (class, pixel) in seen.iter_mut().zip(pixels.as_chunks::<3>().0) {
-                let [r, g, b] = *pixel;
-                let at = |value: u8| usize::from(step[usize::from(value)]);
-                *class = table[(at(r) << 10 | at(g) << 5 | at(b)) % TABLE];
+            let (runs, rest) = pixels.as_chunks::<{ RUN * 3 }>();
+            for (classes, run) in seen.as_chunks_mut::<RUN>().0.iter_mut().zip(runs) {
+                *classes = classes_of_run(run, step, &table);
+            }
+            for (class, pixel) in seen[runs.len() * RUN..].iter_mut().zip(rest.as_chunks::<3>().0) {
+                *class = table[stepped(pixel, step)];
             }
             let all = seen.iter().fold(0, |a, b| a | b);
             for (bit, word) in [(STREET, &mut s[k]), (PARK, &mut p[k]), (WATER, &mut wa[k]), (RAILWAY, &mut r[k]), (INK, &mut i[k])]
@@ -56,6 +62,36 @@ pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
         }
     }
     Classes { street, park, water, railway, ink }
+}
+
+/// Pixels side by side that are looked up once if they are all alike.
+const RUN: usize = 16;
+
+/// The classes of some pixels.
+#[inline(always)]
+fn classes_of_run(pixels: &[u8; RUN * 3], step: &[u8; 256], table: &[u8; TABLE]) -> [u8; RUN] {
+    let [first, ..] = *pixels.as_chunks::<3>().0 else { return [0; RUN] };
+    // All are alike if each is as the one before.
+    let mut differ = 0;
+    for i in 3..RUN * 3 {
+        differ |= pixels[i] ^ pixels[i - 3];
+    }
+    if differ == 0 {
+        return [table[stepped(&first, step)]; RUN];
+    }
+    let mut classes = [0; RUN];
+    for (i, class) in classes.iter_mut().enumerate() {
+        *class = table[stepped(&[pixels[3 * i], pixels[3 * i + 1], pixels[3 * i + 2]], step)];
+    }
+    classes
+}
+
+/// The table's entry for a colour, when a channel's values fall on these steps.
+#[inline(always)]
+fn stepped(colour: &[u8; 3], step: &[u8; 256]) -> usize {
+    let [r, g, b] = *colour;
+    let at = |value: u8| usize::from(step[usize::from(value)]);
+    (at(r) << 10 | at(g) << 5 | at(b)) % TABLE
 }
 
 /// One bit of each of 64 bytes, as a word.
@@ -89,8 +125,9 @@ const LEVELS: i32 = 12;
 
 impl Light {
     fn of(picture: &Picture, shades: &[Shade]) -> Self {
+        let near = nearest(shades);
         let (columns, rows) = (picture.width.div_ceil(TILE).max(1), picture.height.div_ceil(TILE).max(1));
-        let own: Vec<f32> = (0..rows * columns).map(|i| brightness(picture, shades, i % columns, i / columns)).collect();
+        let own: Vec<f32> = (0..rows * columns).map(|i| brightness(picture, shades, &near, i % columns, i / columns)).collect();
         // A tile's own figure is rough; light changes slowly.
         let level = (0..rows * columns).map(|i| {
             let (x, y) = (i % columns, i / columns);
@@ -118,15 +155,15 @@ impl Light {
 }
 
 /// How much brighter the pixels of a tile are than the shades they are nearest to: the median.
-fn brightness(picture: &Picture, shades: &[Shade], column: usize, row: usize) -> f32 {
+fn brightness(picture: &Picture, shades: &[Shade], near: &[u16; TABLE], column: usize, row: usize) -> f32 {
     let mut ratios = Vec::with_capacity(LOOKS * LOOKS);
     for i in 0..LOOKS * LOOKS {
         let x = column * TILE + (i % LOOKS) * TILE / LOOKS + TILE / LOOKS / 2;
         let y = row * TILE + (i / LOOKS) * TILE / LOOKS + TILE / LOOKS / 2;
         let Some(pixel) = picture.at(x, y) else { continue };
+        let shade = shades.get(usize::from(near[entry_of(pixel)]));
         let pixel = pixel.map(f32::from);
-        let nearest = shades.iter().map(|s| (distance2(pixel, s.colour), s)).min_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((_, shade)) = nearest.filter(|(d, _)| *d < SURE * SURE) {
+        if let Some(shade) = shade.filter(|shade| distance2(pixel, shade.colour) < SURE * SURE) {
             ratios.push(pixel.iter().sum::<f32>() / shade.colour.iter().sum::<f32>().max(1.0));
         }
     }
@@ -141,19 +178,32 @@ struct Shade {
     colour: [f32; 3],
 }
 
-/// For each colour, its class as a bit.
-fn table(shades: &[Shade]) -> Box<[u8; TABLE]> {
+/// For each entry of the table, the number of the nearest shade.
+fn nearest(shades: &[Shade]) -> Box<[u16; TABLE]> {
     let middle = |i: usize| (i * 256 / STEPS) as f32 + 3.5;
+    let off = |shade: &Shade, channel: usize| -> [f32; STEPS] {
+        core::array::from_fn(|i| (middle(i) - shade.colour[channel]) * (middle(i) - shade.colour[channel]))
+    };
+    // Squares of distances by channel.
+    let off: Vec<[[f32; STEPS]; 3]> = shades.iter().map(|shade| [off(shade, 0), off(shade, 1), off(shade, 2)]).collect();
     let mut table = Box::new([0; TABLE]);
-    for (i, class) in table.iter_mut().enumerate() {
-        let at = [middle(i >> 10), middle(i >> 5 & 31), middle(i & 31)];
-        let nearest = shades.iter().fold((f32::MAX, BUILT), |best, shade| {
-            let d = distance2(at, shade.colour);
-            if d < best.0 { (d, shade.class) } else { best }
-        });
-        *class = 1 << nearest.1;
+    for (i, entries) in table.as_chunks_mut::<STEPS>().0.iter_mut().enumerate() {
+        let mut least = [f32::MAX; STEPS];
+        for (number, [red, green, blue]) in off.iter().enumerate() {
+            let rest = red[i / STEPS] + green[i % STEPS];
+            for ((least, entry), blue) in least.iter_mut().zip(entries.iter_mut()).zip(blue) {
+                let distance2 = rest + blue;
+                (*least, *entry) = if distance2 < *least { (distance2, number as u16) } else { (*least, *entry) };
+            }
+        }
     }
     table
+}
+
+/// The table's entry for a colour.
+fn entry_of(colour: [u8; 3]) -> usize {
+    let [r, g, b] = colour;
+    (usize::from(r) >> 3) << 10 | (usize::from(g) >> 3) << 5 | usize::from(b) >> 3
 }
 
 fn distance2(a: [f32; 3], b: [f32; 3]) -> f32 {
@@ -271,9 +321,9 @@ fn fitted(sample: &[[f32; 3]], shades: &[Shade], mut fit: Fit) -> (Fit, f32) {
     (fit, off)
 }
 
-/// Some 16,000 pixels from all over a picture.
+/// Some 6,000 pixels from all over a picture.
 fn sample(picture: &Picture) -> Vec<[f32; 3]> {
-    let step = ((picture.width * picture.height / 16_000) as f64).sqrt().max(1.0) as usize;
+    let step = ((picture.width * picture.height / 6_000) as f64).sqrt().max(1.0) as usize;
     let columns = || (step / 2..picture.width).step_by(step);
     let at = |x: usize, y: usize| (y * picture.width + x) * 3;
     (step / 2..picture.height)

@@ -36,16 +36,35 @@ pub(crate) fn ray(bitmap: &Bitmap, from: DVec2, direction: DVec2, reach: f64) ->
 #[must_use]
 pub(crate) fn clearance(bitmap: &Bitmap, at: DVec2, reach: f64) -> f64 {
     let (x, y) = (at.x.floor() as isize, at.y.floor() as isize);
-    let mut best = (reach + 0.5) * (reach + 0.5);
+    let limit = (reach + 0.5) * (reach + 0.5);
+    // The square of the distance to the nearest pixel that is not set, and the least whole number not below its root.
+    let mut best = limit.ceil() as isize;
+    let mut most = (reach + 0.5) as isize + 1;
     let mut dy = 0;
-    while ((dy * dy) as f64) < best {
+    while dy * dy < best {
         for row in if dy == 0 { [y, y] } else { [y - dy, y + dy] } {
-            let dx = gap(bitmap, x, row, (best.sqrt() as isize) + 1);
-            best = best.min((dx * dx + dy * dy) as f64);
+            let dx = gap(bitmap, x, row, most);
+            if dx * dx + dy * dy < best {
+                best = dx * dx + dy * dy;
+                most = (best as f64).sqrt().ceil() as isize;
+            }
         }
         dy += 1;
     }
-    (best.sqrt() - 0.5).max(0.0)
+    ((best as f64).min(limit).sqrt() - 0.5).max(0.0)
+}
+
+/// Whether a disc of a radius about the middle of a pixel holds set pixels only: whether there is more clearance than
+/// that.
+#[must_use]
+pub(crate) fn is_clear(bitmap: &Bitmap, at: DVec2, radius: f64) -> bool {
+    let (x, y) = (at.x.floor() as isize, at.y.floor() as isize);
+    let radius2 = (radius + 0.5) * (radius + 0.5);
+    let high = (radius + 0.5) as isize;
+    (0..=high).all(|dy| {
+        let half = (radius2 - (dy * dy) as f64).sqrt() as isize;
+        bitmap.is_full(y - dy, x - half, x + half + 1) && bitmap.is_full(y + dy, x - half, x + half + 1)
+    })
 }
 
 /// How many pixels to the side the nearest pixel of a row is that is not set, from 0 to `most`.
@@ -111,6 +130,17 @@ mod tests {
             }
             let found = clearance(&bitmap, DVec2::new(x as f64 + 0.5, y as f64 + 0.5), 20.0);
             prop_assert!((found - (nearest - 0.5).max(0.0)).abs() < 1e-9, "{} for {}", found, nearest - 0.5);
+        }
+
+        #[test]
+        fn a_disc_is_clear_if_it_is_smaller_than_the_clearance(width in 1usize..300, height in 1usize..60, seed: u64, x in 0usize..300, y in 0usize..60, radius in 0.0..20.0f64) {
+            let bitmap = Bitmap::from_fn(width, height, |x, y| {
+                let n = ((x / 9) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((y / 9) as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F) ^ seed;
+                (n ^ n >> 29).wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 60 < 15
+            });
+            let at = DVec2::new((x % width) as f64 + 0.5, (y % height) as f64 + 0.5);
+            let is_set = bitmap.get(at.x as isize, at.y as isize);
+            prop_assert_eq!(is_clear(&bitmap, at, radius), is_set && clearance(&bitmap, at, 30.0) > radius);
         }
 
         #[test]

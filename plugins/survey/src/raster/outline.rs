@@ -167,12 +167,13 @@ pub(crate) fn simplified(line: &[DVec2], tolerance: f64) -> Vec<DVec2> {
     let mut stack = vec![(0, line.len() - 1)];
     while let Some((from, to)) = stack.pop() {
         let (a, along) = (line[from], line[to] - line[from]);
-        let length = along.length();
-        let mut worst = (tolerance, from);
-        for (i, &p) in line.iter().enumerate().take(to).skip(from + 1) {
-            let off = if length > 0.0 { along.perp_dot(p - a).abs() / length } else { p.distance(a) };
-            if off > worst.0 {
-                worst = (off, i);
+        let length2 = along.length_squared();
+        // Squares of distances, times that of the length.
+        let mut worst = (tolerance * tolerance * if length2 > 0.0 { length2 } else { 1.0 }, from);
+        for (i, &p) in line[from + 1..to].iter().enumerate() {
+            let off = if length2 > 0.0 { along.perp_dot(p - a) } else { p.distance(a) };
+            if off * off > worst.0 {
+                worst = (off * off, from + 1 + i);
             }
         }
         if worst.1 != from {

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::bitmap::Bitmap;
-use super::measure::{clearance, median, ray};
+use super::measure::{clearance, is_clear, median, ray};
 use super::trace::Traced;
 
 /// Nodes and streets.
@@ -24,7 +24,7 @@ pub(crate) struct SketchNode {
 }
 
 /// A street between two nodes.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct SketchStreet {
     pub ends: [usize; 2],
     /// From the first node to the last, both included.
@@ -142,6 +142,11 @@ impl Sketch {
                 continue;
             }
             let (mut i, mut end) = (first, end);
+            if self.streets[i].ends.iter().all(|&n| !is_chain(n, self)) {
+                done[i] = true;
+                joined.push(core::mem::take(&mut self.streets[i]));
+                continue;
+            }
             let begin = self.streets[first].ends[end];
             let (mut line, mut weight, mut half) = (vec![self.nodes[begin].pos], 0.0, 0.0);
             loop {
@@ -195,15 +200,12 @@ fn half_width(line: &[DVec2], radii: [f64; 2], paved: &Bitmap) -> f64 {
     let n = line.len();
     let margin = |radius: f64| ((1.2 * radius) as usize + 1).min(n * 3 / 8);
     let (from, to) = (margin(radii[0]), n - margin(radii[1]));
-    let mut halves = Vec::new();
-    let mut least = f64::MAX;
-    for i in (from..to.max(from + 1)).step_by(STATION_PX) {
-        let room = clearance(paved, line[i], REACH);
-        least = least.min(room);
-        // Where the way across is much longer than there is room, it leads into another street.
-        halves.extend(half_at(line, i, paved).filter(|half| *half < 1.25 * room + 1.0));
-    }
-    median(&mut halves).unwrap_or(least)
+    let stations = || (from..to.max(from + 1)).step_by(STATION_PX);
+    // Where the way across is much longer than there is room, it leads into another street.
+    let is_across = |i: usize, half: f64| is_clear(paved, line[i], (half - 1.0) / 1.25);
+    let halves = stations().filter_map(|i| half_at(line, i, paved).filter(|&half| half < 1.0 || is_across(i, half)));
+    let room = || stations().map(|i| clearance(paved, line[i], REACH)).fold(f64::MAX, f64::min);
+    median(&mut halves.collect::<Vec<f64>>()).unwrap_or_else(room)
 }
 
 /// Half the width across a line at one of its points.

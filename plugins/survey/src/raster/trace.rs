@@ -31,6 +31,7 @@ pub(crate) fn traced(skeleton: &Bitmap) -> Traced {
     let skeleton = &slimmed(skeleton);
     let mut tracer = Tracer {
         skeleton,
+        places: Bitmap::new(skeleton.width(), skeleton.height()),
         node_of: HashMap::default(),
         done: Bitmap::new(skeleton.width(), skeleton.height()),
         traced: Traced::default(),
@@ -50,6 +51,8 @@ const STEPS: [(isize, isize); 8] = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-
 
 struct Tracer<'a> {
     skeleton: &'a Bitmap,
+    /// The pixels of nodes, and the node of each.
+    places: Bitmap,
     node_of: HashMap<(u32, u32), u32, BuildPlace>,
     /// Pixels of lines that have been followed.
     done: Bitmap,
@@ -101,6 +104,9 @@ impl Tracer<'_> {
                 }
                 i += 1;
             }
+            for &(x, y) in &pixels {
+                self.places.set(x, y, true);
+            }
             let sum: DVec2 = pixels.iter().map(|&p| middle(p)).sum();
             self.traced.nodes.push(sum / pixels.len() as f64);
             places.push(pixels);
@@ -111,7 +117,7 @@ impl Tracer<'_> {
     /// Follows the lines that leave a node at one of its pixels.
     fn leave(&mut self, node: usize, x: usize, y: usize) {
         for next in neighbours(self.skeleton.around(x, y), x, y) {
-            if self.node_of.contains_key(&(next.0 as u32, next.1 as u32)) || self.done.get(next.0 as isize, next.1 as isize) {
+            if self.places.get(next.0 as isize, next.1 as isize) || self.done.get(next.0 as isize, next.1 as isize) {
                 continue;
             }
             let (path, end) = self.follow((x, y), next);
@@ -131,8 +137,9 @@ impl Tracer<'_> {
             path.push(middle(at));
             let ahead = neighbours(self.skeleton.around(at.0, at.1), at.0, at.1).find(|&next| next != before);
             let Some(next) = ahead else { return (path, None) };
-            if let Some(&node) = self.node_of.get(&(next.0 as u32, next.1 as u32)) {
-                return (path, Some(node as usize));
+            if self.places.get(next.0 as isize, next.1 as isize) {
+                let node = self.node_of.get(&(next.0 as u32, next.1 as u32));
+                return (path, node.map(|&node| node as usize));
             }
             if self.done.get(next.0 as isize, next.1 as isize) {
                 return (path, None);
@@ -145,13 +152,13 @@ impl Tracer<'_> {
         let mut rest = self.skeleton.clone();
         rest.remove(&self.done);
         for (x, y) in rest.pixels() {
-            let is_node = self.node_of.contains_key(&(x as u32, y as u32));
-            if is_node || self.done.get(x as isize, y as isize) || self.skeleton.around(x, y).count_ones() != 2 {
+            if self.places.get(x as isize, y as isize) || self.done.get(x as isize, y as isize) || self.skeleton.around(x, y).count_ones() != 2 {
                 continue;
             }
             let node = self.traced.nodes.len();
             self.traced.nodes.push(middle((x, y)));
             self.node_of.insert((x as u32, y as u32), node as u32);
+            self.places.set(x, y, true);
             let Some(next) = neighbours(self.skeleton.around(x, y), x, y).next() else { continue };
             let (path, _) = self.follow((x, y), next);
             self.traced.lines.push(TracedLine { ends: [node, node], path });
