@@ -64,8 +64,8 @@ type Five = [Lanes; 3];
 
 #[inline(always)]
 fn five(words: &Beside) -> Five {
-    let (s, c) = full_add(Lanes::west::<1>(words), Lanes::here(words), Lanes::east::<1>(words));
-    let (sum, d) = full_add(s, Lanes::west::<2>(words), Lanes::east::<2>(words));
+    let (s, c) = full_add(Lanes::west(words, 1), Lanes::here(words), Lanes::east(words, 1));
+    let (sum, d) = full_add(s, Lanes::west(words, 2), Lanes::east(words, 2));
     [sum, c ^ d, c & d]
 }
 

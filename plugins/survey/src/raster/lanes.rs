@@ -50,16 +50,16 @@ impl Lanes {
         Self::each(|k| words[k + 1])
     }
 
-    /// For each pixel the one `N` (1 to 63) to its left.
+    /// For each pixel the one `n` (1 to 63) to its left.
     #[inline(always)]
-    pub fn west<const N: u32>(words: &Beside) -> Self {
-        Self::each(|k| words[k + 1] << N | words[k] >> (64 - N))
+    pub fn west(words: &Beside, n: u32) -> Self {
+        Self::each(|k| words[k + 1] << n | words[k] >> (64 - n))
     }
 
-    /// For each pixel the one `N` (1 to 63) to its right.
+    /// For each pixel the one `n` (1 to 63) to its right.
     #[inline(always)]
-    pub fn east<const N: u32>(words: &Beside) -> Self {
-        Self::each(|k| words[k + 1] >> N | words[k + 2] << (64 - N))
+    pub fn east(words: &Beside, n: u32) -> Self {
+        Self::each(|k| words[k + 1] >> n | words[k + 2] << (64 - n))
     }
 
     /// Whether any pixel is set.
@@ -164,13 +164,13 @@ impl Three<'_> {
         let Self { above, at, below } = self;
         [
             Lanes::here(above),
-            Lanes::east::<1>(above),
-            Lanes::east::<1>(at),
-            Lanes::east::<1>(below),
+            Lanes::east(above, 1),
+            Lanes::east(at, 1),
+            Lanes::east(below, 1),
             Lanes::here(below),
-            Lanes::west::<1>(below),
-            Lanes::west::<1>(at),
-            Lanes::west::<1>(above),
+            Lanes::west(below, 1),
+            Lanes::west(at, 1),
+            Lanes::west(above, 1),
         ]
     }
 }

@@ -4,16 +4,16 @@ use glam::DVec2;
 use pulp::{Arch, NullaryFnOnce};
 
 use super::bitmap::Bitmap;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, beside};
 
-/// Words that are grown together, so that the steps' results stay near the processor.
+/// Words that are grown together, so that all passes' results stay near the processor.
 const WORDS: usize = 8192;
 
 /// What lies within so many pixels of what is set (an octagon, which is near enough to a disc).
 #[must_use]
 pub(crate) fn grown(bitmap: &Bitmap, steps: usize) -> Bitmap {
     let (width, height) = (bitmap.width(), bitmap.height());
-    let share = core::f64::consts::SQRT_2 - 1.0;
+    let passes = passes(steps);
     let rows = (WORDS / bitmap.stride()).max(2 * steps);
     let mut result = Bitmap::new(width, height);
     for top in (0..height).step_by(rows) {
@@ -21,14 +21,43 @@ pub(crate) fn grown(bitmap: &Bitmap, steps: usize) -> Bitmap {
         let mut now = Bitmap::new(width, to - from);
         now.copy_rows(bitmap, from..to, 0);
         let mut next = now.clone();
-        for i in 0..steps {
-            let corners = ((i + 1) as f64 * share) as usize > (i as f64 * share) as usize;
-            Arch::new().dispatch(Step { bitmap: &now, corners, result: &mut next });
+        for &(way, by) in &passes {
+            Arch::new().dispatch(Pass { bitmap: &now, way, by, result: &mut next });
             core::mem::swap(&mut now, &mut next);
         }
         result.copy_rows(&now, top - from..end - from, top);
     }
     result
+}
+
+/// Where a pass looks for what is set, beside the pixel itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    /// To the left and to the right.
+    Across,
+    /// Up and down.
+    Down,
+    /// All four.
+    Both,
+}
+
+/// The passes that grow by an octagon: a diamond, and a square of which it cuts the corners off. Each looks farther, by
+/// what the ones before have closed already, and never so far that what it finds would have had to leave the picture.
+fn passes(steps: usize) -> Vec<(Way, usize)> {
+    let square = (steps as f64 * (core::f64::consts::SQRT_2 - 1.0)) as usize;
+    let mut passes = Vec::new();
+    let mut add = |way, goal: usize, most: fn(usize) -> usize| {
+        let mut reached = 0;
+        while reached < goal {
+            let by = most(reached).min(goal - reached).min(63);
+            passes.push((way, by));
+            reached += by;
+        }
+    };
+    add(Way::Both, steps - square, |reached| reached / 2 + 1);
+    add(Way::Across, square, |reached| reached + 1);
+    add(Way::Down, square, |reached| reached + 1);
+    passes
 }
 
 /// What lies more than so many pixels inside of what is set. Beyond the border all is taken to be set.
@@ -64,41 +93,53 @@ pub(crate) fn band(bitmap: &mut Bitmap, a: DVec2, b: DVec2, half: f64) {
     }
 }
 
-/// What is set, and what touches it by a side, or by a corner too.
-struct Step<'a> {
+/// What is set, or has something set so many pixels away.
+struct Pass<'a> {
     bitmap: &'a Bitmap,
-    corners: bool,
+    way: Way,
+    by: usize,
     result: &'a mut Bitmap,
 }
 
-impl NullaryFnOnce for Step<'_> {
+impl NullaryFnOnce for Pass<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        if self.corners { self.grow::<true>() } else { self.grow::<false>() }
+        match self.way {
+            Way::Across => self.pass::<true, false>(),
+            Way::Down => self.pass::<false, true>(),
+            Way::Both => self.pass::<true, true>(),
+        }
     }
 }
 
-impl Step<'_> {
+impl Pass<'_> {
     #[inline(always)]
-    fn grow<const CORNERS: bool>(self) {
-        let Self { bitmap, result, .. } = self;
+    fn pass<const ACROSS: bool, const DOWN: bool>(self) {
+        let Self { bitmap, by, result, .. } = self;
         let (used, last) = (bitmap.width().div_ceil(64), bitmap.last_word());
-        let blank = vec![0; bitmap.stride() + 1];
+        let blank = vec![0; bitmap.stride()];
         for y in 0..bitmap.height() {
-            let (rows, to) = (bitmap.around_row(y, &blank), result.row_mut(y));
+            let at = bitmap.padded(y);
+            let above = if y >= by { bitmap.row(y - by) } else { &blank };
+            let below = if y + by < bitmap.height() { bitmap.row(y + by) } else { &blank };
+            let to = result.row_mut(y);
             for chunk in 0..bitmap.chunks() {
-                let three = rows.chunk(chunk);
-                let [n, ne, e, se, s, sw, w, nw] = three.ring();
-                let mut grown = Lanes::here(three.at) | n | e | s | w;
-                if CORNERS {
-                    grown |= ne | se | sw | nw;
+                let words = beside(at, chunk);
+                let mut grown = Lanes::here(words);
+                if ACROSS {
+                    grown |= Lanes::west(words, by as u32) | Lanes::east(words, by as u32);
+                }
+                if DOWN {
+                    grown |= Lanes::of(above, chunk) | Lanes::of(below, chunk);
                 }
                 grown.write(to, chunk);
             }
-            to[used..].fill(0);
-            to[used - 1] &= last;
+            if ACROSS {
+                to[used..].fill(0);
+                to[used - 1] &= last;
+            }
         }
     }
 }
@@ -129,6 +170,26 @@ mod tests {
                 let off = p.distance(a + (b - a) * t) - half;
                 prop_assert!(off.abs() < 1e-6 || bitmap.get(x as isize, y as isize) == (off < 0.0), "{} at {}", off, p);
             }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn growing_is_what_single_steps_make(width in 1usize..150, height in 1usize..50, steps in 0usize..40, seed: u64) {
+            let bitmap = Bitmap::from_fn(width, height, |x, y| {
+                let n = (x as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (y as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F) ^ seed;
+                (n ^ n >> 29).wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 55 == 0
+            });
+            let mut expected = bitmap.clone();
+            for i in 0..steps {
+                let has_corners = ((i + 1) as f64 * (core::f64::consts::SQRT_2 - 1.0)) as usize > (i as f64 * (core::f64::consts::SQRT_2 - 1.0)) as usize;
+                let old = expected.clone();
+                expected = Bitmap::from_fn(width, height, |x, y| {
+                    let sides = 0b0101_0101 | if has_corners { 0b1010_1010 } else { 0 };
+                    old.get(x as isize, y as isize) || old.around(x, y) & sides != 0
+                });
+            }
+            prop_assert_eq!(grown(&bitmap, steps), expected);
         }
     }
 

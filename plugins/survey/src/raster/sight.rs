@@ -93,8 +93,8 @@ impl Looking<'_> {
             let (old, street) = (beside(reached.padded(before), chunk), beside(self.street.padded(before), chunk));
             let come = match shift {
                 0 => Lanes::here(old) | Lanes::here(street),
-                1 => Lanes::west::<1>(old) | Lanes::west::<1>(street),
-                _ => Lanes::east::<1>(old) | Lanes::east::<1>(street),
+                1 => Lanes::west(old, 1) | Lanes::west(street, 1),
+                _ => Lanes::east(old, 1) | Lanes::east(street, 1),
             };
             (come & Lanes::of(self.hidden.row(y), chunk)).write(reached.row_mut(y), chunk);
         }
