@@ -323,6 +323,15 @@ impl Bitmap {
         stretch(from as usize, to as usize).all(|(k, mask)| row[k] & mask == mask)
     }
 
+    /// Whether any pixel of a stretch of a row is set, as far as it lies inside of the picture.
+    pub(crate) fn has_between(&self, y: i32, from: i32, to: i32) -> bool {
+        if y < 0 || y as usize >= self.height || to <= 0 {
+            return false;
+        }
+        let row = self.row(y as usize);
+        stretch(from.max(0) as usize, (to as usize).min(self.width)).any(|(k, mask)| row[k] & mask != 0)
+    }
+
     /// Sets or clears a stretch of a row.
     pub(crate) fn set_between(&mut self, y: usize, from: usize, to: usize, on: bool) {
         assert!(y < self.height && to <= self.width, "pixels {from} to {to} of row {y} are outside of {self:?}");

@@ -5,6 +5,7 @@ use super::classify::Classes;
 use super::filter::{crowded, dilated, filled, median5};
 use super::morphology::{grown, shrunk};
 use super::outline::{Corners, outlines};
+use super::parts::Parts;
 use super::sight::seen_as_street;
 
 /// Pixels that a cleaned picture is continued by on every side, so that streets do not end at its border.
@@ -64,10 +65,11 @@ pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap) {
     }
     let mut street = median5(&street.with_margin(MARGIN));
     let least = (SPECK_M2 / (mpp * mpp)) as i64;
-    let found = outlines(&street, Corners::Join);
-    for is_hole in [false, true] {
-        for outline in found.iter().filter(|o| o.is_hole() == is_hole && o.area_px.abs() < least) {
-            outline.paint(&mut street, is_hole);
+    // Islands first, then what is left open in streets.
+    for (is_hole, corners) in [(false, Corners::Join), (true, Corners::Part)] {
+        let inverted = is_hole.then(|| street.inverted());
+        for run in Parts::of(inverted.as_ref().unwrap_or(&street), corners).smaller_than(least) {
+            street.set_between(run.y as usize, run.from as usize, run.to as usize, is_hole);
         }
     }
     (street, hidden.with_margin(MARGIN))
@@ -89,8 +91,12 @@ fn names(ink: &Bitmap) -> Bitmap {
     names
 }
 
-/// Water or rails, free of labels and noise.
-pub(crate) fn course_mask(class: &Bitmap, ink: &Bitmap) -> Bitmap {
-    let ink = dilated(&crowded(ink, 4));
-    median5(&filled(class, &ink))
+/// Water or rails free of labels and noise: what is in `class`, and under the `labels` upon it.
+pub(crate) fn course_mask(class: &Bitmap, labels: &Bitmap) -> Bitmap {
+    median5(&filled(class, labels))
+}
+
+/// What labels and symbols hide, with their soft edges.
+pub(crate) fn labels(ink: &Bitmap) -> Bitmap {
+    dilated(&crowded(ink, 4))
 }

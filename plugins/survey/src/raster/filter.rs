@@ -30,9 +30,9 @@ pub(crate) fn crowded(bitmap: &Bitmap, at_least: u32) -> Bitmap {
 /// neighbours become set, the others not. What nothing known surrounds stays unset.
 #[must_use]
 pub(crate) fn filled(set: &Bitmap, unknown: &Bitmap) -> Bitmap {
-    let patches = Patches::of(unknown);
     let mut known = set.clone();
     known.remove(unknown);
+    let patches = Patches::of(unknown, &known);
     let mut unset = set.inverted();
     unset.remove(unknown);
     let of = [&patches.shown(&known), &patches.shown(&unset), &patches.parts()];

@@ -89,37 +89,42 @@ pub(crate) fn outlines(bitmap: &Bitmap, corners: Corners) -> Vec<Outline> {
     result
 }
 
+/// Steps along pixel edges: down, right, up, left, so that the next is a turn to the left.
+const AHEAD: [IVec2; 4] = [IVec2::Y, IVec2::X, IVec2::NEG_Y, IVec2::NEG_X];
+/// For each way, the pixels ahead of its end on the left and on the right, from the corner there.
+const SIDES: [[IVec2; 2]; 4] = [
+    [IVec2::new(0, 0), IVec2::new(-1, 0)],
+    [IVec2::new(0, -1), IVec2::new(0, 0)],
+    [IVec2::new(-1, -1), IVec2::new(0, -1)],
+    [IVec2::new(-1, 0), IVec2::new(-1, -1)],
+];
+
 /// Follows an outline from the top of a pixel's left edge, downwards.
 fn follow(bitmap: &Bitmap, done: &mut Bitmap, start: IVec2, connect: Corners) -> Outline {
-    let (mut at, mut heading) = (start, IVec2::Y);
+    let (mut at, mut way) = (start, 0);
     let (mut corners, mut area) = (Vec::new(), 0i64);
     loop {
         // One edge.
-        if heading == IVec2::Y {
+        if way == 0 {
             done.set(at.x as usize, at.y as usize, true);
         }
-        area -= i64::from(heading.y) * i64::from(at.x);
-        at += heading;
-        // With y down, left of east is north.
-        let left = IVec2::new(heading.y, -heading.x);
-        let pixel = |side: IVec2| {
-            // The pixel ahead on that side: the lower of its two corners' coordinates, on each axis.
-            let p = at + (heading + side - IVec2::ONE) / 2;
-            bitmap.get_near(p.x, p.y)
-        };
-        let (left_ahead, right_ahead) = (pixel(left), pixel(-left));
+        area -= i64::from(AHEAD[way].y) * i64::from(at.x);
+        at += AHEAD[way];
+        let [left, right] = SIDES[way];
+        let left_ahead = bitmap.get_near(at.x + left.x, at.y + left.y);
+        let right_ahead = bitmap.get_near(at.x + right.x, at.y + right.y);
+        // To the right, straight on, or to the left.
         let turn = match connect {
-            Corners::Join if right_ahead => -left,
-            Corners::Join if left_ahead => heading,
-            Corners::Part if left_ahead && right_ahead => -left,
-            Corners::Part if left_ahead => heading,
-            _ => left,
+            Corners::Join if right_ahead => 3,
+            Corners::Part if left_ahead && right_ahead => 3,
+            _ if left_ahead => 0,
+            _ => 1,
         };
-        if turn != heading {
+        if turn != 0 {
             corners.push(at);
-            heading = turn;
+            way = (way + turn) % 4;
         }
-        if at == start && heading == IVec2::Y {
+        if at == start && way == 0 {
             return Outline { corners, area_px: area };
         }
     }

@@ -81,6 +81,31 @@ impl Parts {
     }
 }
 
+impl Parts {
+    /// Keeps some parts only.
+    pub fn retain(&mut self, mut is_wanted: impl FnMut(&Part) -> bool) {
+        const GONE: u32 = u32::MAX;
+        let mut kept = 0;
+        let number = |is_kept: bool| {
+            kept += u32::from(is_kept);
+            if is_kept { kept - 1 } else { GONE }
+        };
+        let wanted: Vec<bool> = self.parts.iter().map(&mut is_wanted).collect();
+        let numbers: Vec<u32> = wanted.iter().copied().map(number).collect();
+        let mut wanted = wanted.iter();
+        self.parts.retain(|_| wanted.next() == Some(&true));
+        self.runs.retain_mut(|run| {
+            run.part = numbers[run.part as usize];
+            run.part != GONE
+        });
+    }
+
+    /// The runs of the parts of less than so many pixels.
+    pub fn smaller_than(&self, least_px: i64) -> impl Iterator<Item = &Run> {
+        self.runs.iter().filter(move |run| self.parts[run.part as usize].area_px < least_px)
+    }
+}
+
 /// Adds a row's runs.
 fn add_runs(bitmap: &Bitmap, y: usize, runs: &mut Vec<Run>) {
     let row = bitmap.padded(y);

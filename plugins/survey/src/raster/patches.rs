@@ -35,9 +35,13 @@ struct Place {
 }
 
 impl Patches {
-    /// Patches of what is set.
-    pub fn of(bitmap: &Bitmap) -> Self {
-        let parts = Parts::of(bitmap, Corners::Join);
+    /// Patches of what is set, but for parts beside which nothing of another bitmap is.
+    pub fn of(bitmap: &Bitmap, beside: &Bitmap) -> Self {
+        let mut parts = Parts::of(bitmap, Corners::Join);
+        parts.retain(|part| {
+            let (low, high) = (part.low - BESIDE, part.high + BESIDE);
+            (low.y..high.y).any(|y| beside.has_between(y, low.x, high.x))
+        });
         let place = |part: &Part| Place { from: part.low - BESIDE, to: IVec2::ZERO, size: part.high - part.low + 2 * BESIDE };
         let mut places: Vec<Place> = parts.parts.iter().map(place).collect();
         let whole = IVec2::new(bitmap.width() as i32, bitmap.height() as i32);
@@ -128,6 +132,20 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn full(of: &Bitmap) -> Bitmap {
+        Bitmap::from_fn(of.width(), of.height(), |_, _| true)
+    }
+
+    #[test]
+    fn parts_with_nothing_beside_them_are_left_out() {
+        let mask = Bitmap::from_fn(300, 60, |x, y| (10..20).contains(&y) && (x % 100) < 20);
+        let other = Bitmap::from_fn(300, 60, |x, y| (x, y) == (120, 20));
+        let mut back = Bitmap::new(300, 60);
+        let patches = Patches::of(&mask, &other);
+        patches.put_back(&patches.parts(), &mut back);
+        assert_eq!(back, Bitmap::from_fn(300, 60, |x, y| (10..20).contains(&y) && (100..120).contains(&x)));
+    }
+
     proptest! {
         #[test]
         fn what_is_put_back_is_what_was_taken(width in 1usize..700, height in 1usize..80, cell in 2usize..9, seed: u64, density in 1u64..9) {
@@ -136,7 +154,7 @@ mod tests {
                 (n ^ n >> 29).wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 60 < density
             });
             let (mask, other) = (noise(cell, density), noise(1, 8));
-            let patches = Patches::of(&mask);
+            let patches = Patches::of(&mask, &full(&mask));
             let parts = patches.parts();
             let mut back = Bitmap::new(width, height);
             patches.put_back(&parts, &mut back);
@@ -155,7 +173,7 @@ mod tests {
     #[test]
     fn parts_that_wind_about_one_another_take_no_more_room_than_the_picture() {
         let rings = Bitmap::from_fn(200, 200, |x, y| (x.min(199 - x).min(y).min(199 - y)) % 3 == 0);
-        let patches = Patches::of(&rings);
+        let patches = Patches::of(&rings, &full(&rings));
         assert_eq!(patches.size, IVec2::new(200, 200));
         assert_eq!(patches.parts(), rings);
     }

@@ -7,7 +7,7 @@ use super::bitmap::Bitmap;
 use super::blocks::blocks;
 use super::bridge::lead_through;
 use super::classify::classified;
-use super::clean::{MARGIN, cleaned, course_mask, is_rare};
+use super::clean::{MARGIN, cleaned, course_mask, is_rare, labels};
 use super::course::courses;
 use super::crossing;
 use super::ends::{clipped, run_on};
@@ -90,13 +90,14 @@ pub(super) fn read_map(
     let blank = || Bitmap::new(picture.width, picture.height);
     let (mut railway, mut river) = (blank(), blank());
     let mut courses_found = Vec::new();
+    let mut labelled = None;
     for (kind, class, mask) in
         [(LinkKind::Railway { tram: false }, &classes.railway, &mut railway), (LinkKind::Watercourse, &classes.water, &mut river)]
     {
         if is_rare(class) {
             continue;
         }
-        *mask = course_mask(class, &classes.ink);
+        *mask = course_mask(class, labelled.get_or_insert_with(|| labels(&classes.ink)));
         for course in courses(mask, mpp, tolerance_px) {
             let line = course.line.iter().map(|p| DVec2::new(p.x, size.y - p.y) * mpp).collect();
             courses_found.push((kind, line, 2.0 * course.half * mpp));

@@ -18,7 +18,7 @@ const DIRECTIONS: usize = 32;
 pub(crate) fn seen_as_street(street: &Bitmap, hidden: &Bitmap) -> Bitmap {
     let mut known = street.clone();
     known.remove(hidden);
-    let patches = Patches::of(hidden);
+    let patches = Patches::of(hidden, &known);
     let seen = patches.sheet_by_sheet([&patches.shown(&known), &patches.parts()], |[street, hidden]| {
         let mut seen = Arch::new().dispatch(Looking { street: &street, hidden: &hidden });
         let (street, hidden) = (street.transposed(), hidden.transposed());
