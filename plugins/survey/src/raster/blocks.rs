@@ -5,9 +5,9 @@ use veduta_city::BlockKind;
 
 use super::bitmap::Bitmap;
 use super::classify::Classes;
-use super::clean::SPECK_M2;
+use super::clean::{SPECK_M2, is_rare};
 use super::filter::median5;
-use super::outline::{Corners, outlines, simplified_ring};
+use super::outline::{Corners, Outline, outlines, simplified_ring};
 
 /// Rows of a block in which it is looked at what it holds.
 const LOOKS: i32 = 24;
@@ -21,31 +21,38 @@ pub(crate) fn blocks(street: &Bitmap, courses: [&Bitmap; 2], classes: &Classes, 
     let mut ponds = classes.water.clone();
     ponds.keep(&area);
     let ponds = median5(&ponds);
+    let has_grounds = !(is_rare(&classes.park) && is_rare(&ponds));
     let least = (2.0 * SPECK_M2 / (mpp * mpp)) as i64;
     let height = street.height() as f64;
     outlines(&area, Corners::Part)
         .into_iter()
         .filter(|o| o.area_px > least)
         .map(|outline| {
-            let (low, high) = outline.extent();
-            let every = ((high.y - low.y) / LOOKS).max(1);
-            let (mut all, mut park, mut water) = (0, 0, 0);
-            for (y, from, to) in outline.spans(|y| (y - low.y) % every == every / 2) {
-                let (y, from, to) = (y as usize, from as usize, to as usize);
-                all += to - from;
-                park += classes.park.count_between(y, from, to);
-                water += ponds.count_between(y, from, to);
-            }
-            let kind = if 2 * park > all {
-                BlockKind::Park
-            } else if 2 * water > all {
-                BlockKind::Water
-            } else {
-                BlockKind::Built
-            };
+            let kind = if has_grounds { kind(&outline, &classes.park, &ponds) } else { BlockKind::Built };
             let ring: Vec<DVec2> = outline.corners.iter().map(|c| c.as_dvec2()).collect();
             let ring = simplified_ring(&ring, 1.0).into_iter().rev();
             (kind, ring.map(|p| DVec2::new(p.x, height - p.y) * mpp).collect())
         })
         .collect()
+}
+
+/// What a block is: what most of it shows.
+fn kind(outline: &Outline, parks: &Bitmap, ponds: &Bitmap) -> BlockKind {
+    let (low, high) = outline.extent();
+    let every = ((high.y - low.y) / LOOKS).max(1);
+    let is_looked_at: Vec<bool> = (0..high.y - low.y).map(|y| y % every == every / 2).collect();
+    let (mut all, mut park, mut water) = (0, 0, 0);
+    for (y, from, to) in outline.spans(|y| is_looked_at[(y - low.y) as usize]) {
+        let (y, from, to) = (y as usize, from as usize, to as usize);
+        all += to - from;
+        park += parks.count_between(y, from, to);
+        water += ponds.count_between(y, from, to);
+    }
+    if 2 * park > all {
+        BlockKind::Park
+    } else if 2 * water > all {
+        BlockKind::Water
+    } else {
+        BlockKind::Built
+    }
 }

@@ -206,8 +206,10 @@ fn entry_of(colour: [u8; 3]) -> usize {
     (usize::from(r) >> 3) << 10 | (usize::from(g) >> 3) << 5 | usize::from(b) >> 3
 }
 
+#[inline(always)]
 fn distance2(a: [f32; 3], b: [f32; 3]) -> f32 {
-    (0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum()
+    let (r, g, b) = (a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+    r * r + g * g + b * b
 }
 
 fn mixed(a: [f32; 3], b: [f32; 3], t: f32) -> [f32; 3] {
@@ -296,11 +298,16 @@ fn fitted(sample: &[[f32; 3]], shades: &[Shade], mut fit: Fit) -> (Fit, f32) {
         let mut pairs: Vec<(usize, [f32; 3])> = Vec::new();
         off = 0.0;
         for pixel in sample {
-            let nearest = now.iter().enumerate().map(|(i, s)| (distance2(*pixel, s.colour), i)).min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((distance2, i)) = nearest else { continue };
-            off += distance2.min(SURE * SURE);
-            if distance2 < SURE * SURE {
-                pairs.push((i, *pixel));
+            let (mut nearest, mut least) = (0, SURE * SURE);
+            for (i, shade) in now.iter().enumerate() {
+                let distance2 = distance2(*pixel, shade.colour);
+                if distance2 < least {
+                    (nearest, least) = (i, distance2);
+                }
+            }
+            off += least;
+            if least < SURE * SURE {
+                pairs.push((nearest, *pixel));
             }
         }
         if pairs.is_empty() || round == ROUNDS {

@@ -171,22 +171,50 @@ pub(crate) fn simplified(line: &[DVec2], tolerance: f64) -> Vec<DVec2> {
     keep[line.len() - 1] = true;
     let mut stack = vec![(0, line.len() - 1)];
     while let Some((from, to)) = stack.pop() {
-        let (a, along) = (line[from], line[to] - line[from]);
+        let along = line[to] - line[from];
         let length2 = along.length_squared();
-        // Squares of distances, times that of the length.
-        let mut worst = (tolerance * tolerance * if length2 > 0.0 { length2 } else { 1.0 }, from);
-        for (i, &p) in line[from + 1..to].iter().enumerate() {
-            let off = if length2 > 0.0 { along.perp_dot(p - a) } else { p.distance(a) };
-            if off * off > worst.0 {
-                worst = (off * off, from + 1 + i);
-            }
-        }
-        if worst.1 != from {
-            keep[worst.1] = true;
-            stack.extend([(from, worst.1), (worst.1, to)]);
+        let (off2, worst) = if length2 > 0.0 {
+            let (off2, i) = farthest(&line[from + 1..to], |p| along.perp_dot(p - line[from]));
+            (off2 / length2, i)
+        } else {
+            farthest(&line[from + 1..to], |p| p.distance(line[from]))
+        };
+        if off2 > tolerance * tolerance {
+            let worst = from + 1 + worst;
+            keep[worst] = true;
+            stack.extend([(from, worst), (worst, to)]);
         }
     }
     line.iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| *p).collect()
+}
+
+/// Of some points the one farthest off, and the square of how far.
+#[inline(always)]
+fn farthest(points: &[DVec2], off: impl Fn(DVec2) -> f64) -> (f64, usize) {
+    const TOGETHER: usize = 8;
+    let mut worst = (0.0, 0);
+    let (together, rest) = points.as_chunks::<TOGETHER>();
+    for (i, points) in together.iter().enumerate() {
+        let mut off2 = [0.0; TOGETHER];
+        for k in 0..TOGETHER {
+            let off = off(points[k]);
+            off2[k] = off * off;
+        }
+        if off2.iter().fold(0.0, |a: f64, &b| if b > a { b } else { a }) > worst.0 {
+            for (k, &off2) in off2.iter().enumerate() {
+                if off2 > worst.0 {
+                    worst = (off2, i * TOGETHER + k);
+                }
+            }
+        }
+    }
+    for (k, &p) in rest.iter().enumerate() {
+        let off2 = off(p) * off(p);
+        if off2 > worst.0 {
+            worst = (off2, together.len() * TOGETHER + k);
+        }
+    }
+    worst
 }
 
 #[cfg(test)]
