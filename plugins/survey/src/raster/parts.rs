@@ -37,9 +37,9 @@ pub(crate) struct Parts {
 impl Parts {
     /// The parts of what is set.
     pub fn of(bitmap: &Bitmap, corners: Corners) -> Self {
-        let mut runs: Vec<Run> = Vec::new();
+        let mut runs: Vec<Run> = Vec::with_capacity(runs_in(bitmap));
         // For each run, one before it of the same part, or itself.
-        let mut parent: Vec<u32> = Vec::new();
+        let mut parent: Vec<u32> = Vec::with_capacity(runs.capacity());
         let touch = i32::from(corners == Corners::Join);
         let mut above = 0..0;
         for y in 0..bitmap.height() {
@@ -104,6 +104,13 @@ impl Parts {
     pub fn smaller_than(&self, least_px: i64) -> impl Iterator<Item = &Run> {
         self.runs.iter().filter(move |run| self.parts[run.part as usize].area_px < least_px)
     }
+}
+
+/// How many runs a bitmap has.
+fn runs_in(bitmap: &Bitmap) -> usize {
+    let rows = (0..bitmap.height()).map(|y| bitmap.padded(y));
+    let begin = |words: &[u64]| (words[1] & !(words[1] << 1 | words[0] >> 63)).count_ones() as usize;
+    rows.flat_map(|row| row.windows(2)).map(begin).sum()
 }
 
 /// Adds a row's runs.

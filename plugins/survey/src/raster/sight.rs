@@ -11,7 +11,7 @@ use super::lanes::{Lanes, beside};
 use super::patches::Patches;
 
 /// Directions of looking that are steeper than a diagonal; as many again are not.
-const DIRECTIONS: usize = 32;
+const DIRECTIONS: usize = 24;
 
 /// The `hidden` pixels that are street.
 #[must_use]
@@ -37,7 +37,7 @@ struct Looking<'a> {
 }
 
 /// The two lines of sight that meet in a pixel may differ by so many directions: streets bend.
-const BEND: usize = 3;
+const BEND: usize = 2;
 
 impl NullaryFnOnce for Looking<'_> {
     type Output = Bitmap;
