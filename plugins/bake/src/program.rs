@@ -1,3 +1,4 @@
+mod bench;
 mod check;
 mod inspect;
 mod report;
@@ -108,6 +109,9 @@ enum Command {
         #[arg(short, long)]
         output: PathBuf,
     },
+    /// Measure this program beside its peers.
+    #[command(subcommand)]
+    Bench(Bench),
     /// Serve a city over HTTP on this machine.
     Serve {
         /// City directory.
@@ -116,6 +120,13 @@ enum Command {
         #[arg(long, default_value_t = 8080)]
         port: u16,
     },
+}
+
+/// What can be measured.
+#[derive(Subcommand)]
+enum Bench {
+    /// Survey drawn maps whose streets are known: how true, and how fast.
+    Survey(bench::SurveyBench),
 }
 
 /// Runs the program: 0 done, 1 failed with a message, 2 wrong usage.
@@ -193,6 +204,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
             file::write_text(&map_svg(&planned.plan), &output)?;
             println!("{}", output.display());
         }
+        Command::Bench(Bench::Survey(survey)) => bench::survey(&survey)?,
         Command::Serve { city, port } => serve::serve(&city, port)?,
     }
     Ok(())

@@ -38,10 +38,7 @@ impl Lanes {
     /// Writes a chunk of a row, given without the blank words.
     #[inline(always)]
     pub fn write(self, row: &mut [u64], chunk: usize) {
-        let row = &mut row[chunk * CHUNK..][..CHUNK];
-        for k in 0..CHUNK {
-            row[k] = self.0[k];
-        }
+        row[chunk * CHUNK..][..CHUNK].copy_from_slice(&self.0);
     }
 
     /// The pixels themselves.
@@ -71,8 +68,8 @@ impl Lanes {
     #[inline(always)]
     fn each(f: impl Fn(usize) -> u64) -> Self {
         let mut lanes = [0; CHUNK];
-        for k in 0..CHUNK {
-            lanes[k] = f(k);
+        for (k, word) in lanes.iter_mut().enumerate() {
+            *word = f(k);
         }
         Self(lanes)
     }

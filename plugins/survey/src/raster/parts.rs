@@ -166,7 +166,8 @@ mod tests {
                 let mut extents: Vec<_> = found.parts.iter().map(|part| (part.low.to_array(), part.high.to_array())).collect();
                 let around = outlines(&bitmap, corners);
                 let mut expected: Vec<_> = around.iter().filter(|o| !o.is_hole()).map(|o| o.extent()).map(|(low, high)| (low.to_array(), high.to_array())).collect();
-                (extents.sort_unstable(), expected.sort_unstable());
+                extents.sort_unstable();
+                expected.sort_unstable();
                 prop_assert_eq!(extents, expected);
                 let mut painted = Bitmap::new(width, height);
                 let mut areas = vec![0; found.parts.len()];

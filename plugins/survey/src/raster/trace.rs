@@ -152,7 +152,10 @@ impl Tracer<'_> {
         let mut rest = self.skeleton.clone();
         rest.remove(&self.done);
         for (x, y) in rest.pixels() {
-            if self.places.get(x as isize, y as isize) || self.done.get(x as isize, y as isize) || self.skeleton.around(x, y).count_ones() != 2 {
+            if self.places.get(x as isize, y as isize)
+                || self.done.get(x as isize, y as isize)
+                || self.skeleton.around(x, y).count_ones() != 2
+            {
                 continue;
             }
             let node = self.traced.nodes.len();

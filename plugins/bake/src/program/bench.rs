@@ -1,0 +1,169 @@
+//! `bench survey`: the survey of pictures measured beside the best chain that Python has for it, on maps whose streets
+//! are known.
+//!
+//! ```text
+//!  make_map.py ─► map.png, legend, truth ─┬─► veduta-bake survey ─┬─► score_graph.py ─► table of truth
+//!  (once a map, then kept)                └─► peer_raster.py ─────┴─► --timings ─────► table of seconds, plot
+//! ```
+//!
+//! Both are run as programs, each as a person would run it, and timed by their own `--timings`.
+
+mod figures;
+mod plot;
+mod programs;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::{Value, json};
+use veduta_city::file;
+
+use super::Failure;
+use figures::{Kind, Pooled, median_seconds};
+use programs::{Map, Programs, Reader, STYLES};
+
+/// What to measure, and with what.
+#[derive(Args)]
+pub(crate) struct SurveyBench {
+    /// Folder of make_map.py, peer_raster.py and score_graph.py.
+    #[arg(long, value_name = "DIR", default_value = "../shared/peers")]
+    peers: PathBuf,
+    /// Python with what their requirements.txt names.
+    #[arg(long, value_name = "PROGRAM", default_value = "python3")]
+    python: PathBuf,
+    /// First seed of the maps that are scored.
+    #[arg(long, default_value_t = 1)]
+    seed: u32,
+    /// Seeds a style that are scored; 0 scores none.
+    #[arg(long, default_value_t = 8)]
+    seeds: u32,
+    /// Pixels a side of the maps that are scored.
+    #[arg(long, default_value_t = 2048)]
+    size: u32,
+    /// Also score the same maps as figure-ground.
+    #[arg(long)]
+    figure_ground: bool,
+    /// Pixels a side of the maps that are timed.
+    #[arg(long, value_delimiter = ',', default_value = "512,1024,2048,4096")]
+    timed: Vec<u32>,
+    /// How often each is timed, in turn; the median counts.
+    #[arg(long, default_value_t = 5)]
+    repeat: usize,
+    /// Where maps and results are kept; a map that is there is not drawn again.
+    #[arg(long, value_name = "DIR", default_value = "target/bench-survey")]
+    work: PathBuf,
+    /// Where to write all figures as JSON.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Where to write the plot of time against pixels.
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+}
+
+/// Measures and prints the tables.
+pub(crate) fn survey(bench: &SurveyBench) -> Result<(), Failure> {
+    let programs = Programs::new(&bench.python, &bench.peers, &bench.work)?;
+    let scored = scored(bench, &programs)?;
+    let timed = timed(bench, &programs)?;
+    if let Some(path) = &bench.plot {
+        file::write_text(&plot::svg(&timed), path)?;
+    }
+    if let Some(path) = &bench.output {
+        let timed: Vec<Value> = timed.iter().map(Timed::to_json).collect();
+        file::write_text(&format!("{:#}\n", json!({ "truth": scored, "seconds": timed })), path)?;
+    }
+    Ok(())
+}
+
+/// Scores both readers on every map, and prints the table.
+fn scored(bench: &SurveyBench, programs: &Programs) -> Result<Vec<Value>, Failure> {
+    let mut rows = Vec::new();
+    if bench.seeds == 0 {
+        return Ok(rows);
+    }
+    println!("| {} px, {} seeds × {} styles | reader | {} |", bench.size, bench.seeds, STYLES.len(), Pooled::HEADS.join(" | "));
+    println!("|---|---|{}", "---|".repeat(Pooled::HEADS.len()));
+    for kind in Kind::ALL.into_iter().filter(|kind| bench.figure_ground || !kind.is_figure_ground()) {
+        let seeds = bench.seed..bench.seed + bench.seeds;
+        let maps: Vec<Map> = seeds.flat_map(|seed| STYLES.map(|style| Map { style, seed, size: bench.size, kind })).collect();
+        for reader in Reader::ALL {
+            let scores = programs.on_each(&maps, |map| programs.score(map, reader))?;
+            let pooled = Pooled::of(&scores)?;
+            println!("| {kind} | {reader} | {pooled} |");
+            rows.push(json!({ "maps": kind.to_string(), "reader": reader.to_string(), "figures": pooled.to_json() }));
+        }
+    }
+    println!();
+    Ok(rows)
+}
+
+/// A map's seconds by step, for each reader.
+pub(crate) struct Timed {
+    map: Map,
+    /// Nodes and links that the first reader, ours, found.
+    nodes: usize,
+    links: usize,
+    seconds: [serde_json::Map<String, Value>; 2],
+}
+
+impl Timed {
+    fn total(&self, reader: Reader) -> f64 {
+        self.seconds[reader as usize].get("total").and_then(Value::as_f64).unwrap_or(f64::NAN)
+    }
+
+    fn to_json(&self) -> Value {
+        json!({
+            "maps": self.map.kind.to_string(), "style": self.map.style, "pixels": self.map.size, "nodes": self.nodes,
+            "links": self.links, "veduta": self.seconds[0], "peer": self.seconds[1],
+            "ratio": self.total(Reader::Peer) / self.total(Reader::Veduta),
+        })
+    }
+}
+
+/// Times both readers in turn on maps of every size, and prints the tables.
+fn timed(bench: &SurveyBench, programs: &Programs) -> Result<Vec<Timed>, Failure> {
+    let mut rows = Vec::new();
+    let kinds = [Kind::Plain, Kind::Hard];
+    for map in
+        kinds.into_iter().flat_map(|kind| bench.timed.iter().map(move |&size| Map { style: "old", seed: bench.seed, size, kind }))
+    {
+        let mut runs = [Vec::new(), Vec::new()];
+        let (mut nodes, mut links) = (0, 0);
+        for _ in 0..bench.repeat.max(1) {
+            for reader in Reader::ALL {
+                let run = programs.read(&map, reader)?;
+                if reader == Reader::Veduta {
+                    (nodes, links) = programs.found(&map, reader)?;
+                }
+                runs[reader as usize].push(run);
+            }
+        }
+        let seconds = runs.map(|runs| median_seconds(&runs));
+        rows.push(Timed { map, nodes, links, seconds });
+    }
+    for kind in kinds {
+        let of_kind: Vec<&Timed> = rows.iter().filter(|row| row.map.kind == kind).collect();
+        let Some(first) = of_kind.first() else { continue };
+        let steps: Vec<&String> = first.seconds[0].keys().filter(|step| *step != "total").collect();
+        let names: Vec<&str> = steps.iter().map(|step| step.as_str()).collect();
+        println!("| {kind}, milliseconds | nodes | links | {} | total | peer | ratio |", names.join(" | "));
+        println!("|---|---|---|{}---|---|---|", "---|".repeat(steps.len()));
+        for row in of_kind {
+            let ms = |step: &str| row.seconds[0].get(step).and_then(Value::as_f64).unwrap_or(0.0) * 1e3;
+            let cells: Vec<String> = names.iter().map(|step| format!("{:.1}", ms(step))).collect();
+            let (ours, peer) = (row.total(Reader::Veduta), row.total(Reader::Peer));
+            println!(
+                "| {} px | {} | {} | {} | {:.1} | {:.1} | {:.1} |",
+                row.map.size,
+                row.nodes,
+                row.links,
+                cells.join(" | "),
+                ours * 1e3,
+                peer * 1e3,
+                peer / ours
+            );
+        }
+        println!();
+    }
+    Ok(rows)
+}
