@@ -143,7 +143,7 @@ impl Input {
     pub fn files(&self) -> Vec<PathBuf> {
         let own = self.path.is_file().then(|| self.path.clone());
         let mut files: Vec<PathBuf> = own.into_iter().chain(self.vector.iter().flat_map(VectorMap::files)).collect();
-        files.extend(self.raster.as_ref().and_then(|map| map.legend_file(&self.path)));
+        files.extend(self.raster.iter().flat_map(|map| map.files(&self.path)));
         files.sort();
         files.dedup();
         files

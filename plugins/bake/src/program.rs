@@ -127,6 +127,8 @@ enum Command {
 enum Bench {
     /// Survey drawn maps whose streets are known: how true, and how fast.
     Survey(bench::SurveyBench),
+    /// Thin maps and random bitmaps: whether each pixel is as OpenCV has it, and how fast.
+    Thinning(bench::ThinningBench),
 }
 
 /// Runs the program: 0 done, 1 failed with a message, 2 wrong usage.
@@ -162,7 +164,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
                         file::write_text(&survey.legend_ron, &path)?;
                         println!("{}: the legend as guessed; correct it and give it by --legend", path.display());
                     }
-                    extent_m = Some(survey.extent_m);
+                    extent_m = survey.extent_m;
                     (survey.graph, survey.findings)
                 }
                 None => survey_bare(&input)?,
@@ -205,6 +207,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
             println!("{}", output.display());
         }
         Command::Bench(Bench::Survey(survey)) => bench::survey(&survey)?,
+        Command::Bench(Bench::Thinning(thinning)) => bench::thinning(&thinning)?,
         Command::Serve { city, port } => serve::serve(&city, port)?,
     }
     Ok(())

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use veduta_city::{CityGraph, Finding, Id, Severity};
-use veduta_survey::SurveyError;
 use veduta_survey::raster::{Legend, Picture, PictureLimits, RasterSettings, guess_legend, scale_by_streets, survey_raster};
+use veduta_survey::{Crs, CrsError, Georeference, KnownPoint, SurveyError};
 
 use crate::BakeError;
 use crate::input::content;
@@ -15,8 +15,13 @@ pub struct RasterMap {
     /// What its colours stand for, RON or JSON; `X.legend.ron` or `X.legend.json` beside the picture if not given and there,
     /// guessed otherwise.
     pub legend: Option<PathBuf>,
-    /// Size of a pixel; the legend's if not given, and by the width of ordinary streets if that has none.
+    /// Size of a pixel. If it is not given, nor known points, a world file beside the picture tells it, or the picture's own
+    /// tags (GeoTIFF), or the legend; and the width of ordinary streets if none of these does.
     pub metres_per_pixel: Option<f64>,
+    /// Two points of the picture whose place is known.
+    pub known_points: Option<[KnownPoint; 2]>,
+    /// The coordinate system of a world file, or of tags that name none; what a `.prj` beside the picture says if not given.
+    pub crs: Option<Crs>,
     /// To how few colours the map is reduced before its legend is guessed; its own most frequent ones if not given.
     pub colours: Option<usize>,
 }
@@ -32,8 +37,8 @@ pub struct RasterSurvey {
     pub legend_ron: String,
     /// Whether that was guessed.
     pub is_guessed: bool,
-    /// Extent in metres, east and north.
-    pub extent_m: [f64; 2],
+    /// Extent in metres, east and north of plan (0, 0), of a picture of which only the scale is known.
+    pub extent_m: Option<[f64; 2]>,
 }
 
 impl RasterMap {
@@ -57,37 +62,98 @@ impl RasterMap {
             }
         };
         let legend_ron = legend.to_ron_with(&findings);
-        let metres_per_pixel = match self.metres_per_pixel.or(legend.metres_per_pixel) {
-            Some(metres) => metres,
+        let size = (picture.width as u32, picture.height as u32);
+        let georeference = match self.place(path, &bytes, size)? {
+            Some(place) => place,
             None => {
-                let metres = scale_by_streets(&picture, &legend).ok_or_else(|| {
-                    let holds = "no street by which to guess its scale".to_owned();
-                    SurveyError::Empty { name: name.to_string(), holds, findings: String::new() }
-                })?;
-                let message = format!(
-                    "the map's scale is not known: {metres:.2} metres a pixel make its streets as wide as streets are; say --metres-per-pixel if they are not"
-                );
-                findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
-                done("scale");
-                metres
+                let metres = match self.metres_per_pixel.or(legend.metres_per_pixel) {
+                    Some(metres) => metres,
+                    None => {
+                        let metres = guessed_scale(&picture, &legend, &name, &mut findings)?;
+                        done("scale");
+                        metres
+                    }
+                };
+                Georeference::from_metres_per_pixel(&name, size, metres)?
             }
         };
-        let settings = RasterSettings { metres_per_pixel, threads: 1 };
+        let metres = georeference.metres_per_pixel();
+        let extent_m = (!georeference.is_placed()).then(|| [picture.width, picture.height].map(|n| n as f64 * metres));
+        let settings = RasterSettings { georeference, threads: 1 };
         let survey = survey_raster(&picture, &legend, &settings, &name, done)?;
         findings.extend(survey.findings);
-        let extent_m = [picture.width, picture.height].map(|n| n as f64 * metres_per_pixel);
         Ok(RasterSurvey { graph: survey.graph, findings, legend_ron, is_guessed, extent_m })
     }
 
+    /// Where the picture lies, if that is said; not where its scale was given alone.
+    fn place(&self, path: &Path, bytes: &[u8], size: (u32, u32)) -> Result<Option<Georeference>, BakeError> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if let Some(points) = self.known_points {
+            return Ok(Some(Georeference::from_known_points(&name, size, points)?));
+        }
+        if self.metres_per_pixel.is_some() {
+            return Ok(None);
+        }
+        let crs = match (self.crs, beside(path, &["prj"])) {
+            (None, Some(prj)) => Some(crs_in(&prj)?),
+            (given, _) => given,
+        };
+        if let Some(world) = beside(path, WORLD_FILES) {
+            let Some(crs) = crs else {
+                let detail = format!(
+                    "{} tells its place, but not in which coordinate system: say --crs, as in --crs EPSG:5514, or --metres-per-pixel to leave its place out",
+                    world.display()
+                );
+                return Err(SurveyError::Unplaced { name: name.to_string(), detail }.into());
+            };
+            return Ok(Some(Georeference::from_world_file(&world.to_string_lossy(), size, &text(&world)?, &crs)?));
+        }
+        let is_tiff = bytes.starts_with(b"II*\0") || bytes.starts_with(b"MM\0*");
+        if is_tiff { Ok(Georeference::from_geotiff(&name, bytes, crs.as_ref())?) } else { Ok(None) }
+    }
+
+    /// Files beside the picture that are read with it.
+    pub(crate) fn files(&self, path: &Path) -> Vec<PathBuf> {
+        let place = [beside(path, WORLD_FILES), beside(path, &["prj"])];
+        self.legend_file(path).into_iter().chain(place.into_iter().flatten()).collect()
+    }
+
     /// Its legend's file: the one given, or one beside the picture.
-    pub(crate) fn legend_file(&self, path: &Path) -> Option<PathBuf> {
-        let beside = |ending: &str| path.with_extension(ending);
-        let candidates = [beside("legend.ron"), beside("legend.json")];
-        self.legend.clone().or_else(|| candidates.into_iter().find(|file| file.is_file()))
+    fn legend_file(&self, path: &Path) -> Option<PathBuf> {
+        self.legend.clone().or_else(|| beside(path, &["legend.ron", "legend.json"]))
     }
 }
 
+/// Endings of world files.
+const WORLD_FILES: &[&str] = &["pgw", "pngw", "jgw", "jpgw", "jpegw", "tfw", "tifw", "wpw", "wld"];
+
+/// The first file beside a picture, of its name and one of some endings.
+fn beside(path: &Path, endings: &[&str]) -> Option<PathBuf> {
+    endings.iter().map(|ending| path.with_extension(ending)).find(|file| file.is_file())
+}
+
+/// The metres a pixel by which the streets are as wide as streets are, with a finding that says so.
+fn guessed_scale(picture: &Picture, legend: &Legend, name: &str, findings: &mut Vec<Finding>) -> Result<f64, BakeError> {
+    let metres = scale_by_streets(picture, legend).ok_or_else(|| {
+        let holds = "no street by which to guess its scale".to_owned();
+        SurveyError::Empty { name: name.to_owned(), holds, findings: String::new() }
+    })?;
+    let message = format!(
+        "the map's scale is not known: {metres:.2} metres a pixel make its streets as wide as streets are; say --metres-per-pixel if they are not"
+    );
+    findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
+    Ok(metres)
+}
+
 fn read_legend(path: &Path) -> Result<Legend, BakeError> {
-    let text = std::fs::read_to_string(path).map_err(|source| BakeError::Read { path: path.to_owned(), source })?;
-    Ok(Legend::parse(&text, &path.to_string_lossy())?)
+    Ok(Legend::parse(&text(path)?, &path.to_string_lossy())?)
+}
+
+fn crs_in(path: &Path) -> Result<Crs, BakeError> {
+    let unplaced = |error: CrsError| SurveyError::Unplaced { name: path.to_string_lossy().into_owned(), detail: error.to_string() };
+    Ok(Crs::from_text(&text(path)?).map_err(unplaced)?)
+}
+
+fn text(path: &Path) -> Result<String, BakeError> {
+    std::fs::read_to_string(path).map_err(|source| BakeError::Read { path: path.to_owned(), source })
 }

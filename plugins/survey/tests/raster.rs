@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec2;
-use veduta_city::{BlockKind, CityGraph, LinkKind, NodeKind, StreetClass};
+use veduta_city::{Anchor, BlockKind, CityGraph, LinkKind, NodeKind, StreetClass};
 use veduta_survey::raster::{Legend, Picture, PictureLimits, RasterSettings, guess_legend, scale_by_streets, survey_raster};
+use veduta_survey::{Georeference, KnownPoint};
 
 const SIZE: usize = 640;
 const METRES: f64 = 0.5;
@@ -71,7 +72,7 @@ fn write_over(picture: &mut Picture, low: [usize; 2], high: [usize; 2]) {
 
 fn surveyed(picture: &Picture, threads: usize) -> CityGraph {
     let legend = Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}"));
-    let settings = RasterSettings { metres_per_pixel: METRES, threads };
+    let settings = RasterSettings { georeference: scale(picture, METRES), threads };
     survey_raster(picture, &legend, &settings, "town.png", &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).graph
 }
 
@@ -156,11 +157,53 @@ fn a_street_goes_on_under_its_name() {
     assert_eq!(inner(&graph), inner(&bare), "no street ends at a name");
 }
 
+/// A picture of which the scale is known.
+fn scale(picture: &Picture, metres: f64) -> Georeference {
+    Georeference::from_metres_per_pixel("town.png", (picture.width as u32, picture.height as u32), metres)
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn a_placed_picture_gives_the_same_streets_where_it_lies() {
+    let (town, legend) = (town(), Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}")));
+    let size = (town.width as u32, town.height as u32);
+    // Half a metre a pixel, near Prague: the upper edge runs 30° north of east.
+    let anchor = Anchor { lat: 50.09, lon: 14.42 };
+    let along = DVec2::new(libm::cos(core::f64::consts::FRAC_PI_6), 0.5);
+    let known = |column: f64| {
+        let (lat, lon) = anchor.geo_from_plan(along * column * METRES);
+        KnownPoint { pixel: DVec2::new(column, 0.0), lat, lon }
+    };
+    let place = Georeference::from_known_points("town.png", size, [known(0.0), known(f64::from(size.0))]);
+    let place = place.unwrap_or_else(|e| panic!("{e}"));
+    let settings = RasterSettings { georeference: place.clone(), threads: 1 };
+    let placed = survey_raster(&town, &legend, &settings, "town.png", &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).graph;
+    let bare = surveyed(&town, 1);
+    assert_eq!((placed.nodes.len(), placed.links.len()), (bare.nodes.len(), bare.links.len()));
+    assert_eq!((placed.squares.len(), placed.blocks.len()), (bare.squares.len(), bare.blocks.len()));
+    assert!((placed.anchor.lat - anchor.lat).abs() < 0.01, "{:?}", placed.anchor);
+    for node in &bare.nodes {
+        let pixel = DVec2::new(node.pos.x / METRES, f64::from(size.1) - node.pos.y / METRES);
+        let goal = place.plan_pos(pixel);
+        let off = placed.nodes.iter().map(|n| n.pos.distance(goal)).fold(f64::MAX, f64::min);
+        assert!(off < 0.1, "the node at {} is {off} m from where it lies", node.pos);
+    }
+}
+
+#[test]
+fn a_place_of_another_picture_is_an_error() {
+    let legend = Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}"));
+    let georeference = Georeference::from_metres_per_pixel("town.png", (10, 10), METRES).unwrap_or_else(|e| panic!("{e}"));
+    let settings = RasterSettings { georeference, threads: 1 };
+    let refused = survey_raster(&town(), &legend, &settings, "town.png", &mut |_| ());
+    assert!(refused.is_err_and(|e| e.to_string().contains("10 × 10")));
+}
+
 #[test]
 fn a_blank_picture_is_an_error() {
     let blank = Picture { width: 64, height: 64, pixels: BUILT.repeat(64 * 64) };
     let legend = Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}"));
-    let settings = RasterSettings { metres_per_pixel: METRES, threads: 1 };
+    let settings = RasterSettings { georeference: scale(&blank, METRES), threads: 1 };
     let refused = survey_raster(&blank, &legend, &settings, "blank.png", &mut |_| ());
     assert!(refused.is_err_and(|e| e.to_string().contains("blank.png")));
 }
@@ -169,8 +212,12 @@ fn a_blank_picture_is_an_error() {
 fn a_picture_that_is_none_and_a_scale_that_is_none_are_errors() {
     let legend = Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}"));
     let refused = |picture: &Picture, metres_per_pixel: f64| {
-        let settings = RasterSettings { metres_per_pixel, threads: 1 };
-        survey_raster(picture, &legend, &settings, "odd.png", &mut |_| ()).is_err_and(|e| e.to_string().contains("odd.png"))
+        let size = (picture.width as u32, picture.height as u32);
+        let survey = Georeference::from_metres_per_pixel("odd.png", size, metres_per_pixel).and_then(|georeference| {
+            let settings = RasterSettings { georeference, threads: 1 };
+            survey_raster(picture, &legend, &settings, "odd.png", &mut |_| ())
+        });
+        survey.is_err_and(|e| e.to_string().contains("odd.png"))
     };
     for metres in [0.0, -1.0, 1e-9, 1e9, f64::NAN] {
         assert!(refused(&town(), metres), "{metres} metres a pixel");
@@ -206,7 +253,7 @@ fn real_maps_give_valid_graphs() {
         let (legend, _) = guess_legend(&picture, None);
         let metres_per_pixel = scale_by_streets(&picture, &legend).unwrap_or_else(|| panic!("{file} shows streets"));
         assert!((0.3..6.0).contains(&metres_per_pixel), "{file}: {metres_per_pixel} metres a pixel");
-        let settings = RasterSettings { metres_per_pixel, threads: 1 };
+        let settings = RasterSettings { georeference: scale(&picture, metres_per_pixel), threads: 1 };
         let survey = survey_raster(&picture, &legend, &settings, file, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
         assert!(survey.graph.links.len() >= *least, "{file}: {} links", survey.graph.links.len());
         assert!(!survey.graph.blocks.is_empty(), "{file} has blocks");

@@ -11,6 +11,7 @@
 mod figures;
 mod plot;
 mod programs;
+mod thinning;
 
 use std::path::PathBuf;
 
@@ -21,6 +22,7 @@ use veduta_city::file;
 use super::Failure;
 use figures::{Kind, Pooled, median_seconds};
 use programs::{Map, Programs, Reader, STYLES};
+pub(crate) use thinning::{ThinningBench, thinning};
 
 /// What to measure, and with what.
 #[derive(Args)]

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use veduta_bake::Input;
-use veduta_survey::Date;
 use veduta_survey::raster::SCALES_M;
+use veduta_survey::{Crs, Date, KnownPoint};
 
 use super::Failure;
 
@@ -21,9 +21,16 @@ pub(crate) struct Source {
     /// What the colours of a picture stand for (RON or JSON); guessed if not given and no X.legend.ron lies beside it.
     #[arg(long, value_name = "FILE")]
     legend: Option<PathBuf>,
-    /// Size of a picture's pixels in metres; the legend's if not given, else guessed by the width of its streets.
+    /// Size of a picture's pixels in metres; as a world file, GeoTIFF tags or the legend say if not given, else guessed by the
+    /// width of its streets.
     #[arg(long, value_name = "METRES", value_parser = scale)]
     metres_per_pixel: Option<f64>,
+    /// A point of a picture whose place is known, given twice: column,row=latitude,longitude, as in 120,340=50.0870,14.4210.
+    #[arg(long = "known-point", value_name = "POINT", num_args = 1, conflicts_with = "metres_per_pixel")]
+    known_points: Vec<KnownPoint>,
+    /// Coordinate system of a picture's world file: a code, as in EPSG:5514, or WKT; as a .prj beside it says if not given.
+    #[arg(long, value_parser = crs)]
+    crs: Option<Crs>,
     /// Reduce a picture to so many colours before its legend is guessed.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=64))]
     colours: Option<u16>,
@@ -42,6 +49,10 @@ fn scale(text: &str) -> Result<f64, String> {
     }
 }
 
+fn crs(text: &str) -> Result<Crs, String> {
+    Crs::from_text(text).map_err(|error| error.to_string())
+}
+
 impl Source {
     /// The input with all that was said of it.
     pub(crate) fn input(&self) -> Result<Input, Failure> {
@@ -52,10 +63,18 @@ impl Source {
         if let Some(date) = &self.date {
             input.set_date(date.clone())?;
         }
-        if self.legend.is_some() || self.metres_per_pixel.is_some() || self.colours.is_some() {
+        let known_points = match self.known_points[..] {
+            [] => None,
+            [a, b] => Some([a, b]),
+            _ => return Err("a picture is placed by two known points: give --known-point twice".into()),
+        };
+        let is_placed = known_points.is_some() || self.metres_per_pixel.is_some() || self.crs.is_some();
+        if is_placed || self.legend.is_some() || self.colours.is_some() {
             let raster = input.raster_mut()?;
             raster.legend.clone_from(&self.legend);
             raster.metres_per_pixel = self.metres_per_pixel;
+            raster.known_points = known_points;
+            raster.crs = self.crs;
             raster.colours = self.colours.map(usize::from);
         }
         Ok(input)

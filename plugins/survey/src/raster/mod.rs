@@ -65,16 +65,17 @@ pub use quantise::{MOST_SWATCHES, Swatch, nearest_table, swatches, table_index};
 pub use thinning::{thinned, thinned_portably};
 
 use crate::log::Log;
-use crate::{Survey, SurveyError};
+use crate::{Georeference, Survey, SurveyError};
+use veduta_city::Id;
 
 /// Metres that a pixel of a street map may be wide.
 pub const SCALES_M: core::ops::RangeInclusive<f64> = 0.02..=20.0;
 
 /// What may be chosen of the survey of a raster map.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RasterSettings {
-    /// Metres a pixel, in [`SCALES_M`].
-    pub metres_per_pixel: f64,
+    /// Where the picture lies, and how large its pixels are, in [`SCALES_M`].
+    pub georeference: Georeference,
     /// Threads for thinning; the result is the same for any number.
     pub threads: usize,
 }
@@ -98,11 +99,11 @@ pub fn scale_by_streets(picture: &Picture, legend: &Legend) -> Option<f64> {
 }
 
 /// Makes a city graph of a street map's picture. `name` is the file's name; `done` is told the name of each step as it
-/// ends. Plan (0, 0) is the picture's lower left corner.
+/// ends. Plan (0, 0) is the picture's lower left corner where only its scale is known, else its middle.
 ///
 /// # Errors
-/// [`SurveyError`] if the picture shows no street, has no pixels or more than 16,384 a side, or if its scale is none that a
-/// street map has.
+/// [`SurveyError`] if the picture shows no street, has no pixels or more than 16,384 a side, or if its georeference is of a
+/// picture of another size, or of a scale that no street map has.
 pub fn survey_raster(
     picture: &Picture,
     legend: &Legend,
@@ -119,19 +120,33 @@ pub fn survey_raster(
     if picture.width == 0 || picture.height == 0 || picture.pixels.len() != picture.width * picture.height * 3 {
         return Err(empty());
     }
-    if !SCALES_M.contains(&settings.metres_per_pixel) {
+    let (place, mpp) = (&settings.georeference, settings.georeference.metres_per_pixel());
+    let unplaced = |detail: String| SurveyError::Unplaced { name: name.to_owned(), detail };
+    if !SCALES_M.contains(&mpp) {
         let (low, high) = (SCALES_M.start(), SCALES_M.end());
-        let detail =
-            format!("{} metres a pixel is no scale of a street map: take one from {low} to {high}", settings.metres_per_pixel);
-        return Err(SurveyError::Unplaced { name: name.to_owned(), detail });
+        return Err(unplaced(format!("{mpp} metres a pixel is no scale of a street map: take one from {low} to {high}")));
+    }
+    let (width, height) = place.size();
+    if (picture.width, picture.height) != (width as usize, height as usize) {
+        return Err(unplaced(format!("its place is that of a picture of {width} × {height} pixels, but it has {}", holds())));
     }
     let mut log = Log::default();
-    let reading = read::read_map(picture, legend, settings.metres_per_pixel, settings.threads, done);
+    let sides = place.pixel_size_m();
+    if sides.max_element() > 1.02 * sides.min_element() {
+        let message = format!(
+            "a pixel is {:.3} m wide and {:.3} m high: widths of streets are a mean of the two; resample the map to square pixels",
+            sides.x, sides.y
+        );
+        log.note(Id::NONE, None, message);
+    }
+    let reading = read::read_map(picture, legend, mpp, settings.threads, done);
+    let reading = if place.is_placed() { reading.placed(place) } else { reading };
     let mut graph = graph::graph_of(reading, &mut log);
     done("graph");
     if graph.links.is_empty() {
         return Err(empty());
     }
+    graph.anchor = place.anchor();
     graph.name = crate::stem(name);
     graph.fill_ids();
     let errors = graph.validate();

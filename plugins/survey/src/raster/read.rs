@@ -3,6 +3,8 @@
 use glam::DVec2;
 use veduta_city::{BlockKind, LinkKind};
 
+use crate::Georeference;
+
 use super::bitmap::Bitmap;
 use super::blocks::blocks;
 use super::bridge::lead_through;
@@ -33,6 +35,23 @@ pub(super) struct MapReading {
     pub squares: Vec<Vec<DVec2>>,
     /// Blocks: kind and outline.
     pub blocks: Vec<(BlockKind, Vec<DVec2>)>,
+}
+
+impl MapReading {
+    /// The same, where the picture lies.
+    pub fn placed(mut self, place: &Georeference) -> Self {
+        let (mpp, height) = (place.metres_per_pixel(), f64::from(place.size().1));
+        let move_all = |line: &mut Vec<DVec2>| {
+            for p in line {
+                *p = place.plan_pos(DVec2::new(p.x / mpp, height - p.y / mpp));
+            }
+        };
+        self.streets.iter_mut().for_each(|(line, _)| move_all(line));
+        self.courses.iter_mut().for_each(|(_, line, _)| move_all(line));
+        self.squares.iter_mut().for_each(move_all);
+        self.blocks.iter_mut().for_each(|(_, outline)| move_all(outline));
+        self
+    }
 }
 
 /// Reads a map of so many metres a pixel. `done` is told the name of each step as it ends.

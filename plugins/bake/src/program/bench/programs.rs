@@ -156,7 +156,7 @@ impl Programs {
 }
 
 /// Runs a program to its end; what it prints.
-fn run(mut command: Command) -> Result<String, Failure> {
+pub(super) fn run(mut command: Command) -> Result<String, Failure> {
     let name = command.get_args().next().unwrap_or(command.get_program()).to_string_lossy().into_owned();
     let output = command.output().map_err(|error| format!("{}: {error}", command.get_program().to_string_lossy()))?;
     if !output.status.success() {
