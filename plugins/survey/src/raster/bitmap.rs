@@ -85,6 +85,12 @@ impl Bitmap {
         if on { self.words[i] |= bit } else { self.words[i] &= !bit }
     }
 
+    /// Whether no pixel is set.
+    #[must_use]
+    pub fn is_blank(&self) -> bool {
+        self.words.iter().all(|&word| word == 0)
+    }
+
     /// How many pixels are set.
     #[must_use]
     pub fn count(&self) -> usize {

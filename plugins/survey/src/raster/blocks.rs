@@ -7,8 +7,11 @@ use super::bitmap::Bitmap;
 use super::classify::Classes;
 use super::clean::{SPECK_M2, is_rare};
 use super::filter::median5;
+use super::morphology::{grown, shrunk};
 use super::outline::{Corners, Outline, outlines, simplified_ring};
 
+/// Half the width of gaps between courses and streets that are closed, pixels.
+const GAP_PX: usize = 3;
 /// Rows of a block in which it is looked at what it holds.
 const LOOKS: i32 = 24;
 
@@ -17,6 +20,15 @@ pub(crate) fn blocks(street: &Bitmap, courses: [&Bitmap; 2], classes: &Classes, 
     let mut area = street.inverted();
     for course in courses {
         area.remove(course);
+    }
+    // Where a course comes to a street, noise leaves a gap by which the blocks on its two sides would be one.
+    if courses.iter().any(|course| !course.is_blank()) {
+        let mut gaps = area.clone();
+        gaps.remove(&grown(&shrunk(&area, GAP_PX), GAP_PX));
+        let mut both = courses[0].clone();
+        both.add(courses[1]);
+        gaps.keep(&grown(&both, 2 * GAP_PX));
+        area.remove(&gaps);
     }
     let mut ponds = classes.water.clone();
     ponds.keep(&area);

@@ -19,8 +19,10 @@ const MARGIN: usize = 64;
 const BRIDGE_M: f64 = 15.0;
 /// Shorter pieces are none, metres.
 const LEAST_M: f64 = 80.0;
-/// Pieces that fill more of the square of their extent are ponds.
+/// Pieces that fill more of the square of their extent are ponds …
 const COMPACT: f64 = 0.25;
+/// … and so are those that fill this much of it and lie wholly in the picture: a course comes from somewhere.
+const COMPACT_INSIDE: f64 = 0.1;
 
 /// A river or railway as found.
 #[derive(Debug, Clone)]
@@ -39,10 +41,13 @@ pub(crate) fn courses(mask: &mut Bitmap, mpp: f64, tolerance_px: f64) -> Vec<Fou
     let mut closed = shrunk(&grown(&wide, bridge), bridge);
     closed.add(&wide);
     let least = LEAST_M / (mpp * SCALE as f64);
-    for outline in outlines(&closed, Corners::Join).iter().filter(|o| !o.is_hole()) {
+    let found = outlines(&closed, Corners::Join);
+    for outline in found.iter().filter(|o| !o.is_hole()) {
         let (low, high) = outline.extent();
         let extent = (high - low).as_dvec2().length();
-        if extent < least || outline.area_px as f64 > COMPACT * extent * extent {
+        let is_inside = low.min_element() > 0 && high.x < closed.width() as i32 && high.y < closed.height() as i32;
+        let compact = if is_inside { COMPACT_INSIDE } else { COMPACT };
+        if extent < least || outline.area_px as f64 > compact * extent * extent {
             outline.paint(&mut closed, false);
             outline.scaled(SCALE as i32, -((MARGIN * SCALE) as i32)).paint(mask, false);
         }
