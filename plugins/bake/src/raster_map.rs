@@ -2,8 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use veduta_city::file::FileError;
 use veduta_city::{CityGraph, Finding, Id, Severity};
-use veduta_survey::raster::{Legend, Picture, PictureLimits, RasterSettings, guess_legend, scale_by_streets, survey_raster};
+use veduta_survey::raster::{
+    Legend, Picture, PictureLimits, RasterSettings, Stage, Stages, guess_legend, scale_by_streets, survey_raster_by_stages,
+};
 use veduta_survey::{Crs, CrsError, Georeference, KnownPoint, SurveyError};
 
 use crate::BakeError;
@@ -22,6 +25,10 @@ pub struct RasterMap {
     pub known_points: Option<[KnownPoint; 2]>,
     /// The coordinate system of a world file, or of tags that name none; what a `.prj` beside the picture says if not given.
     pub crs: Option<Crs>,
+    /// A folder in which the [stages](Stage) of reading are written as pictures, `X.streets.png` and the like.
+    pub stages: Option<PathBuf>,
+    /// A stage that was written, and mended in a paint program: it is taken as it is.
+    pub from: Option<PathBuf>,
     /// To how few colours the map is reduced before its legend is guessed; its own most frequent ones if not given.
     pub colours: Option<usize>,
 }
@@ -80,7 +87,21 @@ impl RasterMap {
         let metres = georeference.metres_per_pixel();
         let extent_m = (!georeference.is_placed()).then(|| [picture.width, picture.height].map(|n| n as f64 * metres));
         let settings = RasterSettings { georeference, threads: 1 };
-        let survey = survey_raster(&picture, &legend, &settings, &name, done)?;
+        let given = self.from.as_deref().map(read_stage).transpose()?;
+        let mut failed = None;
+        let mut write = |stage: Stage, picture: &Picture| {
+            let name = path.with_extension(format!("{stage}.png"));
+            let file = self.stages.iter().zip(name.file_name()).map(|(folder, name)| folder.join(name));
+            failed = failed.take().or_else(|| file.map(|file| write_stage(picture, &file)).find_map(Result::err));
+        };
+        let mut stages = Stages { given: given.as_ref().map(|(stage, picture)| (*stage, picture)), ..Stages::default() };
+        if self.stages.is_some() {
+            stages.show = Some(&mut write);
+        }
+        let survey = survey_raster_by_stages(&picture, &legend, &settings, &name, &mut stages, done)?;
+        if let Some(error) = failed {
+            return Err(error);
+        }
         findings.extend(survey.findings);
         Ok(RasterSurvey { graph: survey.graph, findings, legend_ron, is_guessed, extent_m })
     }
@@ -94,11 +115,32 @@ impl RasterMap {
         if self.metres_per_pixel.is_some() {
             return Ok(None);
         }
+        let tags = |crs: Option<&Crs>| Georeference::from_geotiff(&name, bytes, crs);
+        let is_tiff = [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| bytes.starts_with(*magic));
+        // Tags that name their own coordinate system need nothing beside them.
+        if is_tiff
+            && self.crs.is_none()
+            && let Ok(Some(place)) = tags(None)
+        {
+            return Ok(Some(place));
+        }
+        let world = world_file(path);
+        if world.is_none() && !is_tiff {
+            return match self.crs {
+                Some(crs) => {
+                    let detail = format!(
+                        "{crs} is said to be its coordinate system, but no world file beside it says where in that it lies"
+                    );
+                    Err(SurveyError::Unplaced { name: name.to_string(), detail }.into())
+                }
+                None => Ok(None),
+            };
+        }
         let crs = match (self.crs, beside(path, &["prj"])) {
             (None, Some(prj)) => Some(crs_in(&prj)?),
             (given, _) => given,
         };
-        if let Some(world) = beside(path, WORLD_FILES) {
+        if let Some(world) = world {
             let Some(crs) = crs else {
                 let detail = format!(
                     "{} tells its place, but not in which coordinate system: say --crs, as in --crs EPSG:5514, or --metres-per-pixel to leave its place out",
@@ -108,14 +150,13 @@ impl RasterMap {
             };
             return Ok(Some(Georeference::from_world_file(&world.to_string_lossy(), size, &text(&world)?, &crs)?));
         }
-        let is_tiff = bytes.starts_with(b"II*\0") || bytes.starts_with(b"MM\0*");
-        if is_tiff { Ok(Georeference::from_geotiff(&name, bytes, crs.as_ref())?) } else { Ok(None) }
+        Ok(tags(crs.as_ref())?)
     }
 
     /// Files beside the picture that are read with it.
     pub(crate) fn files(&self, path: &Path) -> Vec<PathBuf> {
-        let place = [beside(path, WORLD_FILES), beside(path, &["prj"])];
-        self.legend_file(path).into_iter().chain(place.into_iter().flatten()).collect()
+        let place = [world_file(path), beside(path, &["prj"])];
+        self.legend_file(path).into_iter().chain(place.into_iter().flatten()).chain(self.from.clone()).collect()
     }
 
     /// Its legend's file: the one given, or one beside the picture.
@@ -124,8 +165,14 @@ impl RasterMap {
     }
 }
 
-/// Endings of world files.
-const WORLD_FILES: &[&str] = &["pgw", "pngw", "jgw", "jpgw", "jpegw", "tfw", "tifw", "wpw", "wld"];
+/// The world file beside a picture: of its own ending's first and last letter and a w, of its ending and a w, or `.wld`.
+fn world_file(path: &Path) -> Option<PathBuf> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let short: String = ending.chars().take(1).chain(ending.chars().last()).chain(['w']).collect();
+    let candidates = [short, format!("{ending}w"), "wld".to_owned()];
+    let either: Vec<String> = candidates.iter().flat_map(|ending| [ending.clone(), ending.to_uppercase()]).collect();
+    beside(path, &either.iter().map(String::as_str).collect::<Vec<_>>())
+}
 
 /// The first file beside a picture, of its name and one of some endings.
 fn beside(path: &Path, endings: &[&str]) -> Option<PathBuf> {
@@ -143,6 +190,26 @@ fn guessed_scale(picture: &Picture, legend: &Legend, name: &str, findings: &mut 
     );
     findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
     Ok(metres)
+}
+
+/// A stage that was written before.
+fn read_stage(path: &Path) -> Result<(Stage, Picture), BakeError> {
+    let name = path.to_string_lossy();
+    let Some(stage) = Stage::of_file(&path.file_name().unwrap_or_default().to_string_lossy()) else {
+        let detail =
+            "its name does not say which stage it is: stages are named map.classes.png, map.streets.png and map.skeleton.png";
+        return Err(BakeError::Option { path: path.to_owned(), detail: detail.to_owned() });
+    };
+    Ok((stage, Picture::decode(&content(path)?, &name, &PictureLimits::default())?))
+}
+
+fn write_stage(picture: &Picture, path: &Path) -> Result<(), BakeError> {
+    let failed = |source| BakeError::File(FileError::Io { path: path.to_owned(), source });
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(failed)?;
+    }
+    let file = std::fs::File::create(path).map_err(failed)?;
+    picture.write_png(std::io::BufWriter::new(file)).map_err(failed)
 }
 
 fn read_legend(path: &Path) -> Result<Legend, BakeError> {

@@ -5,6 +5,7 @@ use std::process::Command;
 
 use glam::DVec2;
 use veduta_city::{CityGraph, file};
+use veduta_survey::raster::{Picture, PictureLimits};
 
 #[path = "shared/folder.rs"]
 mod folder;
@@ -90,4 +91,35 @@ fn two_known_points_place_the_picture_and_one_does_not() {
     assert!((graph.anchor.lon - 14.415).abs() < 1e-3 && graph.anchor.lat < 50.09, "{:?}", graph.anchor);
     let refused = survey(&folder, &["--known-point", "here"]).expect_err("no point");
     assert!(refused.contains("column,row=latitude,longitude"), "{refused}");
+}
+
+#[test]
+fn stages_are_written_and_one_that_was_mended_is_taken_as_it_is() {
+    let folder = Folder::new("raster-stages");
+    town(&folder);
+    let stages = folder.0.join("stages");
+    let to = stages.to_string_lossy().into_owned();
+    let graph = survey(&folder, &["--metres-per-pixel", "0.5", "--stages", &to]).unwrap_or_else(|e| panic!("{e}"));
+    for stage in ["classes", "streets", "skeleton"] {
+        let file = stages.join(format!("town.{stage}.png"));
+        let again = survey(&folder, &["--metres-per-pixel", "0.5", "--from", &file.to_string_lossy()]);
+        assert_eq!(again.unwrap_or_else(|e| panic!("{e}")), graph, "{stage} as they were found change nothing");
+    }
+    // One arm of the crossroads painted over, in a paint program.
+    let file = stages.join("town.streets.png");
+    let bytes = std::fs::read(&file).unwrap_or_else(|e| panic!("{e}"));
+    let mut picture = Picture::decode(&bytes, "town.streets.png", &PictureLimits::default()).unwrap_or_else(|e| panic!("{e}"));
+    for (i, channel) in picture.pixels.iter_mut().enumerate() {
+        let (x, y) = (i / 3 % SIZE as usize, i / 3 / SIZE as usize);
+        if (230..400).contains(&x) && (180..220).contains(&y) {
+            *channel = 0;
+        }
+    }
+    let out = std::fs::File::create(&file).unwrap_or_else(|e| panic!("{e}"));
+    picture.write_png(out).unwrap_or_else(|e| panic!("{e}"));
+    let mended =
+        survey(&folder, &["--metres-per-pixel", "0.5", "--from", &file.to_string_lossy()]).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((graph.links.len(), mended.links.len()), (4, 3));
+    let refused = survey(&folder, &["--from", &folder.0.join("town.png").to_string_lossy()]).expect_err("no stage");
+    assert!(refused.contains("which stage"), "{refused}");
 }

@@ -28,7 +28,7 @@ pub(crate) use thinning::{ThinningBench, thinning};
 #[derive(Args)]
 pub(crate) struct SurveyBench {
     /// Folder of make_map.py, peer_raster.py and score_graph.py.
-    #[arg(long, value_name = "DIR", default_value = "../shared/peers")]
+    #[arg(long, value_name = "DIR")]
     peers: PathBuf,
     /// Python with what their requirements.txt names.
     #[arg(long, value_name = "PROGRAM", default_value = "python3")]
@@ -62,7 +62,14 @@ pub(crate) struct SurveyBench {
     plot: Option<PathBuf>,
 }
 
+/// The steps of reading a picture, in their order; decoding and writing are no part of the total.
+const STEPS: [&str; 12] =
+    ["classify", "clean", "skeleton", "trace", "simplify", "widths", "squares", "streets", "courses", "blocks", "graph", "total"];
+
 /// Measures and prints the tables.
+///
+/// # Errors
+/// A program that cannot be run, or does not say what it should.
 pub(crate) fn survey(bench: &SurveyBench) -> Result<(), Failure> {
     let programs = Programs::new(&bench.python, &bench.peers, &bench.work)?;
     let scored = scored(bench, &programs)?;
@@ -86,10 +93,10 @@ fn scored(bench: &SurveyBench, programs: &Programs) -> Result<Vec<Value>, Failur
     println!("| {} px, {} seeds × {} styles | reader | {} |", bench.size, bench.seeds, STYLES.len(), Pooled::HEADS.join(" | "));
     println!("|---|---|{}", "---|".repeat(Pooled::HEADS.len()));
     for kind in Kind::ALL.into_iter().filter(|kind| bench.figure_ground || !kind.is_figure_ground()) {
-        let seeds = bench.seed..bench.seed + bench.seeds;
+        let seeds = bench.seed..bench.seed.saturating_add(bench.seeds);
         let maps: Vec<Map> = seeds.flat_map(|seed| STYLES.map(|style| Map { style, seed, size: bench.size, kind })).collect();
         for reader in Reader::ALL {
-            let scores = programs.on_each(&maps, |map| programs.score(map, reader))?;
+            let scores = Programs::on_each(&maps, |map| programs.score(map, reader))?;
             let pooled = Pooled::of(&scores)?;
             println!("| {kind} | {reader} | {pooled} |");
             rows.push(json!({ "maps": kind.to_string(), "reader": reader.to_string(), "figures": pooled.to_json() }));
@@ -146,21 +153,19 @@ fn timed(bench: &SurveyBench, programs: &Programs) -> Result<Vec<Timed>, Failure
     for kind in kinds {
         let of_kind: Vec<&Timed> = rows.iter().filter(|row| row.map.kind == kind).collect();
         let Some(first) = of_kind.first() else { continue };
-        let steps: Vec<&String> = first.seconds[0].keys().filter(|step| *step != "total").collect();
-        let names: Vec<&str> = steps.iter().map(|step| step.as_str()).collect();
-        println!("| {kind}, milliseconds | nodes | links | {} | total | peer | ratio |", names.join(" | "));
-        println!("|---|---|---|{}---|---|---|", "---|".repeat(steps.len()));
+        let names: Vec<&str> = STEPS.into_iter().filter(|step| first.seconds[0].contains_key(*step)).collect();
+        println!("| {kind}, milliseconds | nodes | links | {} | peer | ratio |", names.join(" | "));
+        println!("|---|---|---|{}---|---|", "---|".repeat(names.len()));
         for row in of_kind {
             let ms = |step: &str| row.seconds[0].get(step).and_then(Value::as_f64).unwrap_or(0.0) * 1e3;
             let cells: Vec<String> = names.iter().map(|step| format!("{:.1}", ms(step))).collect();
             let (ours, peer) = (row.total(Reader::Veduta), row.total(Reader::Peer));
             println!(
-                "| {} px | {} | {} | {} | {:.1} | {:.1} | {:.1} |",
+                "| {} px | {} | {} | {} | {:.1} | {:.1} |",
                 row.map.size,
                 row.nodes,
                 row.links,
                 cells.join(" | "),
-                ours * 1e3,
                 peer * 1e3,
                 peer / ours
             );

@@ -29,8 +29,15 @@ pub(crate) struct Source {
     #[arg(long = "known-point", value_name = "POINT", num_args = 1, conflicts_with = "metres_per_pixel")]
     known_points: Vec<KnownPoint>,
     /// Coordinate system of a picture's world file: a code, as in EPSG:5514, or WKT; as a .prj beside it says if not given.
-    #[arg(long, value_parser = crs)]
+    #[arg(long, value_parser = crs, conflicts_with_all = ["metres_per_pixel", "known_points"])]
     crs: Option<Crs>,
+    /// Write what is found on a picture, step by step, as pictures into this folder: X.classes.png, X.streets.png and
+    /// X.skeleton.png.
+    #[arg(long, value_name = "DIR")]
+    stages: Option<PathBuf>,
+    /// Go on from one of these pictures, mended in a paint program.
+    #[arg(long, value_name = "STAGE.png")]
+    from: Option<PathBuf>,
     /// Reduce a picture to so many colours before its legend is guessed.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=64))]
     colours: Option<u16>,
@@ -69,12 +76,15 @@ impl Source {
             _ => return Err("a picture is placed by two known points: give --known-point twice".into()),
         };
         let is_placed = known_points.is_some() || self.metres_per_pixel.is_some() || self.crs.is_some();
-        if is_placed || self.legend.is_some() || self.colours.is_some() {
+        let by_stages = self.stages.is_some() || self.from.is_some();
+        if is_placed || by_stages || self.legend.is_some() || self.colours.is_some() {
             let raster = input.raster_mut()?;
             raster.legend.clone_from(&self.legend);
             raster.metres_per_pixel = self.metres_per_pixel;
             raster.known_points = known_points;
             raster.crs = self.crs;
+            raster.stages.clone_from(&self.stages);
+            raster.from.clone_from(&self.from);
             raster.colours = self.colours.map(usize::from);
         }
         Ok(input)

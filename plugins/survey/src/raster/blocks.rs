@@ -5,7 +5,7 @@ use veduta_city::BlockKind;
 
 use super::bitmap::Bitmap;
 use super::classify::Classes;
-use super::clean::{SPECK_M2, is_rare};
+use super::clean::SPECK_M2;
 use super::filter::median5;
 use super::morphology::{grown, shrunk};
 use super::outline::{Corners, Outline, outlines, simplified_ring};
@@ -33,8 +33,9 @@ pub(crate) fn blocks(street: &Bitmap, courses: [&Bitmap; 2], classes: &Classes, 
     let mut ponds = classes.water.clone();
     ponds.keep(&area);
     let ponds = median5(&ponds);
-    let has_grounds = !(is_rare(&classes.park) && is_rare(&ponds));
     let least = (2.0 * SPECK_M2 / (mpp * mpp)) as i64;
+    // What most of a block shows covers at least half of the smallest.
+    let has_grounds = 2 * classes.park.count().max(ponds.count()) as i64 > least;
     let height = street.height() as f64;
     outlines(&area, Corners::Part)
         .into_iter()

@@ -35,7 +35,7 @@ pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
     let shades = with_edges(printed);
     let mut table = Box::new([1 << BUILT; TABLE]);
     for (class, &shade) in table.iter_mut().zip(nearest(&shades).iter()) {
-        *class = 1 << shades.get(usize::from(shade)).map_or(BUILT, |shade| shade.class);
+        *class = 1 << shades.get(shade as usize).map_or(BUILT, |shade| shade.class);
     }
     let (w, h) = (picture.width, picture.height);
     let [mut street, mut park, mut water, mut railway, mut ink] = [(); 5].map(|()| Bitmap::new(w, h));
@@ -155,13 +155,13 @@ impl Light {
 }
 
 /// How much brighter the pixels of a tile are than the shades they are nearest to: the median.
-fn brightness(picture: &Picture, shades: &[Shade], near: &[u16; TABLE], column: usize, row: usize) -> f32 {
+fn brightness(picture: &Picture, shades: &[Shade], near: &[u32; TABLE], column: usize, row: usize) -> f32 {
     let mut ratios = Vec::with_capacity(LOOKS * LOOKS);
     for i in 0..LOOKS * LOOKS {
         let x = column * TILE + (i % LOOKS) * TILE / LOOKS + TILE / LOOKS / 2;
         let y = row * TILE + (i / LOOKS) * TILE / LOOKS + TILE / LOOKS / 2;
         let Some(pixel) = picture.at(x, y) else { continue };
-        let shade = shades.get(usize::from(near[entry_of(pixel)]));
+        let shade = shades.get(near[entry_of(pixel)] as usize);
         let pixel = pixel.map(f32::from);
         if let Some(shade) = shade.filter(|shade| distance2(pixel, shade.colour) < SURE * SURE) {
             ratios.push(pixel.iter().sum::<f32>() / shade.colour.iter().sum::<f32>().max(1.0));
@@ -179,7 +179,7 @@ struct Shade {
 }
 
 /// For each entry of the table, the number of the nearest shade.
-fn nearest(shades: &[Shade]) -> Box<[u16; TABLE]> {
+fn nearest(shades: &[Shade]) -> Box<[u32; TABLE]> {
     let middle = |i: usize| (i * 256 / STEPS) as f32 + 3.5;
     let off = |shade: &Shade, channel: usize| -> [f32; STEPS] {
         core::array::from_fn(|i| (middle(i) - shade.colour[channel]) * (middle(i) - shade.colour[channel]))
@@ -193,7 +193,7 @@ fn nearest(shades: &[Shade]) -> Box<[u16; TABLE]> {
             let rest = red[i / STEPS] + green[i % STEPS];
             for ((least, entry), blue) in least.iter_mut().zip(entries.iter_mut()).zip(blue) {
                 let distance2 = rest + blue;
-                (*least, *entry) = if distance2 < *least { (distance2, number as u16) } else { (*least, *entry) };
+                (*least, *entry) = if distance2 < *least { (distance2, number as u32) } else { (*least, *entry) };
             }
         }
     }
@@ -328,7 +328,7 @@ fn fitted(sample: &[[f32; 3]], shades: &[Shade], mut fit: Fit) -> (Fit, f32) {
     (fit, off)
 }
 
-/// Some 6,000 pixels from all over a picture.
+/// From 6,000 to 24,000 pixels from all over a picture.
 fn sample(picture: &Picture) -> Vec<[f32; 3]> {
     let step = ((picture.width * picture.height / 6_000) as f64).sqrt().max(1.0) as usize;
     let columns = || (step / 2..picture.width).step_by(step);

@@ -17,6 +17,22 @@
 //! Everything is done on bitmaps of one bit a pixel, 64 pixels a word, or on the few pixels of the skeleton; a distance is
 //! measured where it is asked for and nowhere else.
 //!
+//! # How true
+//! On drawn maps of 2048 × 2048 pixels whose streets are known, eight seeds for each of four styles of towns; hard maps have
+//! labels, water, railways and parks, and are scanned. The peer is a chain of OpenCV, scikit-image, sknw and shapely.
+//! `veduta-bake bench survey --seed 101 --figure-ground` prints this table, and the seconds of every step beside the peer's.
+//!
+//! | maps | reader | crossroads F1 | blind alleys F1 | links F1 | topology | width error m | squares F1 | blocks F1 |
+//! |---|---|---|---|---|---|---|---|---|
+//! | plain | veduta | 0.991 | 0.995 | 0.998 | 0.988 | 0.097 | 0.931 | 1.000 |
+//! | plain | peer | 0.967 | 0.990 | 0.995 | 0.970 | 0.115 | 0.799 | 1.000 |
+//! | hard | veduta | 0.974 | 0.951 | 0.993 | 0.972 | 0.149 | 0.899 | 0.983 |
+//! | hard | peer | 0.921 | 0.872 | 0.982 | 0.941 | 0.315 | 0.714 | 0.961 |
+//! | plain, figure-ground | veduta | 0.991 | 0.997 | 0.998 | 0.986 | 0.095 | 0.933 | 1.000 |
+//! | plain, figure-ground | peer | 0.967 | 0.991 | 0.995 | 0.970 | 0.114 | 0.793 | 1.000 |
+//! | hard, figure-ground | veduta | 0.980 | 0.939 | 0.994 | 0.971 | 0.113 | 0.902 | 0.985 |
+//! | hard, figure-ground | peer | 0.923 | 0.876 | 0.985 | 0.939 | 0.213 | 0.714 | 0.965 |
+//!
 //! # Limits
 //! Streets and squares are told by colour: a map of outlines alone, whose streets and blocks are both bare paper, is not
 //! read. Squares of more than 160 pixels from the middle to the wall are not found. A street has one width.
@@ -53,6 +69,7 @@ mod read;
 mod sight;
 mod sketch;
 mod square;
+mod stage;
 mod thinning;
 mod trace;
 
@@ -62,6 +79,7 @@ pub use legend::{Legend, LegendColour, LegendError, MapClass};
 pub use limits::PictureLimits;
 pub use picture::{Picture, PictureError};
 pub use quantise::{MOST_SWATCHES, Swatch, nearest_table, swatches, table_index};
+pub use stage::{Stage, Stages};
 pub use thinning::{thinned, thinned_portably};
 
 use crate::log::Log;
@@ -86,7 +104,7 @@ pub struct RasterSettings {
 pub fn scale_by_streets(picture: &Picture, legend: &Legend) -> Option<f64> {
     const ORDINARY_M: f64 = 9.0;
     const FIRST_GUESS: f64 = 0.5;
-    let reading = read::read_map(picture, legend, FIRST_GUESS, 1, &mut |_| ());
+    let reading = read::read_map(picture, legend, FIRST_GUESS, 1, &mut Stages::default(), &mut |_| ());
     let mut streets: Vec<(f64, f64)> = reading.streets.iter().map(|(line, width)| (*width, sketch::length(line))).collect();
     streets.sort_by(|a, b| a.0.total_cmp(&b.0));
     let half = streets.iter().map(|s| s.1).sum::<f64>() / 2.0;
@@ -111,6 +129,21 @@ pub fn survey_raster(
     name: &str,
     done: &mut dyn FnMut(&'static str),
 ) -> Result<Survey, SurveyError> {
+    survey_raster_by_stages(picture, legend, settings, name, &mut Stages::default(), done)
+}
+
+/// As [`survey_raster`], with [stages](Stage) shown, or one of them given in place of what would be found.
+///
+/// # Errors
+/// As there, and if a stage that is given is of another size than the map.
+pub fn survey_raster_by_stages(
+    picture: &Picture,
+    legend: &Legend,
+    settings: &RasterSettings,
+    name: &str,
+    stages: &mut Stages<'_>,
+    done: &mut dyn FnMut(&'static str),
+) -> Result<Survey, SurveyError> {
     const SIDE_PX: usize = 16_384;
     if picture.width.max(picture.height) > SIDE_PX {
         return Err(SurveyError::TooLarge { name: name.to_owned(), what: "pixels a side", limit: SIDE_PX as u64 });
@@ -130,6 +163,10 @@ pub fn survey_raster(
     if (picture.width, picture.height) != (width as usize, height as usize) {
         return Err(unplaced(format!("its place is that of a picture of {width} × {height} pixels, but it has {}", holds())));
     }
+    if let Some((stage, given)) = stages.given.filter(|(_, given)| (given.width, given.height) != (picture.width, picture.height)) {
+        let detail = format!("its {stage} have {} × {} pixels, but the map has {}", given.width, given.height, holds());
+        return Err(SurveyError::Broken { name: name.to_owned(), format: "survey stage", detail });
+    }
     let mut log = Log::default();
     let sides = place.pixel_size_m();
     if sides.max_element() > 1.02 * sides.min_element() {
@@ -139,7 +176,7 @@ pub fn survey_raster(
         );
         log.note(Id::NONE, None, message);
     }
-    let reading = read::read_map(picture, legend, mpp, settings.threads, done);
+    let reading = read::read_map(picture, legend, mpp, settings.threads, stages, done);
     let reading = if place.is_placed() { reading.placed(place) } else { reading };
     let mut graph = graph::graph_of(reading, &mut log);
     done("graph");

@@ -14,7 +14,7 @@ const WORDS: usize = 8192;
 pub(crate) fn grown(bitmap: &Bitmap, steps: usize) -> Bitmap {
     let (width, height) = (bitmap.width(), bitmap.height());
     let passes = passes(steps);
-    let rows = (WORDS / bitmap.stride()).max(2 * steps);
+    let rows = (WORDS / bitmap.stride()).max(2 * steps).max(1);
     let mut result = Bitmap::new(width, height);
     for top in (0..height).step_by(rows) {
         let (from, to, end) = (top.saturating_sub(steps), (top + rows + steps).min(height), (top + rows).min(height));
@@ -138,7 +138,9 @@ impl Pass<'_> {
             }
             if ACROSS {
                 to[used..].fill(0);
-                to[used - 1] &= last;
+                if let Some(word) = to[..used].last_mut() {
+                    *word &= last;
+                }
             }
         }
     }

@@ -35,12 +35,12 @@ struct Place {
 }
 
 impl Patches {
-    /// Patches of what is set, but for parts beside which nothing of another bitmap is.
-    pub fn of(bitmap: &Bitmap, beside: &Bitmap) -> Self {
+    /// Patches of what is set, but for parts beside which nothing of `known` is.
+    pub fn of(bitmap: &Bitmap, known: &Bitmap) -> Self {
         let mut parts = Parts::of(bitmap, Corners::Join);
         parts.retain(|part| {
             let (low, high) = (part.low - BESIDE, part.high + BESIDE);
-            (low.y..high.y).any(|y| beside.has_between(y, low.x, high.x))
+            (low.y..high.y).any(|y| known.has_between(y, low.x, high.x))
         });
         let place = |part: &Part| Place { from: part.low - BESIDE, to: IVec2::ZERO, size: part.high - part.low + 2 * BESIDE };
         let mut places: Vec<Place> = parts.parts.iter().map(place).collect();

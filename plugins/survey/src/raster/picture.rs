@@ -53,6 +53,14 @@ impl Picture {
         decoded.unwrap_or_else(|_| Err(upset())).map_err(|reason| reason.named(name))
     }
 
+    /// Writes it as a PNG file.
+    ///
+    /// # Errors
+    /// What the writer says, or if it has no pixels.
+    pub fn write_png(&self, to: impl std::io::Write) -> std::io::Result<()> {
+        png::encode(self, to)
+    }
+
     /// Whether bytes begin like a file that [`Picture::decode`] reads; a broken file may pass and fail later.
     #[must_use]
     pub fn looks_like_picture(bytes: &[u8]) -> bool {

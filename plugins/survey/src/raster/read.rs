@@ -18,6 +18,7 @@ use super::outline::simplified;
 use super::picture::Picture;
 use super::sketch::Sketch;
 use super::square::squares;
+use super::stage::{self, Stage, Stages};
 use super::thinning::thinned;
 use super::trace::traced;
 
@@ -50,6 +51,12 @@ impl MapReading {
         self.courses.iter_mut().for_each(|(_, line, _)| move_all(line));
         self.squares.iter_mut().for_each(move_all);
         self.blocks.iter_mut().for_each(|(_, outline)| move_all(outline));
+        let [origin, east, north] =
+            [(0.0, height), (1.0, height), (0.0, height - 1.0)].map(|(x, y)| place.plan_pos(DVec2::new(x, y)));
+        if (east - origin).perp_dot(north - origin) < 0.0 {
+            // A picture that lies mirrored: what ran counter-clockwise runs clockwise there.
+            self.squares.iter_mut().chain(self.blocks.iter_mut().map(|(_, outline)| outline)).for_each(|ring| ring.reverse());
+        }
         self
     }
 }
@@ -60,13 +67,21 @@ pub(super) fn read_map(
     legend: &Legend,
     mpp: f64,
     threads: usize,
+    stages: &mut Stages<'_>,
     done: &mut dyn FnMut(&'static str),
 ) -> MapReading {
-    let classes = classified(picture, legend);
+    let classes = stages.given(Stage::Classes).map_or_else(|| classified(picture, legend), stage::classes);
+    stages.show(Stage::Classes, || stage::of_classes(&classes));
     done("classify");
     let (mut paved, hidden) = cleaned(&classes, mpp);
+    if let Some(mended) = stages.given(Stage::Streets) {
+        paved = stage::white(mended).with_margin(MARGIN);
+    }
+    stages.show(Stage::Streets, || stage::of_bitmaps(&paved.without_margin(MARGIN), None));
     done("clean");
-    let skeleton = thinned(&paved, threads);
+    let mended = stages.given(Stage::Skeleton).map(|mended| stage::white(mended).with_margin(MARGIN));
+    let skeleton = mended.unwrap_or_else(|| thinned(&paved, threads));
+    stages.show(Stage::Skeleton, || stage::of_bitmaps(&skeleton.without_margin(MARGIN), Some(&paved.without_margin(MARGIN))));
     done("skeleton");
     let graph = traced(&skeleton);
     done("trace");

@@ -18,7 +18,7 @@ fn share(value: f64, low: f64, high: f64) -> f64 {
 /// The plot of all runs.
 pub(super) fn svg(timed: &[Timed]) -> String {
     let sizes: Vec<f64> = timed.iter().map(|row| f64::from(row.map.size)).collect();
-    let totals = timed.iter().flat_map(|row| Reader::ALL.map(|reader| row.total(reader) * 1e3));
+    let totals = timed.iter().flat_map(|row| Reader::ALL.map(|reader| row.total(reader) * 1e3)).filter(|ms| *ms > 0.0);
     let (low, high) = totals.fold((f64::MAX, f64::MIN), |(low, high), ms| (low.min(ms), high.max(ms)));
     let (low, high) = (10f64.powf(low.log10().floor()), 10f64.powf(high.log10().ceil()));
     let (least, most) = sizes.iter().fold((f64::MAX, f64::MIN), |(least, most), &size| (least.min(size), most.max(size)));

@@ -66,7 +66,7 @@ impl Programs {
     }
 
     /// Does something for each map, two at a time, and gives the results in order.
-    pub fn on_each<T: Send>(&self, maps: &[Map], act: impl Fn(&Map) -> Result<T, Failure> + Sync) -> Result<Vec<T>, Failure> {
+    pub fn on_each<T: Send>(maps: &[Map], act: impl Fn(&Map) -> Result<T, Failure> + Sync) -> Result<Vec<T>, Failure> {
         const AT_ONCE: usize = 2;
         let next = Mutex::new(0..maps.len());
         let take = || next.lock().ok()?.next();
@@ -93,7 +93,8 @@ impl Programs {
     fn folder(&self, map: &Map) -> Result<PathBuf, Failure> {
         let Map { style, seed, size, kind } = map;
         let folder = self.work.join(format!("{}-{style}-{size}-{seed}", kind.to_string().replace(", ", "-")));
-        if folder.join("truth.geojson").is_file() {
+        // What is written last.
+        if folder.join("legend.json").is_file() && folder.join("truth.geojson").is_file() {
             return Ok(folder);
         }
         fs::create_dir_all(&folder)?;

@@ -38,7 +38,7 @@ def main():
             bitmap = numpy.frombuffer(source.read(width * height), numpy.uint8).reshape(height, width)
             thin = lambda: cv2.ximgproc.thinning(bitmap, thinningType=cv2.ximgproc.THINNING_ZHANGSUEN)
             if len(figures) < timed:
-                opencv, skeleton = best(thin, 1 if bitmap.size > 4_000_000 else 3)
+                opencv, skeleton = best(thin)
                 scikit, _ = best(lambda: skeletonize(bitmap > 0))
                 figures.append({"opencv": opencv, "scikit": scikit})
             else:

@@ -1,6 +1,6 @@
-use std::io::{Cursor, ErrorKind};
+use std::io::{Cursor, ErrorKind, Write};
 
-use png::{ColorType, Decoder, DecodingError, Limits, Reader, Transformations};
+use png::{ColorType, Decoder, DecodingError, Encoder, Limits, Reader, Transformations};
 
 use super::error::Reason;
 use super::rows::Samples;
@@ -58,6 +58,16 @@ pub(super) fn decode(bytes: &[u8], limits: &PictureLimits) -> Result<Picture, Re
 
 /// Where Adam7's passes begin and how far they step: column, row, columns apart, rows apart.
 const PASSES: [[usize; 4]; 7] = [[0, 0, 8, 8], [4, 0, 8, 8], [0, 4, 4, 8], [2, 0, 4, 4], [0, 2, 2, 4], [1, 0, 2, 2], [0, 1, 1, 2]];
+
+/// Writes a picture.
+pub(super) fn encode(picture: &Picture, to: impl Write) -> std::io::Result<()> {
+    let side = |n: usize| u32::try_from(n).map_err(|_| std::io::Error::from(ErrorKind::InvalidInput));
+    let mut encoder = Encoder::new(to, side(picture.width)?, side(picture.height)?);
+    encoder.set_color(ColorType::Rgb);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&picture.pixels)?;
+    Ok(writer.finish()?)
+}
 
 fn read_passes(reader: &mut Reader<Cursor<&[u8]>>, samples: Samples, width: usize, pixels: &mut [u8]) -> Result<(), Reason> {
     let height = pixels.len() / (3 * width);
