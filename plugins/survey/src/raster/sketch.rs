@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::bitmap::Bitmap;
 use super::measure::{clearance, is_clear, median, ray};
-use super::trace::Traced;
+use super::trace::{Traced, TracedLine};
 
 /// Nodes and streets.
 #[derive(Debug, Clone, Default)]
@@ -58,17 +58,8 @@ impl Sketch {
     pub fn of(traced: Traced, paved: &Bitmap) -> Self {
         let nodes: Vec<SketchNode> =
             traced.nodes.iter().map(|&pos| SketchNode { pos, radius: clearance(paved, pos, REACH), square: None }).collect();
-        let streets = traced
-            .lines
-            .into_iter()
-            .map(|traced_line| {
-                let mut line = Vec::with_capacity(traced_line.path.len() + 2);
-                line.push(nodes[traced_line.ends[0]].pos);
-                line.extend(traced_line.path);
-                line.push(nodes[traced_line.ends[1]].pos);
-                SketchStreet { ends: traced_line.ends, line, half: 0.0 }
-            })
-            .collect();
+        let street = |line: TracedLine| SketchStreet { ends: line.ends, line: line.path, half: 0.0 };
+        let streets = traced.lines.into_iter().map(street).collect();
         Self { nodes, streets }
     }
 

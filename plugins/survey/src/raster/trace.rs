@@ -20,7 +20,7 @@ pub(crate) struct Traced {
 pub(crate) struct TracedLine {
     /// Nodes at its ends.
     pub ends: [usize; 2],
-    /// The middles of its pixels from the first node to the last, without those of the nodes.
+    /// The first node, the middles of the line's pixels, and the last node.
     pub path: Vec<DVec2>,
 }
 
@@ -28,15 +28,17 @@ pub(crate) struct TracedLine {
 /// where lines meet; a closed line that nothing meets becomes a node and a line from it to itself.
 #[must_use]
 pub(crate) fn traced(skeleton: &Bitmap) -> Traced {
-    let skeleton = &slimmed(skeleton);
+    let skeleton = slimmed(skeleton);
+    let special = special_pixels(&skeleton);
     let mut tracer = Tracer {
-        skeleton,
         places: Bitmap::new(skeleton.width(), skeleton.height()),
+        rest: skeleton,
         node_of: HashMap::default(),
-        done: Bitmap::new(skeleton.width(), skeleton.height()),
+        path: Vec::new(),
         traced: Traced::default(),
     };
-    let places = tracer.nodes();
+    let places = tracer.nodes(&special);
+    tracer.rest.remove(&tracer.places);
     for (node, pixels) in places.iter().enumerate() {
         for &(x, y) in pixels {
             tracer.leave(node, x, y);
@@ -49,13 +51,14 @@ pub(crate) fn traced(skeleton: &Bitmap) -> Traced {
 /// Steps to the eight neighbours, in the order of [`Bitmap::around`].
 const STEPS: [(isize, isize); 8] = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)];
 
-struct Tracer<'a> {
-    skeleton: &'a Bitmap,
+struct Tracer {
     /// The pixels of nodes, and the node of each.
     places: Bitmap,
     node_of: HashMap<(u32, u32), u32, BuildPlace>,
-    /// Pixels of lines that have been followed.
-    done: Bitmap,
+    /// The skeleton's other pixels, as far as they are not on a line yet.
+    rest: Bitmap,
+    /// The line that is being followed.
+    path: Vec<DVec2>,
     traced: Traced,
 }
 
@@ -81,10 +84,9 @@ impl core::hash::Hasher for PlaceHasher {
     }
 }
 
-impl Tracer<'_> {
+impl Tracer {
     /// Finds the nodes: for each its pixels.
-    fn nodes(&mut self) -> Vec<Vec<(usize, usize)>> {
-        let special = special_pixels(self.skeleton);
+    fn nodes(&mut self, special: &Bitmap) -> Vec<Vec<(usize, usize)>> {
         let mut places = Vec::new();
         for (x, y) in special.pixels() {
             if self.node_of.contains_key(&(x as u32, y as u32)) {
@@ -116,55 +118,54 @@ impl Tracer<'_> {
 
     /// Follows the lines that leave a node at one of its pixels.
     fn leave(&mut self, node: usize, x: usize, y: usize) {
-        for next in neighbours(self.skeleton.around(x, y), x, y) {
-            if self.places.get(next.0 as isize, next.1 as isize) || self.done.get(next.0 as isize, next.1 as isize) {
-                continue;
-            }
-            let (path, end) = self.follow((x, y), next);
-            // A line that touches its own node twice at its only pixel leads nowhere.
-            if path.len() > 1 || end != Some(node) {
-                self.traced.lines.push(TracedLine { ends: [node, end.unwrap_or(node)], path });
+        for next in neighbours(self.rest.around(x, y), x, y) {
+            // Another line may have returned by it.
+            if self.rest.get(next.0 as isize, next.1 as isize) {
+                let end = self.follow(node, (x, y), next);
+                // A line that touches its own node twice at its only pixel leads nowhere.
+                if self.path.len() > 2 || end != node {
+                    self.add(node, end);
+                }
             }
         }
     }
 
-    /// The pixels from one on, away from another, and the node they lead to.
-    fn follow(&mut self, from: (usize, usize), first: (usize, usize)) -> (Vec<DVec2>, Option<usize>) {
+    /// Takes the pixels of a line from one on, away from another of a node. The node that they lead to: the same if
+    /// none.
+    fn follow(&mut self, node: usize, from: (usize, usize), first: (usize, usize)) -> usize {
         let (mut before, mut at) = (from, first);
-        let mut path = Vec::new();
+        self.path.clear();
+        self.path.push(self.traced.nodes[node]);
         loop {
-            self.done.set(at.0, at.1, true);
-            path.push(middle(at));
-            let ahead = neighbours(self.skeleton.around(at.0, at.1), at.0, at.1).find(|&next| next != before);
-            let Some(next) = ahead else { return (path, None) };
-            if self.places.get(next.0 as isize, next.1 as isize) {
-                let node = self.node_of.get(&(next.0 as u32, next.1 as u32));
-                return (path, node.map(|&node| node as usize));
-            }
-            if self.done.get(next.0 as isize, next.1 as isize) {
-                return (path, None);
-            }
+            self.rest.set(at.0, at.1, false);
+            self.path.push(middle(at));
+            let Some(next) = neighbours(self.rest.around(at.0, at.1), at.0, at.1).next() else { break };
             (before, at) = (at, next);
         }
+        let mut beside = neighbours(self.places.around(at.0, at.1), at.0, at.1);
+        let end = beside.find(|&place| place != before).and_then(|(x, y)| self.node_of.get(&(x as u32, y as u32)));
+        end.map_or(node, |&end| end as usize)
+    }
+
+    /// The line that was followed is one.
+    fn add(&mut self, from: usize, to: usize) {
+        self.path.push(self.traced.nodes[to]);
+        self.traced.lines.push(TracedLine { ends: [from, to], path: self.path.to_vec() });
     }
 
     fn closed_lines(&mut self) {
-        let mut rest = self.skeleton.clone();
-        rest.remove(&self.done);
-        for (x, y) in rest.pixels() {
-            if self.places.get(x as isize, y as isize)
-                || self.done.get(x as isize, y as isize)
-                || self.skeleton.around(x, y).count_ones() != 2
-            {
+        let starts = self.rest.clone();
+        for (x, y) in starts.pixels() {
+            let around = self.rest.around(x, y);
+            if !self.rest.get(x as isize, y as isize) || around.count_ones() != 2 {
                 continue;
             }
             let node = self.traced.nodes.len();
             self.traced.nodes.push(middle((x, y)));
-            self.node_of.insert((x as u32, y as u32), node as u32);
-            self.places.set(x, y, true);
-            let Some(next) = neighbours(self.skeleton.around(x, y), x, y).next() else { continue };
-            let (path, _) = self.follow((x, y), next);
-            self.traced.lines.push(TracedLine { ends: [node, node], path });
+            self.rest.set(x, y, false);
+            let Some(next) = neighbours(around, x, y).next() else { continue };
+            self.follow(node, (x, y), next);
+            self.add(node, node);
         }
     }
 }
@@ -262,7 +263,7 @@ mod tests {
         let ring = traced(&drawn(&["......", "..##..", ".#..#.", ".#..#.", "..##..", "......"]));
         assert_eq!(ring.nodes.len(), 1);
         assert_eq!(ring.lines.len(), 1);
-        assert_eq!(ring.lines[0].path.len(), 7);
+        assert_eq!(ring.lines[0].path.len(), 1 + 7 + 1);
     }
 
     #[test]
@@ -270,7 +271,7 @@ mod tests {
         let eight = drawn(&[".........", "..##.##..", ".#..#..#.", ".#..#..#.", "..##.##..", "....#....", "....#...."]);
         let t = traced(&eight);
         let slim = slimmed(&eight);
-        let of_lines: usize = t.lines.iter().map(|l| l.path.len()).sum();
+        let of_lines: usize = t.lines.iter().map(|l| l.path.len() - 2).sum();
         assert_eq!(of_lines + special_pixels(&slim).count(), slim.count());
     }
 
