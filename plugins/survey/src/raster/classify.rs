@@ -43,8 +43,15 @@ pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
         let row = &picture.pixels[y * w * 3..(y + 1) * w * 3];
         let [s, p, wa, r, i] = [street.row_mut(y), park.row_mut(y), water.row_mut(y), railway.row_mut(y), ink.row_mut(y)];
         for (k, pixels) in row.chunks(64 * 3).enumerate() {
-            let mut seen = [0u8; 64];
             let step = light.steps_at(k * 64, y);
+            if let Some(class) = class_of_all(pixels, step, &table) {
+                let words = [(STREET, &mut s[k]), (PARK, &mut p[k]), (WATER, &mut wa[k]), (RAILWAY, &mut r[k]), (INK, &mut i[k])];
+                for (_, word) in words.into_iter().filter(|(bit, _)| class >> bit & 1 == 1) {
+                    *word = u64::MAX;
+                }
+                continue;
+            }
+            let mut seen = [0u8; 64];
             let (runs, rest) = pixels.as_chunks::<{ RUN * 3 }>();
             for (classes, run) in seen.as_chunks_mut::<RUN>().0.iter_mut().zip(runs) {
                 *classes = classes_of_run(run, step, &table);
@@ -67,17 +74,28 @@ pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
 /// Pixels side by side that are looked up once if they are all alike.
 const RUN: usize = 16;
 
+/// The class of 64 pixels, if all are alike.
+#[inline(always)]
+fn class_of_all(pixels: &[u8], step: &[u8; 256], table: &[u8; TABLE]) -> Option<u8> {
+    let pixels: &[u8; 64 * 3] = pixels.try_into().ok()?;
+    is_even(pixels).then(|| table[stepped(&[pixels[0], pixels[1], pixels[2]], step)])
+}
+
+/// Whether all pixels are alike: each as the one before.
+#[inline(always)]
+fn is_even<const N: usize>(pixels: &[u8; N]) -> bool {
+    let mut differ = 0;
+    for i in 3..N {
+        differ |= pixels[i] ^ pixels[i - 3];
+    }
+    differ == 0
+}
+
 /// The classes of some pixels.
 #[inline(always)]
 fn classes_of_run(pixels: &[u8; RUN * 3], step: &[u8; 256], table: &[u8; TABLE]) -> [u8; RUN] {
-    let [first, ..] = *pixels.as_chunks::<3>().0 else { return [0; RUN] };
-    // All are alike if each is as the one before.
-    let mut differ = 0;
-    for i in 3..RUN * 3 {
-        differ |= pixels[i] ^ pixels[i - 3];
-    }
-    if differ == 0 {
-        return [table[stepped(&first, step)]; RUN];
+    if is_even(pixels) {
+        return [table[stepped(&[pixels[0], pixels[1], pixels[2]], step)]; RUN];
     }
     let mut classes = [0; RUN];
     for (i, class) in classes.iter_mut().enumerate() {

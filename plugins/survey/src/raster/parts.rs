@@ -38,50 +38,52 @@ impl Parts {
     /// The parts of what is set.
     pub fn of(bitmap: &Bitmap, corners: Corners) -> Self {
         let mut runs: Vec<Run> = Vec::with_capacity(runs_in(bitmap));
-        // For each run, one before it of the same part, or itself.
-        let mut parent: Vec<u32> = Vec::with_capacity(runs.capacity());
+        // Runs are numbered as they are found: as one above that they touch, or anew. For each number, a lower one of the
+        // same part, or itself.
+        let mut lower: Vec<u32> = Vec::new();
         let touch = i32::from(corners == Corners::Join);
         let mut above = 0..0;
         for y in 0..bitmap.height() {
             let start = runs.len();
             add_runs(bitmap, y, &mut runs);
-            let mut i = above.start;
-            for k in start..runs.len() {
-                let run = runs[k];
-                parent.push(k as u32);
-                while i < above.end && runs[i].to + touch <= run.from {
-                    i += 1;
+            let (before, row) = runs.split_at_mut(start);
+            let before = &before[above];
+            let mut first = 0;
+            for run in row {
+                while before.get(first).is_some_and(|other| other.to + touch <= run.from) {
+                    first += 1;
                 }
-                let mut j = i;
-                while j < above.end && runs[j].from < run.to + touch {
-                    join(&mut parent, j as u32, k as u32);
-                    j += 1;
+                let mut touched = before[first..].iter().take_while(|other| other.from < run.to + touch);
+                run.part = touched.next().map_or(lower.len() as u32, |other| other.part);
+                for other in touched.filter(|other| other.part != run.part) {
+                    join(&mut lower, run.part, other.part);
+                }
+                if run.part as usize == lower.len() {
+                    lower.push(run.part);
                 }
             }
             above = start..runs.len();
         }
+        // Numbers without gaps. A lower number has its own already.
         let mut parts: Vec<Part> = Vec::new();
-        for k in 0..runs.len() {
-            // What it was joined to comes before it.
-            let root = root(&mut parent, k as u32) as usize;
-            let run = runs[k];
-            let (low, high) = (IVec2::new(run.from, run.y), IVec2::new(run.to, run.y + 1));
-            let area_px = i64::from(run.to - run.from);
-            if root == k {
-                runs[k].part = parts.len() as u32;
-                parts.push(Part { low, high, area_px });
+        for number in 0..lower.len() {
+            lower[number] = if lower[number] as usize == number {
+                parts.push(Part { low: IVec2::MAX, high: IVec2::MIN, area_px: 0 });
+                parts.len() as u32 - 1
             } else {
-                let number = runs[root].part;
-                runs[k].part = number;
-                let part = &mut parts[number as usize];
-                *part = Part { low: part.low.min(low), high: part.high.max(high), area_px: part.area_px + area_px };
-            }
+                lower[lower[number] as usize]
+            };
+        }
+        for run in &mut runs {
+            run.part = lower[run.part as usize];
+            let part = &mut parts[run.part as usize];
+            part.low = part.low.min(IVec2::new(run.from, run.y));
+            part.high = part.high.max(IVec2::new(run.to, run.y + 1));
+            part.area_px += i64::from(run.to - run.from);
         }
         Self { runs, parts }
     }
-}
 
-impl Parts {
     /// Keeps some parts only.
     pub fn retain(&mut self, mut is_wanted: impl FnMut(&Part) -> bool) {
         const GONE: u32 = u32::MAX;
@@ -131,21 +133,20 @@ fn add_runs(bitmap: &Bitmap, y: usize, runs: &mut Vec<Run>) {
     }
 }
 
-/// Makes one of the parts of two runs.
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parent, a), root(parent, b));
-    let (first, last) = (a.min(b), a.max(b));
-    parent[last as usize] = first;
+/// Makes one of the parts of two numbers.
+fn join(lower: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (lowest(lower, a), lowest(lower, b));
+    lower[a.max(b) as usize] = a.min(b);
 }
 
-/// The first run of a run's part.
-fn root(parent: &mut [u32], mut run: u32) -> u32 {
-    while parent[run as usize] != run {
-        let next = parent[parent[run as usize] as usize];
-        parent[run as usize] = next;
-        run = next;
+/// The lowest number of a number's part.
+fn lowest(lower: &mut [u32], mut number: u32) -> u32 {
+    while lower[number as usize] != number {
+        let next = lower[lower[number as usize] as usize];
+        lower[number as usize] = next;
+        number = next;
     }
-    run
+    number
 }
 
 #[cfg(test)]

@@ -183,7 +183,7 @@ fn slimmed(skeleton: &Bitmap) -> Bitmap {
             let (west, east) = (at[k + 1] << 1 | at[k] >> 63, at[k + 1] >> 1 | at[k + 2] << 63);
             for bit in ones(at[k + 1] & (above[k + 1] | below[k + 1]) & (west | east)) {
                 let x = k * 64 + bit;
-                if is_spare(slim.around(x, y)) {
+                if SPARE[usize::from(slim.around(x, y))] {
                     slim.set(x, y, false);
                 }
             }
@@ -192,11 +192,26 @@ fn slimmed(skeleton: &Bitmap) -> Bitmap {
     slim
 }
 
+/// [`is_spare`] for every way that pixels can lie around one.
+static SPARE: [bool; 256] = {
+    let mut spare = [false; 256];
+    let mut around = 0;
+    while around < 256 {
+        spare[around] = is_spare(around);
+        around += 1;
+    }
+    spare
+};
+
 /// Whether a pixel with these around it lies in the corner of two of them, and all of them hang together without it.
-fn is_spare(around: u8) -> bool {
-    let set = |i: u32| around >> (i % 8) & 1 == 1;
-    let is_corner = (0..8).step_by(2).any(|side| set(side) && set(side + 2));
-    let parts = (0..8).step_by(2).filter(|&side| !set(side) && (set(side + 1) || set(side + 2))).count();
+const fn is_spare(around: usize) -> bool {
+    let (mut is_corner, mut parts, mut side) = (false, 0, 0);
+    while side < 8 {
+        let [at, next, after] = [around >> side & 1 == 1, around >> (side + 1) & 1 == 1, around >> ((side + 2) % 8) & 1 == 1];
+        is_corner |= at && after;
+        parts += (!at && (next || after)) as u32;
+        side += 2;
+    }
     is_corner && parts == 1
 }
 
