@@ -175,19 +175,23 @@ impl Bitmap {
     /// The pixels that are not set.
     #[must_use]
     pub fn inverted(&self) -> Self {
-        let mut inverted = Self::new(self.width, self.height);
-        let last = self.last_word();
+        let mut inverted = self.clone();
+        inverted.invert();
+        inverted
+    }
+
+    /// Sets the pixels that are not set, and clears the others.
+    pub(crate) fn invert(&mut self) {
+        let (used, last) = (self.width.div_ceil(64), self.last_word());
         for y in 0..self.height {
-            let (to, from) = (inverted.row_mut(y), self.row(y));
-            let used = self.width.div_ceil(64);
-            for (to, from) in to[..used].iter_mut().zip(from) {
-                *to = !from;
+            let row = &mut self.row_mut(y)[..used];
+            for word in row.iter_mut() {
+                *word = !*word;
             }
-            if let Some(word) = to[..used].last_mut() {
+            if let Some(word) = row.last_mut() {
                 *word &= last;
             }
         }
-        inverted
     }
 
     /// The bits in use of a row's last used word.
@@ -368,6 +372,13 @@ impl Bitmap {
         let (width, height) = ((high.x - low.x) as usize, (high.y - low.y) as usize);
         for row in 0..height {
             let there = other.padded(from.y + row);
+            if from.x.is_multiple_of(64) && to.x.is_multiple_of(64) && width.is_multiple_of(64) {
+                let there = &there[1 + from.x / 64..][..width / 64];
+                for (here, there) in self.row_mut(to.y + row)[to.x / 64..].iter_mut().zip(there) {
+                    *here |= there;
+                }
+                continue;
+            }
             for (k, mask) in stretch(to.x, to.x + width) {
                 // The pixels of this word there: from the one that comes into its lowest bit.
                 let first = (k * 64 + from.x) as isize - to.x as isize + 64;

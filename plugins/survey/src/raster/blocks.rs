@@ -7,7 +7,7 @@ use super::bitmap::Bitmap;
 use super::classify::Classes;
 use super::clean::SPECK_M2;
 use super::filter::median5;
-use super::morphology::{grown, shrunk};
+use super::morphology::{Sweep, grown, swept_at};
 use super::outline::{Corners, Outline, outlines, simplified_ring};
 
 /// Half the width of gaps between courses and streets that are closed, pixels.
@@ -23,11 +23,11 @@ pub(crate) fn blocks(street: &Bitmap, courses: [&Bitmap; 2], classes: &Classes, 
     }
     // Where a course comes to a street, noise leaves a gap by which the blocks on its two sides would be one.
     if courses.iter().any(|course| !course.is_blank()) {
-        let mut gaps = area.clone();
-        gaps.remove(&grown(&shrunk(&area, GAP_PX), GAP_PX));
-        let mut both = courses[0].clone();
-        both.add(courses[1]);
-        gaps.keep(&grown(&both, 2 * GAP_PX));
+        let mut gaps = courses[0].clone();
+        gaps.add(courses[1]);
+        gaps = grown(&gaps, 2 * GAP_PX);
+        gaps.keep(&area);
+        gaps.remove(&swept_at(&gaps, &area, &[Sweep::Shrink(GAP_PX), Sweep::Grow(GAP_PX)]));
         area.remove(&gaps);
     }
     let mut ponds = classes.water.clone();

@@ -3,7 +3,8 @@
 use super::bitmap::Bitmap;
 use super::classify::Classes;
 use super::filter::{crowded, dilated, filled, median5};
-use super::morphology::{grown, shrunk};
+use super::morphology::Sweep::{Grow, Shrink};
+use super::morphology::{grown, swept, swept_at};
 use super::outline::{Corners, outlines};
 use super::parts::Parts;
 use super::sight::seen_as_street;
@@ -41,7 +42,7 @@ pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap) {
         let seen = median5(&seen);
         let mut edges = grown(&ink, 2);
         edges.keep(&grown(&seen, 2));
-        edges.add(&shrunk(&grown(&ink, 3), 3));
+        edges.add(&swept(&ink, &[Grow(3), Shrink(3)]));
         edges.remove(&seen);
         ink.add(&edges);
         street.remove(&ink);
@@ -57,11 +58,9 @@ pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap) {
     if !is_rare(&classes.railway) {
         // Streets go on under viaducts.
         let reach = (VIADUCT_M / 2.0 / mpp) as usize + 1;
-        let mut through = shrunk(&grown(&street, reach), reach);
         let rails = grown(&median5(&classes.railway), 3);
+        street.add(&swept_at(&rails, &street, &[Grow(reach), Shrink(reach)]));
         hidden.add(&rails);
-        through.keep(&rails);
-        street.add(&through);
     }
     let mut street = median5(&street.with_margin(MARGIN));
     let least = (SPECK_M2 / (mpp * mpp)) as i64;
@@ -77,8 +76,7 @@ pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap) {
 
 /// The parts of what is inked that may hide a street: not the letters of a large, spaced name, which lies where it will.
 fn names(ink: &Bitmap) -> Bitmap {
-    let words = shrunk(&grown(ink, WORD_GAP_PX), WORD_GAP_PX);
-    let mut large = shrunk(&words, LARGE_PX);
+    let mut large = swept(ink, &[Grow(WORD_GAP_PX), Shrink(WORD_GAP_PX), Shrink(LARGE_PX)]);
     for outline in outlines(&large, Corners::Join).iter().filter(|o| !o.is_hole()) {
         let (low, high) = outline.extent();
         if (high - low).max_element() < SYMBOL_PX {

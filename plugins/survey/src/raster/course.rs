@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::bitmap::Bitmap;
 use super::ends::clipped;
 use super::measure::{median, ray};
-use super::morphology::{grown, shrunk};
+use super::morphology::{Sweep, swept};
 use super::outline::{Corners, outlines, simplified};
 use super::sketch::{Sketch, length};
 use super::thinning::thinned;
@@ -38,7 +38,7 @@ pub(crate) fn courses(mask: &mut Bitmap, mpp: f64, tolerance_px: f64) -> Vec<Fou
     let small = mask.quartered();
     let bridge = (BRIDGE_M / (mpp * SCALE as f64)) as usize + 1;
     let wide = small.with_margin(MARGIN);
-    let mut closed = shrunk(&grown(&wide, bridge), bridge);
+    let mut closed = swept(&wide, &[Sweep::Grow(bridge), Sweep::Shrink(bridge)]);
     closed.add(&wide);
     let least = LEAST_M / (mpp * SCALE as f64);
     let found = outlines(&closed, Corners::Join);

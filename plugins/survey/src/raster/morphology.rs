@@ -1,33 +1,106 @@
 //! Growing and shrinking by discs.
 
-use glam::DVec2;
+use glam::{DVec2, USizeVec2};
 use pulp::{Arch, NullaryFnOnce};
 
 use super::bitmap::Bitmap;
 use super::lanes::{Lanes, beside};
 
-/// Words that are grown together, so that all passes' results stay near the processor.
+/// Words that are swept together, so that all passes' results stay near the processor.
 const WORDS: usize = 8192;
+/// Pixels a side of what is swept together where only some places are asked for.
+const TILE_PX: usize = 384;
 
-/// What lies within so many pixels of what is set (an octagon, which is near enough to a disc).
+/// A change of what is set by a disc (by an octagon, which is near enough to one).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sweep {
+    /// Adds what lies within so many pixels of what is set.
+    Grow(usize),
+    /// Leaves what lies more than so many pixels inside of what is set. Beyond the border all is taken to be set.
+    Shrink(usize),
+}
+
+impl Sweep {
+    fn steps(self) -> usize {
+        match self {
+            Self::Grow(steps) | Self::Shrink(steps) => steps,
+        }
+    }
+}
+
+/// What lies within so many pixels of what is set.
 #[must_use]
 pub(crate) fn grown(bitmap: &Bitmap, steps: usize) -> Bitmap {
+    swept(bitmap, &[Sweep::Grow(steps)])
+}
+
+/// What lies more than so many pixels inside of what is set.
+#[must_use]
+pub(crate) fn shrunk(bitmap: &Bitmap, steps: usize) -> Bitmap {
+    swept(bitmap, &[Sweep::Shrink(steps)])
+}
+
+/// What sweeps make, one after another.
+#[must_use]
+pub(crate) fn swept(bitmap: &Bitmap, sweeps: &[Sweep]) -> Bitmap {
     let (width, height) = (bitmap.width(), bitmap.height());
-    let passes = passes(steps);
-    let rows = (WORDS / bitmap.stride()).max(2 * steps).max(1);
+    let reach: usize = sweeps.iter().map(|sweep| sweep.steps()).sum();
+    let rows = (WORDS / bitmap.stride()).max(2 * reach).max(1);
     let mut result = Bitmap::new(width, height);
     for top in (0..height).step_by(rows) {
-        let (from, to, end) = (top.saturating_sub(steps), (top + rows + steps).min(height), (top + rows).min(height));
-        let mut now = Bitmap::new(width, to - from);
-        now.copy_rows(bitmap, from..to, 0);
-        let mut next = now.clone();
-        for &(way, by) in &passes {
-            Arch::new().dispatch(Pass { bitmap: &now, way, by, result: &mut next });
-            core::mem::swap(&mut now, &mut next);
-        }
-        result.copy_rows(&now, top - from..end - from, top);
+        let (from, to, end) = (top.saturating_sub(reach), (top + rows + reach).min(height), (top + rows).min(height));
+        let mut band = Bitmap::new(width, to - from);
+        band.copy_rows(bitmap, from..to, 0);
+        sweep(&mut band, sweeps);
+        result.copy_rows(&band, top - from..end - from, top);
     }
     result
+}
+
+/// What sweeps make of some pixels, one after another; nothing elsewhere. Sooner than [`swept`] where these are few.
+#[must_use]
+pub(crate) fn swept_at(pixels: &Bitmap, bitmap: &Bitmap, sweeps: &[Sweep]) -> Bitmap {
+    let (width, height) = (bitmap.width(), bitmap.height());
+    let reach: usize = sweeps.iter().map(|sweep| sweep.steps()).sum();
+    // Words are taken as they are.
+    let beside = reach.next_multiple_of(64);
+    let mut result = Bitmap::new(width, height);
+    for (top, left) in (0..height).step_by(TILE_PX).flat_map(|y| (0..width).step_by(TILE_PX).map(move |x| (y, x))) {
+        let end = (top + TILE_PX).min(height);
+        let is_asked = |y: usize| pixels.has_between(y as i32, left as i32, (left + TILE_PX) as i32);
+        if !(top..end).any(is_asked) {
+            continue;
+        }
+        let (low, high) = ((left.saturating_sub(beside), top.saturating_sub(reach)), (left + TILE_PX + beside, end + reach));
+        let (high_x, high_y) = (high.0.min(width), high.1.min(height));
+        let corner = USizeVec2::from(low).as_ivec2();
+        let mut tile = Bitmap::from_window(bitmap, corner, high_x - low.0, high_y - low.1);
+        sweep(&mut tile, sweeps);
+        let to = USizeVec2::new(left, top).as_ivec2();
+        result.add_from(&tile, to - corner, to, USizeVec2::new(TILE_PX, end - top).as_ivec2());
+    }
+    result.keep(pixels);
+    result
+}
+
+/// Sweeps all of a bitmap.
+fn sweep(bitmap: &mut Bitmap, sweeps: &[Sweep]) {
+    let mut next = Bitmap::new(bitmap.width(), bitmap.height());
+    // To shrink what is set is to grow what is not.
+    let mut is_inverted = false;
+    for &sweep in sweeps {
+        if is_inverted != matches!(sweep, Sweep::Shrink(_)) {
+            bitmap.invert();
+            is_inverted = !is_inverted;
+        }
+        for (way, by) in passes(sweep.steps()) {
+            Arch::new().dispatch(Pass { bitmap, way, by, result: &mut next });
+            core::mem::swap(bitmap, &mut next);
+        }
+    }
+    if is_inverted {
+        bitmap.invert();
+    }
 }
 
 /// Where a pass looks for what is set, beside the pixel itself.
@@ -58,12 +131,6 @@ fn passes(steps: usize) -> Vec<(Way, usize)> {
     add(Way::Across, square, |reached| reached + 1);
     add(Way::Down, square, |reached| reached + 1);
     passes
-}
-
-/// What lies more than so many pixels inside of what is set. Beyond the border all is taken to be set.
-#[must_use]
-pub(crate) fn shrunk(bitmap: &Bitmap, steps: usize) -> Bitmap {
-    grown(&bitmap.inverted(), steps).inverted()
 }
 
 /// Sets the pixels whose middles are within `half` of a stretch.
@@ -173,9 +240,7 @@ mod tests {
                 prop_assert!(off.abs() < 1e-6 || bitmap.get(x as isize, y as isize) == (off < 0.0), "{} at {}", off, p);
             }
         }
-    }
 
-    proptest! {
         #[test]
         fn growing_is_what_single_steps_make(width in 1usize..150, height in 1usize..50, steps in 0usize..40, seed: u64) {
             let bitmap = Bitmap::from_fn(width, height, |x, y| {
@@ -192,6 +257,26 @@ mod tests {
                 });
             }
             prop_assert_eq!(grown(&bitmap, steps), expected);
+        }
+
+        #[test]
+        fn sweeps_are_the_same_together_one_by_one_and_where_they_are_asked_for(
+            width in 1usize..1000, height in 1usize..900, cell in 1usize..40, sweeps in prop::collection::vec((0usize..12, any::<bool>()), 0..4), seed: u64,
+        ) {
+            let bitmap = Bitmap::from_fn(width, height, |x, y| {
+                let n = ((x / cell) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((y / cell) as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F) ^ seed;
+                (n ^ n >> 29).wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 63 == 0
+            });
+            let sweeps: Vec<Sweep> = sweeps.into_iter().map(|(steps, grows)| if grows { Sweep::Grow(steps) } else { Sweep::Shrink(steps) }).collect();
+            let expected = sweeps.iter().fold(bitmap.clone(), |now, sweep| match *sweep {
+                Sweep::Grow(steps) => grown(&now, steps),
+                Sweep::Shrink(steps) => grown(&now.inverted(), steps).inverted(),
+            });
+            prop_assert_eq!(&swept(&bitmap, &sweeps), &expected);
+            let pixels = Bitmap::from_fn(width, height, |x, y| (x / 50 + y / 50) % 5 == 0 && (x * y) % 3 == 0);
+            let mut there = expected;
+            there.keep(&pixels);
+            prop_assert_eq!(swept_at(&pixels, &bitmap, &sweeps), there);
         }
     }
 
