@@ -4,7 +4,6 @@ use glam::{DVec2, USizeVec2};
 use pulp::{Arch, NullaryFnOnce};
 
 use super::bitmap::Bitmap;
-use super::lanes::{Lanes, beside};
 
 /// Words that are swept together, so that all passes' results stay near the processor.
 const WORDS: usize = 8192;
@@ -182,34 +181,43 @@ impl NullaryFnOnce for Pass<'_> {
 }
 
 impl Pass<'_> {
+    /// All rows are taken as one: the blank words between them keep them apart, and are cleared again.
     #[inline(always)]
     fn pass<const ACROSS: bool, const DOWN: bool>(self) {
         let Self { bitmap, by, result, .. } = self;
-        let (used, last) = (bitmap.width().div_ceil(64), bitmap.last_word());
-        let blank = vec![0; bitmap.stride()];
-        for y in 0..bitmap.height() {
-            let at = bitmap.padded(y);
-            let above = if y >= by { bitmap.row(y - by) } else { &blank };
-            let below = if y + by < bitmap.height() { bitmap.row(y + by) } else { &blank };
-            let to = result.row_mut(y);
-            for chunk in 0..bitmap.chunks() {
-                let words = beside(at, chunk);
-                let mut grown = Lanes::here(words);
-                if ACROSS {
-                    grown |= Lanes::west(words, by as u32) | Lanes::east(words, by as u32);
-                }
-                if DOWN {
-                    grown |= Lanes::of(above, chunk) | Lanes::of(below, chunk);
-                }
-                grown.write(to, chunk);
+        let (from, to) = (bitmap.words(), result.words_mut());
+        let n = from.len();
+        if ACROSS {
+            let (inner, shift, back) = (n.saturating_sub(2), by as u32, 64 - by as u32);
+            let (west, here, east) = (&from[..inner], &from[1..][..inner], &from[2.min(n)..][..inner]);
+            let to = &mut to[1..][..inner];
+            for i in 0..inner {
+                to[i] = here[i] | here[i] << shift | west[i] >> back | here[i] >> shift | east[i] << back;
             }
-            if ACROSS {
-                to[used..].fill(0);
-                if let Some(word) = to[..used].last_mut() {
+        } else {
+            to.copy_from_slice(from);
+        }
+        let down = by * bitmap.stride();
+        if DOWN && down < n {
+            add(&mut to[down..], &from[..n - down]);
+            add(&mut to[..n - down], &from[down..]);
+        }
+        if ACROSS {
+            let (used, last) = (bitmap.width().div_ceil(64), bitmap.last_word());
+            for row in to[1..].chunks_exact_mut(bitmap.stride()) {
+                row[used..].fill(0);
+                if let Some(word) = row[..used].last_mut() {
                     *word &= last;
                 }
             }
         }
+    }
+}
+
+#[inline(always)]
+fn add(to: &mut [u64], from: &[u64]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to |= from;
     }
 }
 
