@@ -47,20 +47,19 @@ impl NullaryFnOnce for Looking<'_> {
         let (width, height) = (self.hidden.width(), self.hidden.height());
         let mut result = Bitmap::new(width, height);
         // What is reached from above and from below, of the last few directions.
-        let mut reached = vec![[Bitmap::new(width, height), Bitmap::new(width, height)]; BEND + 1];
+        let mut reached = [(); BEND + 1].map(|()| [Bitmap::new(width, height), Bitmap::new(width, height)]);
+        let mut aside = vec![0; height];
         for direction in 0..DIRECTIONS {
             // The tangent of evenly spaced angles from -45° to 45°.
             let angle = ((direction as f64 + 0.5) / DIRECTIONS as f64 - 0.5) * core::f64::consts::FRAC_PI_2;
             let slope = libm::tan(angle);
-            let column = |y: usize| libm::floor(slope * y as f64 + 0.5) as i64;
+            for (y, aside) in aside.iter_mut().enumerate() {
+                *aside = libm::floor(slope * y as f64 + 0.5) as i32;
+            }
             reached.rotate_right(1);
             let [down, up] = &mut reached[0];
-            for y in 1..height {
-                self.look(y, y - 1, column(y) - column(y - 1), down);
-            }
-            for y in (0..height.saturating_sub(1)).rev() {
-                self.look(y, y + 1, column(y) - column(y + 1), up);
-            }
+            self.look(0..height, &aside, down);
+            self.look((0..height).rev(), &aside, up);
             meet(&mut result, &reached);
         }
         result
@@ -69,34 +68,40 @@ impl NullaryFnOnce for Looking<'_> {
 
 /// Adds what the latest direction from one side shares with any from the other.
 #[inline(always)]
-fn meet(result: &mut Bitmap, reached: &[[Bitmap; 2]]) {
-    let [[down, up], earlier @ ..] = reached else { return };
-    for y in 0..result.height() {
-        let chunks = result.chunks();
-        let (to, down, up) = (result.row_mut(y), down.row(y), up.row(y));
-        for chunk in 0..chunks {
-            let (down, up) = (Lanes::of(down, chunk), Lanes::of(up, chunk));
-            let mut both = Lanes::of(to, chunk) | (down & up);
-            for [other_down, other_up] in earlier {
-                both |= (down & Lanes::of(other_up.row(y), chunk)) | (up & Lanes::of(other_down.row(y), chunk));
-            }
-            both.write(to, chunk);
-        }
+fn meet(result: &mut Bitmap, reached: &[[Bitmap; 2]; BEND + 1]) {
+    let to = result.words_mut();
+    let n = to.len();
+    let [[down, up], [down1, up1], [down2, up2]] = reached;
+    let [down, up, down1, up1, down2, up2] = [down, up, down1, up1, down2, up2].map(|bitmap| &bitmap.words()[..n]);
+    for i in 0..n {
+        to[i] |= (down[i] & (up[i] | up1[i] | up2[i])) | (up[i] & (down1[i] | down2[i]));
     }
 }
 
 impl Looking<'_> {
-    /// Which hidden pixels of row `y` are reached from the row `before`, shifted by so many pixels to the right.
+    /// Goes from row to row, and so far `aside` in each: which hidden pixels are reached from street over hidden ones.
     #[inline(always)]
-    fn look(&self, y: usize, before: usize, shift: i64, reached: &mut Bitmap) {
-        for chunk in 0..self.hidden.chunks() {
-            let (old, street) = (beside(reached.padded(before), chunk), beside(self.street.padded(before), chunk));
-            let come = match shift {
-                0 => Lanes::here(old) | Lanes::here(street),
-                1 => Lanes::west(old, 1) | Lanes::west(street, 1),
-                _ => Lanes::east(old, 1) | Lanes::east(street, 1),
-            };
-            (come & Lanes::of(self.hidden.row(y), chunk)).write(reached.row_mut(y), chunk);
+    fn look(&self, rows: impl Iterator<Item = usize>, aside: &[i32], reached: &mut Bitmap) {
+        // What can be gone on from, in the row before and in this one.
+        let mut before = vec![0; self.hidden.stride() + 1];
+        let mut here = before.clone();
+        let mut was_aside = None;
+        for y in rows {
+            let shift = aside[y] - was_aside.unwrap_or(aside[y]);
+            was_aside = Some(aside[y]);
+            let (hidden, street, reached) = (self.hidden.row(y), self.street.row(y), reached.row_mut(y));
+            for chunk in 0..self.hidden.chunks() {
+                let from = beside(&before, chunk);
+                let come = match shift {
+                    0 => Lanes::here(from),
+                    1 => Lanes::west(from, 1),
+                    _ => Lanes::east(from, 1),
+                };
+                let come = come & Lanes::of(hidden, chunk);
+                come.write(reached, chunk);
+                (come | Lanes::of(street, chunk)).write(&mut here[1..], chunk);
+            }
+            core::mem::swap(&mut before, &mut here);
         }
     }
 }
