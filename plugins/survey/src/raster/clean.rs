@@ -15,12 +15,12 @@ pub(crate) const MARGIN: usize = 64;
 pub(crate) const SPECK_M2: f64 = 60.0;
 /// A street is seen to go on under a railway so wide, metres.
 const VIADUCT_M: f64 = 11.0;
-/// Letters of a word are closer together than twice this, pixels.
-const WORD_GAP_PX: usize = 4;
-/// Half the height of a name's letters that is wider than a street it might hide.
-const LARGE_PX: usize = 7;
-/// What is so much wider than that is letters side by side, what is not is a symbol.
-const SYMBOL_PX: i32 = 20;
+/// Letters of a word are closer together than four times this, pixels.
+const WORD_GAP: usize = 2;
+/// A quarter of the height of a name's letters that is wider than a street it might hide, pixels.
+const LARGE: usize = 4;
+/// What is so much wider than that, in twos of pixels, is letters side by side, what is not is a symbol.
+const SYMBOL: i32 = 10;
 
 /// Whether so few pixels are set that they are noise: one in 2,000.
 pub(crate) fn is_rare(class: &Bitmap) -> bool {
@@ -76,14 +76,15 @@ pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap) {
 
 /// The parts of what is inked that may hide a street: not the letters of a large, spaced name, which lies where it will.
 fn names(ink: &Bitmap) -> Bitmap {
-    let mut large = swept(ink, &[Grow(WORD_GAP_PX), Shrink(WORD_GAP_PX), Shrink(LARGE_PX)]);
+    // At half the resolution: letters that large show there.
+    let mut large = swept(&ink.halved(), &[Grow(WORD_GAP), Shrink(WORD_GAP), Shrink(LARGE)]);
     for outline in outlines(&large, Corners::Join).iter().filter(|o| !o.is_hole()) {
         let (low, high) = outline.extent();
-        if (high - low).max_element() < SYMBOL_PX {
+        if (high - low).max_element() < SYMBOL {
             outline.paint(&mut large, false);
         }
     }
-    let large = grown(&large, LARGE_PX + 3);
+    let large = grown(&large, LARGE + 1).doubled(ink.width(), ink.height());
     let mut names = ink.clone();
     names.remove(&large);
     names
