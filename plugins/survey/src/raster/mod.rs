@@ -7,10 +7,11 @@
 //!    ┌──────────────────── classify ◄───────────────────────────────────────┘
 //!    │                     (a bitmap a class)
 //!    │
-//!    ├─► clean ──────────► skeleton ─► trace ──► sketch ──┬─ squares  ─┐
+//!    ├─► clean ─ yards ──► skeleton ─► trace ──► sketch ──┬─ squares  ─┐
 //!    │   (labels looked    (Zhang–     (nodes,   (pruned, ├─ crossing ─┼─► links, squares ─┐
 //!    │    through, noise    Suen)       lines)   measured)└─ ends ─────┘                   ├─► CityGraph
-//!    │    absorbed) ─────► blocks: what is left between streets and courses ──────────────┤
+//!    │    absorbed) ─────► blocks: what is left between streets and courses, ─────────────┤
+//!    │                     with courtyards; houses in a colour of their own               │
 //!    └─► courses: rivers and railways, at a quarter of the resolution ────────────────────┘
 //! ```
 //!
@@ -54,7 +55,9 @@ mod crossing;
 mod ends;
 mod filter;
 mod graph;
+mod ground;
 mod guess;
+mod house;
 mod lanes;
 mod legend;
 mod limits;
@@ -71,7 +74,9 @@ mod sketch;
 mod square;
 mod stage;
 mod thinning;
+mod tint;
 mod trace;
+mod yard;
 
 pub use bitmap::Bitmap;
 pub use guess::{Guess, guess, guess_legend};
