@@ -22,6 +22,8 @@ const LEAST_COURT_M2: f64 = 9.0;
 /// How far an outline may be from the pixels' edges: in metres, or in pixels where these are larger.
 const SIMPLE_M: f64 = 0.4;
 const SIMPLE_PX: f64 = 1.0;
+/// The same for an outline that is put square: the steps of a wall at a slant are deeper than a pixel by its corner.
+const WALL_PX: f64 = 1.5;
 /// How much of an outline runs along two directions square to each other, if its house is right-angled: from 0 to 1.
 const LEAST_SQUARE: f64 = 0.8;
 /// Tangent of the angle by which a wall of such a house may be off: 20° …
@@ -76,15 +78,20 @@ pub(super) fn houses(classes: &Classes, mpp: f64) -> Vec<Footprint> {
     found
 }
 
-/// An outline with few corners: right ones where the house has such.
+/// An outline with few corners: right ones where the house has such; as many as it takes for it not to cross itself.
 fn outline_of(outline: &Outline, tolerance: f64) -> Vec<DVec2> {
     let edges: Vec<DVec2> = outline.corners.iter().map(|c| c.as_dvec2()).collect();
-    let simple = simplified_ring(&edges, tolerance);
-    let right = squared(&edges, &simple).filter(|right| {
-        let most_off = AREA_SHARE * outline.area_px.abs() as f64 + AREA_PX * right.len() as f64;
-        (signed_area(right).abs() - outline.area_px.abs() as f64).abs() < most_off && is_simple(right)
-    });
-    right.unwrap_or(simple)
+    let area = outline.area_px.abs() as f64;
+    let is_true = |right: &Vec<DVec2>| {
+        let off = (signed_area(right).abs() - area).abs();
+        off < AREA_SHARE * area + AREA_PX * right.len() as f64 && is_simple(right)
+    };
+    let tolerances = [tolerance.max(WALL_PX), tolerance];
+    let right = tolerances.iter().find_map(|&t| squared(&edges, &simplified_ring(&edges, t)).filter(is_true));
+    right.unwrap_or_else(|| {
+        let finer = [tolerance, tolerance / 2.0].iter().map(|&t| simplified_ring(&edges, t)).find(|ring| is_simple(ring));
+        finer.unwrap_or(edges)
+    })
 }
 
 /// A wall while it is put square: the stretch of the outline from one of its corners to another, and its direction.
@@ -179,4 +186,85 @@ fn offset(edges: &[DVec2], wall: &Wall, normal: DVec2) -> Option<f64> {
         weight += along;
     }
     (weight > 0.0).then(|| sum / weight)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::bitmap::Bitmap;
+    use proptest::prelude::*;
+
+    fn found(side: usize, is_house: impl Fn(DVec2) -> bool, mpp: f64) -> Vec<Footprint> {
+        let blank = || Bitmap::new(side, side);
+        let house = Bitmap::from_fn(side, side, |x, y| is_house(DVec2::new(x as f64 + 0.5, y as f64 + 0.5)));
+        let classes = Classes {
+            street: blank(),
+            park: blank(),
+            water: blank(),
+            railway: blank(),
+            ink: blank(),
+            house,
+            square: blank(),
+        };
+        houses(&classes, mpp)
+    }
+
+    /// An L of two boxes of 60 × 20 and 20 × 50, with its corner at the origin.
+    fn is_l(p: DVec2) -> bool {
+        p.min_element() > 0.0 && (p.x < 60.0 && p.y < 20.0 || p.x < 20.0 && p.y < 50.0)
+    }
+
+    proptest! {
+        #[test]
+        fn a_house_turned_by_any_angle_is_put_square(angle in 0.0..core::f64::consts::TAU, dx in 0.0..1.0f64, dy in 0.0..1.0f64) {
+            let (east, middle) = (DVec2::from_angle(angle), DVec2::new(100.0 + dx, 100.0 + dy));
+            let houses = found(200, |p| is_l(east.rotate(DVec2::new(1.0, -1.0) * (p - middle)) + DVec2::new(30.0, 20.0)), 0.5);
+            prop_assert_eq!(houses.len(), 1);
+            let ring = &houses[0].outline;
+            prop_assert_eq!(ring.len(), 6, "{:?}", ring);
+            for i in 0..6 {
+                let (a, b, c) = (ring[i], ring[(i + 1) % 6], ring[(i + 2) % 6]);
+                prop_assert!((b - a).normalize().dot((c - b).normalize()).abs() < 1e-6, "a corner is no right one: {:?}", ring);
+            }
+            let area = signed_area(ring).abs();
+            prop_assert!((area - 1800.0).abs() < 40.0, "{}", area);
+        }
+
+        #[test]
+        fn whatever_is_house_has_simple_rings_or_those_of_its_pixels(density in 4u64..14, cell in 2usize..5, seed: u64) {
+            let is_set = |x: usize, y: usize| {
+                let n = ((x / cell) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((y / cell) as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F) ^ seed;
+                (n ^ n >> 29).wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 60 < density
+            };
+            let houses = found(48, |p| is_set(p.x as usize, p.y as usize), 1.0);
+            for house in &houses {
+                for ring in core::iter::once(&house.outline).chain(&house.courts) {
+                    // A region that touches itself by a corner has no simple ring.
+                    let edges = ring.iter().zip(ring.iter().cycle().skip(1));
+                    let is_of_pixels = edges.clone().all(|(a, b)| (a.x == b.x || a.y == b.y) && *a == a.round());
+                    let meets = (0..ring.len()).any(|i| ring[..i].contains(&ring[i]));
+                    prop_assert!(is_simple(ring) || is_of_pixels && meets, "{:?}", ring);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_round_house_stays_round_and_a_court_is_one() {
+        let round = found(100, |p| p.distance(DVec2::splat(50.0)) < 30.0, 0.5);
+        assert!(round.len() == 1 && round[0].outline.len() > 8, "{round:?}");
+        let courts = |side: f64| found(100, |p| (p - 50.0).abs().max_element() < 30.0 && (p - 50.0).abs().max_element() > side, 0.5);
+        let house = courts(10.0);
+        assert_eq!((house.len(), house[0].courts.len()), (1, 1));
+        assert!((signed_area(&house[0].courts[0]).abs() - 400.0).abs() < 1.0, "{house:?}");
+        assert!(signed_area(&house[0].outline) * signed_area(&house[0].courts[0]) < 0.0, "a court runs the other way round");
+        assert_eq!(courts(2.0)[0].courts.len(), 0, "4 m² are none");
+    }
+
+    #[test]
+    fn specks_are_no_houses() {
+        assert_eq!(found(50, |p| (p - 25.0).abs().max_element() < 3.0, 0.5), [], "9 m²");
+        assert_eq!(found(50, |p| (p - 25.0).abs().max_element() < 4.0, 0.5).len(), 1, "16 m²");
+        assert_eq!(found(50, |p| (p.x - 25.5).abs() < 0.6, 0.5), [], "a line");
+    }
 }

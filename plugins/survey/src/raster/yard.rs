@@ -95,3 +95,65 @@ impl Yard {
         Bitmap::from_window(of, self.corner, self.area.width(), self.area.height())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::parts::Parts;
+
+    /// A street along the top, and what else is light.
+    fn yards(light: impl Fn(usize, usize) -> bool, hidden: impl Fn(usize, usize) -> bool) -> (usize, usize) {
+        let mut street = Bitmap::from_fn(200, 200, |x, y| y < 20 || light(x, y));
+        let before = street.count();
+        let hidden = Bitmap::from_fn(200, 200, hidden);
+        let parts = Parts::of(&street, Corners::Join).parts;
+        let yards = courtyards(&mut street, &parts, &hidden, None, 0.5);
+        (yards.map_or(0, |yards| yards.count()), before - street.count())
+    }
+
+    fn is_in(low: [usize; 2], high: [usize; 2]) -> impl Fn(usize, usize) -> bool {
+        move |x, y| (low[0]..high[0]).contains(&x) && (low[1]..high[1]).contains(&y)
+    }
+
+    #[test]
+    fn a_court_that_no_street_leads_to_is_a_courtyard() {
+        assert_eq!(yards(is_in([60, 60], [120, 100]), |_, _| false), (2400, 2400));
+        // An L.
+        let wings = |x: usize, y: usize| is_in([60, 60], [120, 85])(x, y) || is_in([60, 60], [85, 130])(x, y);
+        assert_eq!(yards(wings, |_, _| false).0, 25 * 60 + 45 * 25);
+    }
+
+    #[test]
+    fn what_a_street_leads_to_is_none() {
+        let court = is_in([60, 60], [120, 100]);
+        for gate in [1, 2, 8] {
+            assert_eq!(yards(|x, y| court(x, y) || is_in([80, 10], [80 + gate, 70])(x, y), |_, _| false), (0, 0), "{gate}");
+        }
+        // By a corner only.
+        let corner = |x: usize, y: usize| court(x, y) || (x < 60 && x > 20 && y < 60 && x + y > 117 && x + y < 120);
+        assert_eq!(yards(|x, y| corner(x, y) || is_in([20, 10], [60, 60])(x, y), |_, _| false), (0, 0));
+    }
+
+    #[test]
+    fn cut_off_streets_and_rings_are_none() {
+        assert_eq!(yards(is_in([60, 60], [160, 72]), |_, _| false), (0, 0), "a stretch of street");
+        let ring = |x: usize, y: usize| is_in([50, 50], [150, 150])(x, y) && !is_in([60, 60], [140, 140])(x, y);
+        assert_eq!(yards(ring, |_, _| false), (0, 0), "a street about a block");
+        let letters = is_in([120, 70], [140, 90]);
+        assert_eq!(yards(is_in([60, 60], [120, 100]), letters), (0, 0), "a label may hide the way to it");
+        assert_eq!(yards(is_in([160, 60], [200, 100]), |_, _| false), (0, 0), "a way may lead to it beyond the border");
+        assert_eq!(yards(is_in([60, 60], [70, 70]), |_, _| false), (0, 0), "25 m² are a speck");
+    }
+
+    #[test]
+    fn other_parts_in_its_window_are_left_alone() {
+        // A courtyard, a street that winds about it from the street at the top, and a stretch of street beside it.
+        let light = |x: usize, y: usize| {
+            is_in([60, 60], [100, 100])(x, y)
+                || is_in([30, 10], [36, 110])(x, y)
+                || is_in([30, 104], [110, 110])(x, y)
+                || is_in([56, 20], [58, 100])(x, y)
+        };
+        assert_eq!(yards(light, |_, _| false), (1600, 1600));
+    }
+}
