@@ -40,7 +40,8 @@ fn framed(inside: impl Fn([usize; 2]) -> [u8; 3]) -> Picture {
 
 fn surveyed_by(picture: &Picture, legend: &str) -> CityGraph {
     let legend = Legend::parse(legend, "legend.json").unwrap_or_else(|e| panic!("{e}"));
-    let place = Georeference::from_metres_per_pixel("town.png", (SIZE as u32, SIZE as u32), METRES).unwrap_or_else(|e| panic!("{e}"));
+    let place =
+        Georeference::from_metres_per_pixel("town.png", (SIZE as u32, SIZE as u32), METRES).unwrap_or_else(|e| panic!("{e}"));
     let settings = RasterSettings { georeference: place, threads: 1 };
     let survey = survey_raster(picture, &legend, &settings, "town.png", &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(survey.findings, [], "nothing had to be mended");
@@ -186,7 +187,9 @@ fn a_street_is_of_the_class_that_its_colour_says() {
     use StreetClass::{Lane, Main, Path, Street};
     assert_eq!(classes(LEGEND), [Main, Main, Main, Main, Street], "by colour; else by width");
     assert_eq!(classes(&LEGEND.replace("street:main", "street:path")), [Path, Path, Main, Path, Street]);
-    let plain = LEGEND.replace("\"street:main\": [[252, 221, 128]],", "").replace("[[255, 254, 248]]", "[[255, 254, 248], [252, 221, 128]]");
+    let plain = LEGEND
+        .replace("\"street:main\": [[252, 221, 128]],", "")
+        .replace("[[255, 254, 248]]", "[[255, 254, 248], [252, 221, 128]]");
     assert_eq!(classes(&plain), [Lane, Lane, Main, Lane, Street], "by width alone");
 }
 

@@ -271,7 +271,8 @@ fn with_edges(mut shades: Vec<Shade>) -> Vec<Shade> {
             }
         }
     }
-    for (house, ground) in of(&[HOUSE]).iter().flat_map(|house| of(&[BUILT, PARK]).into_iter().map(move |ground| (*house, ground))) {
+    for (house, ground) in of(&[HOUSE]).iter().flat_map(|house| of(&[BUILT, PARK]).into_iter().map(move |ground| (*house, ground)))
+    {
         for (t, class) in [(0.25, ground.class), (0.45, ground.class), (0.55, house.class), (0.75, house.class)] {
             let colour = mixed(ground.colour, house.colour, t);
             if shades.iter().all(|shade| distance2(shade.colour, colour) > 900.0) {

@@ -107,7 +107,8 @@ pub fn guess(picture: &Picture, colours: Option<usize>) -> Guess {
 }
 
 /// The colours of single houses among those of built ground: they lie within a ground that is as wide as a block, and hardly
-/// touch streets. Where blocks of one colour only are cased by lines of another, that is no ground.
+/// touch streets. Lines of another colour that blocks are cased by are no ground. Houses that stand on the street, and those
+/// with outlines, are not told from blocks: there a person must say it.
 fn houses(sheet: &Sheet, found: &[Colour], streets: &[usize], network: &Shape, legend: &Legend) -> Vec<usize> {
     const LEAST_HOUSES: f64 = 24.0;
     const MOST_ON_STREETS: f64 = 0.15;
@@ -115,11 +116,7 @@ fn houses(sheet: &Sheet, found: &[Colour], streets: &[usize], network: &Shape, l
     let is_built = |i: &usize| legend.colours.iter().any(|c| c.colour == found[*i].rgb && c.class == MapClass::Built);
     let built: Vec<usize> = (0..found.len()).filter(is_built).collect();
     let pixels = (sheet.width * sheet.height) as f64;
-    // Grounds are wide, and lie on the streets: what is left between houses and streets.
-    let is_ground = |i: &usize| {
-        let shape = &found[*i].shape;
-        shape.thickness > network.thickness && shape.share > 0.1 && shape.far_reaching > 0.05
-    };
+    let is_ground = |i: &usize| found[*i].shape.thickness > 0.4 * network.thickness && found[*i].shape.share > 0.1;
     let grounds: Vec<usize> = built.iter().copied().filter(is_ground).collect();
     let is_house = |i: &usize| {
         let shape = &found[*i].shape;

@@ -22,14 +22,14 @@ const LEAST_COURT_M2: f64 = 9.0;
 /// How far an outline may be from the pixels' edges: in metres, or in pixels where these are larger.
 const SIMPLE_M: f64 = 0.4;
 const SIMPLE_PX: f64 = 1.0;
-/// The same for an outline that is put square: the steps of a wall at a slant are deeper than a pixel by its corner.
-const WALL_PX: f64 = 1.5;
+/// The same for an outline that is put square, the first that does: steps of a wall at a slant are deeper than a pixel.
+const WALLS_PX: [f64; 3] = [2.0, 1.5, 1.0];
 /// How much of an outline runs along two directions square to each other, if its house is right-angled: from 0 to 1.
 const LEAST_SQUARE: f64 = 0.8;
 /// Tangent of the angle by which a wall of such a house may be off: 20° …
 const MOST_OFF: f64 = 0.364;
-/// … unless it is no longer than this, pixels: a step of the grid.
-const STEP_PX: f64 = 3.0;
+/// … unless it is no longer than this, pixels: a step of the grid, or a corner that was cut off.
+const STEP_PX: f64 = 7.0;
 /// A right-angled outline has the area of the pixels to this share, and so many more pixels for each of its walls.
 const AREA_SHARE: f64 = 0.06;
 const AREA_PX: f64 = 1.5;
@@ -86,8 +86,7 @@ fn outline_of(outline: &Outline, tolerance: f64) -> Vec<DVec2> {
         let off = (signed_area(right).abs() - area).abs();
         off < AREA_SHARE * area + AREA_PX * right.len() as f64 && is_simple(right)
     };
-    let tolerances = [tolerance.max(WALL_PX), tolerance];
-    let right = tolerances.iter().find_map(|&t| squared(&edges, &simplified_ring(&edges, t)).filter(is_true));
+    let right = WALLS_PX.iter().find_map(|&t| squared(&edges, &simplified_ring(&edges, t.max(tolerance))).filter(is_true));
     right.unwrap_or_else(|| {
         let finer = [tolerance, tolerance / 2.0].iter().map(|&t| simplified_ring(&edges, t)).find(|ring| is_simple(ring));
         finer.unwrap_or(edges)
@@ -109,6 +108,7 @@ fn squared(edges: &[DVec2], simple: &[DVec2]) -> Option<Vec<DVec2>> {
     let mut walls = walls(edges, simple, along)?;
     // Walls that go on in the same direction are one; the first may go on from the last.
     let turn = (1..walls.len()).find(|&i| walls[i].is_first != walls[i - 1].is_first)?;
+    walls[..turn].iter_mut().for_each(|wall| (wall.from, wall.to) = (wall.from + edges.len(), wall.to + edges.len()));
     walls.rotate_left(turn);
     let mut merged: Vec<Wall> = Vec::new();
     for wall in walls {
@@ -197,15 +197,8 @@ mod tests {
     fn found(side: usize, is_house: impl Fn(DVec2) -> bool, mpp: f64) -> Vec<Footprint> {
         let blank = || Bitmap::new(side, side);
         let house = Bitmap::from_fn(side, side, |x, y| is_house(DVec2::new(x as f64 + 0.5, y as f64 + 0.5)));
-        let classes = Classes {
-            street: blank(),
-            park: blank(),
-            water: blank(),
-            railway: blank(),
-            ink: blank(),
-            house,
-            square: blank(),
-        };
+        let classes =
+            Classes { street: blank(), park: blank(), water: blank(), railway: blank(), ink: blank(), house, square: blank() };
         houses(&classes, mpp)
     }
 
@@ -253,7 +246,8 @@ mod tests {
     fn a_round_house_stays_round_and_a_court_is_one() {
         let round = found(100, |p| p.distance(DVec2::splat(50.0)) < 30.0, 0.5);
         assert!(round.len() == 1 && round[0].outline.len() > 8, "{round:?}");
-        let courts = |side: f64| found(100, |p| (p - 50.0).abs().max_element() < 30.0 && (p - 50.0).abs().max_element() > side, 0.5);
+        let courts =
+            |side: f64| found(100, |p| (p - 50.0).abs().max_element() < 30.0 && (p - 50.0).abs().max_element() > side, 0.5);
         let house = courts(10.0);
         assert_eq!((house.len(), house[0].courts.len()), (1, 1));
         assert!((signed_area(&house[0].courts[0]).abs() - 400.0).abs() < 1.0, "{house:?}");

@@ -38,16 +38,8 @@ pub enum MapClass {
 
 impl MapClass {
     /// Every class, streets without one of their own.
-    pub const ALL: [Self; 8] = [
-        Self::Street(None),
-        Self::Square,
-        Self::Built,
-        Self::House,
-        Self::Park,
-        Self::Water,
-        Self::Railway,
-        Self::Label,
-    ];
+    pub const ALL: [Self; 8] =
+        [Self::Street(None), Self::Square, Self::Built, Self::House, Self::Park, Self::Water, Self::Railway, Self::Label];
 
     /// The class by its name in legend files, in RON's spelling or JSON's: `Street`, `street`, `railroad`.
     fn named(name: &str) -> Option<Self> {

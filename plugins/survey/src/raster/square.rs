@@ -62,13 +62,7 @@ pub(crate) fn printed_squares(classes: &Classes, paved: &Bitmap, margin: usize, 
 }
 
 /// Finds squares, cuts the streets at their borders, and gives their outlines. What is `printed` as squares is taken as it is.
-pub(crate) fn squares(
-    sketch: &mut Sketch,
-    paved: &Bitmap,
-    printed: Option<&Bitmap>,
-    margin: i32,
-    mpp: f64,
-) -> Vec<FoundSquare> {
+pub(crate) fn squares(sketch: &mut Sketch, paved: &Bitmap, printed: Option<&Bitmap>, margin: i32, mpp: f64) -> Vec<FoundSquare> {
     let mut taken = Bitmap::new(paved.width(), paved.height());
     let mut found = Vec::new();
     if let Some(printed) = printed {

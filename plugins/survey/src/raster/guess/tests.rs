@@ -168,7 +168,7 @@ const REAL: &[(&str, bool, &[([u8; 3], MapClass)])] = &[
     (
         "raster_figure_ground/portland_figure_ground.png",
         false,
-        &[([255; 3], Street(None)), ([51; 3], Built), ([255, 165, 0], House)],
+        &[([255; 3], Street(None)), ([51; 3], Built), ([255, 165, 0], Built)],
     ),
     ("raster_heidelberg_derived/heidelberg_altstadt_streets.png", false, &[([0; 3], Street(None)), ([255; 3], Built)]),
     ("raster_prague_new_town_derived/prague_new_town_streets.png", false, &[([0; 3], Street(None)), ([255; 3], Built)]),
@@ -179,9 +179,9 @@ const REAL: &[(&str, bool, &[([u8; 3], MapClass)])] = &[
         &[
             ([49, 57, 57], Street(None)),
             ([232, 234, 199], Built),
-            ([254, 199, 87], House),
-            ([194, 41, 61], House),
-            ([232, 114, 76], House),
+            ([254, 199, 87], Built),
+            ([194, 41, 61], Built),
+            ([232, 114, 76], Built),
             ([129, 204, 129], Park),
             ([198, 230, 182], Park),
             ([161, 226, 254], Water),
