@@ -59,18 +59,15 @@ pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
                 *class = table[stepped(pixel, step)];
             }
             let all = seen.iter().fold(0, |a, b| a | b);
-            for (bit, word) in [
-                (STREET, &mut s[k]),
-                (PARK, &mut p[k]),
-                (WATER, &mut wa[k]),
-                (RAILWAY, &mut r[k]),
-                (INK, &mut i[k]),
-                (HOUSE, &mut ho[k]),
-                (SQUARE, &mut sq[k]),
-            ] {
+            for (bit, word) in [(STREET, &mut s[k]), (PARK, &mut p[k]), (WATER, &mut wa[k]), (RAILWAY, &mut r[k]), (INK, &mut i[k])]
+            {
                 if all >> bit & 1 == 1 {
                     *word = gathered(&seen, bit);
                 }
+            }
+            // Few maps have a colour for these.
+            if all >> HOUSE != 0 {
+                (ho[k], sq[k]) = (gathered(&seen, HOUSE), gathered(&seen, SQUARE));
             }
         }
     }
