@@ -13,41 +13,49 @@ pub(crate) struct Classes {
     pub railway: Bitmap,
     /// Labels and symbols.
     pub ink: Bitmap,
+    /// Single houses, where they have a colour of their own.
+    pub house: Bitmap,
+    /// Squares that have a colour of their own; they are in `street` too.
+    pub square: Bitmap,
 }
 
-const STREET: u8 = 0;
+pub(super) const STREET: u8 = 0;
 const BUILT: u8 = 1;
 const PARK: u8 = 2;
 const WATER: u8 = 3;
 const RAILWAY: u8 = 4;
 const INK: u8 = 5;
+const HOUSE: u8 = 6;
+const SQUARE: u8 = 7;
+/// Bits of a shade's class below those of a street's own class.
+pub(super) const CLASS_BITS: u8 = 3;
 
 /// Steps a channel of the table of colours.
 const STEPS: usize = 32;
 /// Entries of that table.
-const TABLE: usize = STEPS * STEPS * STEPS;
+pub(super) const TABLE: usize = STEPS * STEPS * STEPS;
 
 /// Classifies a picture's pixels.
 #[must_use]
 pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
-    let printed = printed_legend(picture, legend);
-    let light = Light::of(picture, &printed);
-    let shades = with_edges(printed);
-    let mut table = Box::new([1 << BUILT; TABLE]);
-    for (class, &shade) in table.iter_mut().zip(nearest(&shades).iter()) {
-        *class = 1 << shades.get(shade as usize).map_or(BUILT, |shade| shade.class);
-    }
+    let (light, table) = looked_up(picture, legend, |class| match class {
+        SQUARE => 1 << SQUARE | 1 << STREET,
+        class => 1 << (class % (1 << CLASS_BITS)),
+    });
     let (w, h) = (picture.width, picture.height);
-    let [mut street, mut park, mut water, mut railway, mut ink] = [(); 5].map(|()| Bitmap::new(w, h));
+    let [mut street, mut park, mut water, mut railway, mut ink, mut house, mut square] = [(); 7].map(|()| Bitmap::new(w, h));
     for y in 0..h {
         let row = &picture.pixels[y * w * 3..(y + 1) * w * 3];
         let [s, p, wa, r, i] = [street.row_mut(y), park.row_mut(y), water.row_mut(y), railway.row_mut(y), ink.row_mut(y)];
+        let [ho, sq] = [house.row_mut(y), square.row_mut(y)];
         for (k, pixels) in row.chunks(64 * 3).enumerate() {
             let step = light.steps_at(k * 64, y);
             if let Some(class) = class_of_all(pixels, step, &table) {
-                let words = [(STREET, &mut s[k]), (PARK, &mut p[k]), (WATER, &mut wa[k]), (RAILWAY, &mut r[k]), (INK, &mut i[k])];
-                for (_, word) in words.into_iter().filter(|(bit, _)| class >> bit & 1 == 1) {
-                    *word = u64::MAX;
+                let words = [&mut s[k], &mut p[k], &mut wa[k], &mut r[k], &mut i[k], &mut ho[k], &mut sq[k]];
+                for (word, bit) in words.into_iter().zip([STREET, PARK, WATER, RAILWAY, INK, HOUSE, SQUARE]) {
+                    if class >> bit & 1 == 1 {
+                        *word = u64::MAX;
+                    }
                 }
                 continue;
             }
@@ -66,9 +74,25 @@ pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
                     *word = gathered(&seen, bit);
                 }
             }
+            // Few maps have a colour for these.
+            if all >> HOUSE != 0 {
+                (ho[k], sq[k]) = (gathered(&seen, HOUSE), gathered(&seen, SQUARE));
+            }
         }
     }
-    Classes { street, park, water, railway, ink }
+    Classes { street, park, water, railway, ink, house, square }
+}
+
+/// How bright a picture is, and what `of` makes of the class of the shade that is nearest to each entry of the table.
+pub(super) fn looked_up(picture: &Picture, legend: &Legend, of: impl Fn(u8) -> u8) -> (Light, Box<[u8; TABLE]>) {
+    let printed = printed_legend(picture, legend);
+    let light = Light::of(picture, &printed);
+    let shades = with_edges(printed);
+    let mut table = Box::new([of(BUILT); TABLE]);
+    for (entry, &shade) in table.iter_mut().zip(nearest(&shades).iter()) {
+        *entry = shades.get(shade as usize).map_or(of(BUILT), |shade| of(shade.class));
+    }
+    (light, table)
 }
 
 /// Pixels side by side that are looked up once if they are all alike.
@@ -106,7 +130,7 @@ fn classes_of_run(pixels: &[u8; RUN * 3], step: &[u8; 256], table: &[u8; TABLE])
 
 /// The table's entry for a colour, when a channel's values fall on these steps.
 #[inline(always)]
-fn stepped(colour: &[u8; 3], step: &[u8; 256]) -> usize {
+pub(super) fn stepped(colour: &[u8; 3], step: &[u8; 256]) -> usize {
     let [r, g, b] = *colour;
     let at = |value: u8| usize::from(step[usize::from(value)]);
     (at(r) << 10 | at(g) << 5 | at(b)) % TABLE
@@ -123,7 +147,7 @@ fn gathered(bytes: &[u8; 64], bit: u8) -> u64 {
 }
 
 /// How bright a scan is from place to place.
-struct Light {
+pub(super) struct Light {
     /// Tiles a row.
     columns: usize,
     /// For each tile, the number of its brightness.
@@ -167,7 +191,7 @@ impl Light {
     }
 
     #[inline(always)]
-    fn steps_at(&self, x: usize, y: usize) -> &[u8; 256] {
+    pub(super) fn steps_at(&self, x: usize, y: usize) -> &[u8; 256] {
         &self.steps[usize::from(self.level[y / TILE * self.columns + x / TILE])]
     }
 }
@@ -243,9 +267,10 @@ fn printed_legend(picture: &Picture, legend: &Legend) -> Vec<Shade> {
 
 /// Shades with the mixtures that soft edges show.
 fn with_edges(mut shades: Vec<Shade>) -> Vec<Shade> {
-    let of = |classes: &[u8]| -> Vec<Shade> { shades.iter().copied().filter(|s| classes.contains(&s.class)).collect() };
-    let (street, blocks, inks) = (of(&[STREET]), of(&[BUILT, PARK, WATER]), of(&[INK]));
-    let ground = of(&[STREET, BUILT, PARK, WATER, RAILWAY]);
+    let is_of = |s: &Shade, classes: &[u8]| classes.contains(&(s.class % (1 << CLASS_BITS)));
+    let of = |classes: &[u8]| -> Vec<Shade> { shades.iter().copied().filter(|s| is_of(s, classes)).collect() };
+    let (street, blocks, inks) = (of(&[STREET, SQUARE]), of(&[BUILT, PARK, WATER, HOUSE]), of(&[INK]));
+    let ground = of(&[STREET, SQUARE, BUILT, PARK, WATER, RAILWAY, HOUSE]);
     let mut more = Vec::new();
     for paper in &street {
         for block in &blocks {
@@ -263,14 +288,27 @@ fn with_edges(mut shades: Vec<Shade>) -> Vec<Shade> {
             }
         }
     }
+    for (house, ground) in of(&[HOUSE]).iter().flat_map(|house| of(&[BUILT, PARK]).into_iter().map(move |ground| (*house, ground)))
+    {
+        for (t, class) in [(0.25, ground.class), (0.45, ground.class), (0.55, house.class), (0.75, house.class)] {
+            let colour = mixed(ground.colour, house.colour, t);
+            if shades.iter().all(|shade| distance2(shade.colour, colour) > 900.0) {
+                more.push(Shade { class, colour });
+            }
+        }
+    }
     shades.extend(more);
     shades
 }
 
+/// A class as a shade has it; a street's own class is in the bits above [`CLASS_BITS`], counted from 1.
 fn class_of(class: MapClass) -> u8 {
     match class {
-        MapClass::Street(_) | MapClass::Square => STREET,
+        MapClass::Street(None) => STREET,
+        MapClass::Street(Some(own)) => STREET | (own as u8 + 1) << CLASS_BITS,
+        MapClass::Square => SQUARE,
         MapClass::Built => BUILT,
+        MapClass::House => HOUSE,
         MapClass::Park => PARK,
         MapClass::Water => WATER,
         MapClass::Railway => RAILWAY,

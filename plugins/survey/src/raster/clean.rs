@@ -6,7 +6,7 @@ use super::filter::{crowded, dilated, filled, median5};
 use super::morphology::Sweep::{Grow, Shrink};
 use super::morphology::{grown, swept, swept_at};
 use super::outline::{Corners, outlines};
-use super::parts::Parts;
+use super::parts::{Part, Parts};
 use super::sight::seen_as_street;
 
 /// Pixels that a cleaned picture is continued by on every side, so that streets do not end at its border.
@@ -27,8 +27,9 @@ pub(crate) fn is_rare(class: &Bitmap) -> bool {
     class.count() * 2000 < class.width() * class.height()
 }
 
-/// The streets free of labels and noise, and what a label may hide, both with a margin.
-pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap) {
+/// The streets free of labels and noise, and what a label may hide, both with a margin; and the streets' connected parts, the
+/// specks that were taken out among them.
+pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap, Vec<Part>) {
     let mut street = classes.street.clone();
     let mut hidden = Bitmap::new(street.width(), street.height());
     if !is_rare(&classes.ink) {
@@ -65,13 +66,14 @@ pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap) {
     let mut street = median5(&street.with_margin(MARGIN));
     let least = (SPECK_M2 / (mpp * mpp)) as i64;
     // Islands first, then what is left open in streets.
-    for (is_hole, corners) in [(false, Corners::Join), (true, Corners::Part)] {
-        let inverted = is_hole.then(|| street.inverted());
-        for run in Parts::of(inverted.as_ref().unwrap_or(&street), corners).smaller_than(least) {
-            street.set_between(run.y as usize, run.from as usize, run.to as usize, is_hole);
-        }
+    let islands = Parts::of(&street, Corners::Join);
+    for run in islands.smaller_than(least) {
+        street.set_between(run.y as usize, run.from as usize, run.to as usize, false);
     }
-    (street, hidden.with_margin(MARGIN))
+    for run in Parts::of(&street.inverted(), Corners::Part).smaller_than(least) {
+        street.set_between(run.y as usize, run.from as usize, run.to as usize, true);
+    }
+    (street, hidden.with_margin(MARGIN), islands.parts)
 }
 
 /// The parts of what is inked that may hide a street: not the letters of a large, spaced name, which lies where it will.

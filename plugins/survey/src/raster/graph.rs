@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
-use veduta_city::{CityGraph, Id, Link, LinkKind, Node, Square, StreetClass};
+use veduta_city::{Building, CityGraph, Id, Link, LinkKind, Node, RoofTags, Square, StreetClass};
 
 use super::read::MapReading;
 use crate::log::Log;
-use crate::polygon::{Polygon, even_odd};
+use crate::polygon::{Polygon, difference, even_odd};
 use crate::start;
 
 /// Streets at least so wide are main streets, metres …
@@ -21,7 +21,11 @@ const WELD_M: f64 = 0.01;
 pub(super) fn graph_of(reading: MapReading, log: &mut Log) -> CityGraph {
     let mut nodes = Nodes::default();
     let mut links = Vec::new();
-    let of_streets = reading.streets.into_iter().map(|(line, width)| (LinkKind::Street(class_of(width)), line, width));
+    let by_colour = |i: usize| reading.street_classes.get(i).copied().flatten();
+    let of_streets = reading.streets.into_iter().enumerate().map(|(i, (line, width))| {
+        let class = by_colour(i).unwrap_or_else(|| class_of(width));
+        (LinkKind::Street(class), line, width)
+    });
     for (kind, line, width_m) in of_streets.chain(reading.courses) {
         let (Some(&first), Some(&last)) = (line.first(), line.last()) else { continue };
         let (from, to) = (nodes.at(first), nodes.at(last));
@@ -35,15 +39,18 @@ pub(super) fn graph_of(reading: MapReading, log: &mut Log) -> CityGraph {
     }
     let mut graph = CityGraph { margin_m: CityGraph::default_margin_m(), nodes: nodes.all, links, ..CityGraph::default() };
     for outline in reading.squares {
-        for polygon in repaired(outline, "square", log) {
+        for polygon in repaired(outline, Vec::new(), "square", log) {
             let Polygon { outer, holes } = polygon;
             graph.squares.push(Square { id: Id::NONE, name: String::new(), outline: outer, holes, surfacing: Default::default() });
         }
     }
-    for (kind, outline) in reading.blocks {
-        for polygon in repaired(outline, "block", log) {
-            graph.blocks.push(crate::grounds::block(Id::NONE, kind, String::new(), &polygon));
+    for block in reading.blocks {
+        for polygon in repaired(block.outline, block.holes, "block", log) {
+            graph.blocks.push(crate::grounds::block(Id::NONE, block.kind, String::new(), &polygon));
         }
+    }
+    for house in reading.houses {
+        graph.buildings.extend(repaired(house.outline, house.courts, "house", log).into_iter().map(building));
     }
     graph.start = start::start(&graph);
     graph
@@ -88,13 +95,36 @@ fn class_of(width_m: f64) -> StreetClass {
     }
 }
 
-/// A ring as valid polygons.
-fn repaired(ring: Vec<DVec2>, what: &str, log: &mut Log) -> Vec<Polygon> {
+/// A house of which only the footprint is known.
+fn building(polygon: Polygon) -> Building {
+    Building {
+        id: Id::NONE,
+        name: String::new(),
+        number: String::new(),
+        style: String::new(),
+        outline: polygon.outer,
+        holes: polygon.holes,
+        min_height_m: 0.0,
+        height_m: None,
+        levels: None,
+        roof: RoofTags::default(),
+        colour: None,
+        parts: Vec::new(),
+    }
+}
+
+/// A ring less its holes as valid polygons.
+fn repaired(ring: Vec<DVec2>, holes: Vec<Vec<DVec2>>, what: &str, log: &mut Log) -> Vec<Polygon> {
     let ring: Vec<DVec2> = ring.into_iter().map(rounded).collect();
     let at = ring.first().copied();
     let (polygons, is_untouched) = even_odd(&[ring]);
     if !is_untouched {
         log.repaired(Id::NONE, at, format!("the outline of a {what} crossed itself"));
     }
-    polygons
+    if holes.is_empty() {
+        return polygons;
+    }
+    let of_hole = |hole: Vec<DVec2>| even_odd(&[hole.into_iter().map(rounded).collect()]).0;
+    let holes: Vec<Polygon> = holes.into_iter().flat_map(of_hole).collect();
+    difference(&polygons, &holes)
 }

@@ -5,6 +5,7 @@
 //!                                  ├─ hue of what is wide: green, blue ────────────────────────────────────► park, water
 //!                                  ├─ long lines that divide little ───────────────────────────────────────► railway
 //!                                  ├─ small spots and thin strokes ────────────────────────────────────────► label
+//!                                  ├─ many regions within one ground, away from all streets ───────────────► house
 //!                                  └─ the rest ────────────────────────────────────────────────────────────► built
 //! ```
 //! Light streets between coloured blocks and black streets on white paper are told by the same figure, as neither lightness
@@ -96,7 +97,38 @@ pub fn guess(picture: &Picture, colours: Option<usize>) -> Guess {
         };
         legend.colours.push(LegendColour { class, colour: colour.rgb });
     }
+    let houses = if is_outlined { Vec::new() } else { houses(&sheet, &found, &streets, &network, &legend) };
+    for entry in legend.colours.iter_mut().filter(|entry| houses.iter().any(|&i| found[i].rgb == entry.colour)) {
+        entry.class = MapClass::House;
+        let hex = Rgb(entry.colour[0], entry.colour[1], entry.colour[2]);
+        notes.add(format!("{hex} is taken for single houses: many of them lie within ground of another colour, off the streets"));
+    }
     Guess { legend, findings: notes.0, is_outlined }
+}
+
+/// The colours of single houses among those of built ground: they lie within a ground that is as wide as a block, and hardly
+/// touch streets. Lines of another colour that blocks are cased by are no ground. Houses that stand on the street, and those
+/// with outlines, are not told from blocks: there a person must say it.
+fn houses(sheet: &Sheet, found: &[Colour], streets: &[usize], network: &Shape, legend: &Legend) -> Vec<usize> {
+    const LEAST_HOUSES: f64 = 24.0;
+    const MOST_ON_STREETS: f64 = 0.15;
+    const LEAST_ON_GROUND: f64 = 0.6;
+    let is_built = |i: &usize| legend.colours.iter().any(|c| c.colour == found[*i].rgb && c.class == MapClass::Built);
+    let built: Vec<usize> = (0..found.len()).filter(is_built).collect();
+    let pixels = (sheet.width * sheet.height) as f64;
+    let is_ground = |i: &usize| found[*i].shape.thickness > 0.4 * network.thickness && found[*i].shape.share > 0.1;
+    let grounds: Vec<usize> = built.iter().copied().filter(is_ground).collect();
+    let is_house = |i: &usize| {
+        let shape = &found[*i].shape;
+        let ground: Vec<usize> = grounds.iter().copied().filter(|g| g != i).collect();
+        let many = shape.share * pixels > LEAST_HOUSES * shape.region_area;
+        many && !ground.is_empty()
+            && edge_with(sheet, found, *i, streets) < MOST_ON_STREETS
+            && edge_with(sheet, found, *i, &ground) > LEAST_ON_GROUND
+    };
+    let houses: Vec<usize> = built.iter().copied().filter(is_house).collect();
+    // Of two colours that lie within one another neither is told from the ground.
+    if grounds.iter().all(|g| houses.contains(g)) { Vec::new() } else { houses }
 }
 
 /// What is told to the person.

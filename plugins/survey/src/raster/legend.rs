@@ -19,8 +19,13 @@ pub enum MapClass {
     Street(Option<StreetClass>),
     /// Square, where it has a colour of its own.
     Square,
-    /// Houses, or the block that they stand in.
+    /// The block that houses stand in, and they themselves where the map does not tell them from it.
     Built,
+    /// Single houses, where they have a colour of their own upon the ground of a block. Each region of it is a footprint;
+    /// blocks stay what lies between the streets, houses and ground together. It is said by the legend and not derived from
+    /// regions of [`Built`](Self::Built) that are smaller than the loop of streets around them: a park's pavilion, a block of
+    /// another tint and a strip of ground between two streets all look like that.
+    House,
     /// Park, garden, wood.
     Park,
     /// River, canal, lake, sea.
@@ -33,7 +38,8 @@ pub enum MapClass {
 
 impl MapClass {
     /// Every class, streets without one of their own.
-    pub const ALL: [Self; 7] = [Self::Street(None), Self::Square, Self::Built, Self::Park, Self::Water, Self::Railway, Self::Label];
+    pub const ALL: [Self; 8] =
+        [Self::Street(None), Self::Square, Self::Built, Self::House, Self::Park, Self::Water, Self::Railway, Self::Label];
 
     /// The class by its name in legend files, in RON's spelling or JSON's: `Street`, `street`, `railroad`.
     fn named(name: &str) -> Option<Self> {
@@ -41,6 +47,7 @@ impl MapClass {
             "street" => Self::Street(None),
             "square" => Self::Square,
             "built" => Self::Built,
+            "house" => Self::House,
             "park" => Self::Park,
             "water" => Self::Water,
             "railway" | "railroad" => Self::Railway,
@@ -55,6 +62,7 @@ impl MapClass {
             Self::Street(_) => "Street",
             Self::Square => "Square",
             Self::Built => "Built",
+            Self::House => "House",
             Self::Park => "Park",
             Self::Water => "Water",
             Self::Railway => "Railway",
@@ -98,8 +106,8 @@ pub struct LegendColour {
 /// assert!(error.to_string().starts_with("x.ron:2:"), "{error}");
 /// # Ok::<(), veduta_survey::raster::LegendError>(())
 /// ```
-/// Colours are `#RRGGBB`, `#RGB` or a basic CSS name; classes `Street`, `Square`, `Built`, `Park`, `Water`, `Railway`,
-/// `Label`; a street's class one of [`StreetClass`].
+/// Colours are `#RRGGBB`, `#RGB` or a basic CSS name; classes `Street`, `Square`, `Built`, `House`, `Park`, `Water`,
+/// `Railway`, `Label`; a street's class one of [`StreetClass`].
 ///
 /// JSON, of colours as three numbers from 0 to 255 under the name of their class; `street:main` names a class of street:
 /// ```
@@ -165,7 +173,8 @@ impl Legend {
     pub fn to_ron_with(&self, findings: &[Finding]) -> String {
         let mut text = String::from(
             "// What the colours of the map stand for. Correct what is wrong, and survey again with this file as its legend.\n\
-             // Classes: Street, Square, Built, Park, Water, Railway, Label (lettering and symbols, which are filled from around).\n\
+             // Classes: Street, Square, Built, House (single houses in a colour of their own), Park, Water, Railway, Label\n\
+             // (lettering and symbols, which are filled from around).\n\
              // A street may have a class: (colour: \"#FCDD80\", class: Street, street: Main); they are Motorway, Main, Street,\n\
              // Lane, Service, Path, Steps. A colour of the map that is not here goes to the nearest one that is.\n",
         );
@@ -245,6 +254,7 @@ enum RonClass {
     Street,
     Square,
     Built,
+    House,
     Park,
     Water,
     Railway,
@@ -277,6 +287,7 @@ fn ron_colours<'de, D: Deserializer<'de>>(source: D) -> Result<Vec<LegendColour>
                     _ if street.is_some() => return Err(A::Error::custom("only a Street has a class of street")),
                     RonClass::Square => MapClass::Square,
                     RonClass::Built => MapClass::Built,
+                    RonClass::House => MapClass::House,
                     RonClass::Park => MapClass::Park,
                     RonClass::Water => MapClass::Water,
                     RonClass::Railway => MapClass::Railway,
@@ -349,7 +360,7 @@ impl<'de> DeserializeSeed<'de> for ClassKey {
         let name = String::deserialize(source)?;
         let unknown = || {
             D::Error::custom(format!(
-                "`{name}` is no class: street, square, built, park, water, railroad, label, or street:main and the like"
+                "`{name}` is no class: street, square, built, house, park, water, railroad, label, or street:main and the like"
             ))
         };
         match name.split_once(':') {
@@ -401,7 +412,7 @@ mod tests {
         for (line, says) in [
             ("(colour: \"#FFFFFF\", class: Built),", "both Street(None) and Built"),
             ("(colour: \"#GGGGGG\", class: Built),", "no colour"),
-            ("(colour: \"#000000\", class: House),", "House"),
+            ("(colour: \"#000000\", class: Hut),", "Hut"),
             ("(colour: \"#000000\", class: Built, street: Main),", "only a Street"),
             ("(colour: \"#000000\", clas: Built),", "clas"),
             ("(colour: \"#000000\", class: Street, street: Wide),", "Wide"),
@@ -414,7 +425,7 @@ mod tests {
             ("\"built\": [[255, 255, 255]]", "both Street(None) and Built"),
             ("\"built\": [[255, 255, 256]]", "256"),
             ("\"built\": [[255, 255]]", "length 2"),
-            ("\"house\": [[1, 2, 3]]", "`house` is no class"),
+            ("\"hut\": [[1, 2, 3]]", "`hut` is no class"),
             ("\"street:wide\": [[1, 2, 3]]", "`street:wide` is no class"),
             ("\"street:\": [[1, 2, 3]]", "`street:` is no class"),
         ] {
@@ -471,11 +482,11 @@ mod tests {
         #[test]
         fn what_is_written_is_read_again(
             metres in proptest::option::of(0.01f64..10.0),
-            picks in proptest::collection::btree_map(any::<[u8; 3]>(), 0usize..14, 1..20),
+            picks in proptest::collection::btree_map(any::<[u8; 3]>(), 0usize..15, 1..20),
         ) {
             use StreetClass::{Lane, Main, Motorway, Path, Service, Steps, Street};
             let streets = [Motorway, Main, Street, Lane, Service, Path, Steps];
-            let class = |i: usize| if i < 7 { MapClass::ALL[i] } else { MapClass::Street(Some(streets[i - 7])) };
+            let class = |i: usize| MapClass::ALL.get(i).copied().unwrap_or_else(|| MapClass::Street(Some(streets[i - MapClass::ALL.len()])));
             let mut colours: Vec<_> = picks.into_iter().map(|(colour, i)| LegendColour { class: class(i), colour }).collect();
             colours[0].class = MapClass::Street(None);
             let legend = Legend { metres_per_pixel: metres, colours };

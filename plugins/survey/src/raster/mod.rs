@@ -7,10 +7,11 @@
 //!    ┌──────────────────── classify ◄───────────────────────────────────────┘
 //!    │                     (a bitmap a class)
 //!    │
-//!    ├─► clean ──────────► skeleton ─► trace ──► sketch ──┬─ squares  ─┐
+//!    ├─► clean ─ yards ──► skeleton ─► trace ──► sketch ──┬─ squares  ─┐
 //!    │   (labels looked    (Zhang–     (nodes,   (pruned, ├─ crossing ─┼─► links, squares ─┐
 //!    │    through, noise    Suen)       lines)   measured)└─ ends ─────┘                   ├─► CityGraph
-//!    │    absorbed) ─────► blocks: what is left between streets and courses ──────────────┤
+//!    │    absorbed) ─────► blocks: what is left between streets and courses, ─────────────┤
+//!    │                     with courtyards; houses in a colour of their own               │
 //!    └─► courses: rivers and railways, at a quarter of the resolution ────────────────────┘
 //! ```
 //!
@@ -35,14 +36,17 @@
 //!
 //! # Limits
 //! Streets and squares are told by colour: a map of outlines alone, whose streets and blocks are both bare paper, is not
-//! read. Squares of more than 160 pixels from the middle to the wall are not found. A street has one width.
+//! read. Squares of more than 160 pixels from the middle to the wall are not found, unless they have a colour of their own. A
+//! street has one width, and one class where colours tell classes. A courtyard about a house of its own is taken for a street
+//! about a block, and one that a gate leads to for a blind alley. Blocks that show houses of their own are built ones like any
+//! other: that nothing is to be built between the houses is not said in a graph.
 //!
 //! # Rejected
 //! The `image` crate as a front to the same decoders: it copies JPEG and TIFF once more, takes neither palettes nor JPEG in
 //! TIFF, lets cut-off JPEG pass, and cannot say what a decoder will need. Guessing by hue alone: black streets on white and
 //! white streets on black differ in nothing else than in how they lie. A distance transform of the whole map: widths are
 //! asked for at a few places only. Squares as hulls of loops of short streets, as the papers have them: a region of the
-//! picture keeps its shape.
+//! picture keeps its shape. Telling houses from blocks by their size: see [`MapClass::House`].
 
 mod bitmap;
 mod blocks;
@@ -54,7 +58,9 @@ mod crossing;
 mod ends;
 mod filter;
 mod graph;
+mod ground;
 mod guess;
+mod house;
 mod lanes;
 mod legend;
 mod limits;
@@ -71,7 +77,9 @@ mod sketch;
 mod square;
 mod stage;
 mod thinning;
+mod tint;
 mod trace;
+mod yard;
 
 pub use bitmap::Bitmap;
 pub use guess::{Guess, guess, guess_legend};

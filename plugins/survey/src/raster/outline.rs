@@ -58,6 +58,26 @@ impl Outline {
         edges.chunks_exact(2).map(|pair| (pair[0].0, pair[0].1, pair[1].1)).collect()
     }
 
+    /// Whether it goes around a point.
+    pub fn encloses(&self, at: DVec2) -> bool {
+        let mut inside = false;
+        for (i, a) in self.corners.iter().enumerate() {
+            let b = self.corners[(i + 1) % self.corners.len()];
+            if a.x == b.x && f64::from(a.x) > at.x && (f64::from(a.y) > at.y) != (f64::from(b.y) > at.y) {
+                inside = !inside;
+            }
+        }
+        inside
+    }
+
+    /// The middle of a pixel that is set and touches it.
+    fn pixel_beside(&self) -> Option<DVec2> {
+        let edge = self.corners.iter().zip(self.corners.iter().cycle().skip(1)).find(|(a, b)| a.x == b.x)?;
+        // What is set lies to the left: to the east of an edge that runs down.
+        let aside = if edge.1.y > edge.0.y { 0.5 } else { -0.5 };
+        Some(DVec2::new(f64::from(edge.0.x) + aside, f64::from(edge.0.y.min(edge.1.y)) + 0.5))
+    }
+
     /// Sets or clears all pixels inside of it and of the picture.
     pub fn paint(&self, bitmap: &mut Bitmap, on: bool) {
         let (width, height) = (bitmap.width() as i32, bitmap.height() as i32);
@@ -87,6 +107,21 @@ pub(crate) fn outlines(bitmap: &Bitmap, corners: Corners) -> Vec<Outline> {
         }
     }
     result
+}
+
+/// For each outline of a hole, the number of the outline of that which has this hole, if it is among the given ones.
+pub(crate) fn holders(outers: &[Outline], holes: &[Outline]) -> Vec<Option<usize>> {
+    if holes.is_empty() {
+        return Vec::new();
+    }
+    let extents: Vec<(DVec2, DVec2)> = outers.iter().map(|o| o.extent()).map(|(l, h)| (l.as_dvec2(), h.as_dvec2())).collect();
+    let holder = |hole: &Outline| {
+        let at = hole.pixel_beside()?;
+        let about = extents.iter().enumerate().filter(|(_, (low, high))| at.cmpgt(*low).all() && at.cmplt(*high).all());
+        // Of those around one another the innermost.
+        about.map(|(i, _)| i).filter(|&i| outers[i].encloses(at)).min_by_key(|&i| outers[i].area_px)
+    };
+    holes.iter().map(holder).collect()
 }
 
 /// Steps along pixel edges: down, right, up, left, so that the next is a turn to the left.
@@ -237,6 +272,21 @@ mod tests {
         let two = Bitmap::from_fn(4, 4, |x, y| (x, y) == (1, 1) || (x, y) == (2, 2));
         assert_eq!(outlines(&two, Corners::Join).len(), 1);
         assert_eq!(outlines(&two, Corners::Part).len(), 2);
+    }
+
+    #[test]
+    fn a_hole_belongs_to_what_lies_around_it() {
+        // A ring in a ring, and a lone box beside them.
+        let is_ring = |x: usize, y: usize, low: usize, high: usize| {
+            let inside = |low: usize, high: usize| (low..high).contains(&x) && (low..high).contains(&y);
+            inside(low, high) && !inside(low + 2, high - 2)
+        };
+        let rings =
+            Bitmap::from_fn(40, 30, |x, y| is_ring(x, y, 2, 26) || is_ring(x, y, 8, 20) || (30..36).contains(&x) && y > 3 && y < 9);
+        let (holes, outers): (Vec<_>, Vec<_>) = outlines(&rings, Corners::Part).into_iter().partition(Outline::is_hole);
+        let held: Vec<_> = holders(&outers, &holes).into_iter().map(|i| i.map(|i| outers[i].area_px)).collect();
+        assert_eq!((holes.iter().map(|h| h.area_px).collect::<Vec<_>>(), held), (vec![-400, -64], vec![Some(576), Some(144)]));
+        assert_eq!(holders(&outers[1..], &holes[..1]), [None], "its own outline is not there");
     }
 
     proptest! {

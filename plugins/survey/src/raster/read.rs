@@ -1,26 +1,30 @@
 //! The way from a picture to streets, squares and blocks.
 
 use glam::DVec2;
-use veduta_city::{BlockKind, LinkKind};
+use veduta_city::{LinkKind, StreetClass};
 
 use crate::Georeference;
 
 use super::bitmap::Bitmap;
-use super::blocks::blocks;
+use super::blocks::{FoundBlock, blocks};
 use super::bridge::lead_through;
 use super::classify::classified;
 use super::clean::{MARGIN, cleaned, course_mask, is_rare, labels};
 use super::course::courses;
 use super::crossing;
 use super::ends::{clipped, run_on};
+use super::house::{Footprint, houses};
 use super::legend::Legend;
-use super::outline::simplified;
+use super::outline::{Corners, simplified};
+use super::parts::Parts;
 use super::picture::Picture;
 use super::sketch::Sketch;
-use super::square::squares;
+use super::square::{printed_squares, squares};
 use super::stage::{self, Stage, Stages};
 use super::thinning::thinned;
+use super::tint::Tints;
 use super::trace::traced;
+use super::yard::courtyards;
 
 /// How far a street's line may be from what was traced, metres, or pixels if these are larger.
 const SIMPLE_M: f64 = 0.6;
@@ -30,12 +34,16 @@ const SIMPLE_M: f64 = 0.6;
 pub(super) struct MapReading {
     /// Streets: line and width.
     pub streets: Vec<(Vec<DVec2>, f64)>,
+    /// The streets' classes, where the map tells them by colour: as many as streets, or none at all.
+    pub street_classes: Vec<Option<StreetClass>>,
     /// Rivers and railways: kind, line and width.
     pub courses: Vec<(LinkKind, Vec<DVec2>, f64)>,
     /// Squares.
     pub squares: Vec<Vec<DVec2>>,
-    /// Blocks: kind and outline.
-    pub blocks: Vec<(BlockKind, Vec<DVec2>)>,
+    /// Blocks.
+    pub blocks: Vec<FoundBlock>,
+    /// Single houses.
+    pub houses: Vec<Footprint>,
 }
 
 impl MapReading {
@@ -50,12 +58,15 @@ impl MapReading {
         self.streets.iter_mut().for_each(|(line, _)| move_all(line));
         self.courses.iter_mut().for_each(|(_, line, _)| move_all(line));
         self.squares.iter_mut().for_each(move_all);
-        self.blocks.iter_mut().for_each(|(_, outline)| move_all(outline));
+        self.blocks.iter_mut().flat_map(FoundBlock::rings_mut).for_each(move_all);
+        self.houses.iter_mut().flat_map(Footprint::rings_mut).for_each(move_all);
         let [origin, east, north] =
             [(0.0, height), (1.0, height), (0.0, height - 1.0)].map(|(x, y)| place.plan_pos(DVec2::new(x, y)));
         if (east - origin).perp_dot(north - origin) < 0.0 {
             // A picture that lies mirrored: what ran counter-clockwise runs clockwise there.
-            self.squares.iter_mut().chain(self.blocks.iter_mut().map(|(_, outline)| outline)).for_each(|ring| ring.reverse());
+            let of_blocks = self.blocks.iter_mut().flat_map(FoundBlock::rings_mut);
+            let of_houses = self.houses.iter_mut().flat_map(Footprint::rings_mut);
+            self.squares.iter_mut().chain(of_blocks).chain(of_houses).for_each(|ring| ring.reverse());
         }
         self
     }
@@ -73,11 +84,14 @@ pub(super) fn read_map(
     let classes = stages.given(Stage::Classes).map_or_else(|| classified(picture, legend), stage::classes);
     stages.show(Stage::Classes, || stage::of_classes(&classes));
     done("classify");
-    let (mut paved, hidden) = cleaned(&classes, mpp);
+    let (mut paved, hidden, mut parts) = cleaned(&classes, mpp);
     if let Some(mended) = stages.given(Stage::Streets) {
         paved = stage::white(mended).with_margin(MARGIN);
+        parts = Parts::of(&paved, Corners::Join).parts;
     }
     stages.show(Stage::Streets, || stage::of_bitmaps(&paved.without_margin(MARGIN), None));
+    let printed = printed_squares(&classes, &paved, MARGIN, mpp);
+    let yards = courtyards(&mut paved, &parts, &hidden, printed.as_ref(), mpp);
     done("clean");
     let mended = stages.given(Stage::Skeleton).map(|mended| stage::white(mended).with_margin(MARGIN));
     let skeleton = mended.unwrap_or_else(|| thinned(&paved, threads));
@@ -95,7 +109,7 @@ pub(super) fn read_map(
     lead_through(&mut sketch, &mut paved, &hidden, mpp);
     sketch.join_chains();
     done("widths");
-    let found = squares(&mut sketch, &paved, MARGIN as i32, mpp);
+    let found = squares(&mut sketch, &paved, printed.as_ref(), MARGIN as i32, mpp);
     sketch.prune();
     sketch.join_chains();
     done("squares");
@@ -120,7 +134,10 @@ pub(super) fn read_map(
         }
     }
     done("streets");
-    let street = paved.without_margin(MARGIN);
+    let mut street = paved.without_margin(MARGIN);
+    if let Some(yards) = yards {
+        street.add(&yards.without_margin(MARGIN));
+    }
     let blank = || Bitmap::new(picture.width, picture.height);
     let (mut railway, mut river) = (blank(), blank());
     let mut courses_found = Vec::new();
@@ -139,7 +156,15 @@ pub(super) fn read_map(
     }
     done("courses");
     let blocks = blocks(&street, [&railway, &river], &classes, mpp);
+    let mut houses = houses(&classes, mpp);
+    houses.iter_mut().flat_map(Footprint::rings_mut).for_each(|ring| {
+        *ring = ring.iter().rev().map(|p| DVec2::new(p.x, size.y - p.y) * mpp).collect();
+    });
     done("blocks");
+    let in_picture = |line: &[DVec2]| -> Vec<DVec2> { line.iter().map(|p| DVec2::new(p.x / mpp, size.y - p.y / mpp)).collect() };
+    let street_classes = Tints::of(picture, legend).map_or_else(Vec::new, |tints| {
+        streets.iter().map(|(line, width)| tints.class_of(&in_picture(line), width / mpp / 2.0)).collect()
+    });
     let squares = found.iter().map(|s| s.outline.iter().rev().map(|&p| plan(p)).collect()).collect();
-    MapReading { streets, courses: courses_found, squares, blocks }
+    MapReading { streets, street_classes, courses: courses_found, squares, blocks, houses }
 }

@@ -7,15 +7,18 @@
 //! ```
 //!
 //! The papers go the other way, from loops of short streets to their hull. A region of the picture itself keeps its
-//! shape: an L stays an L.
+//! shape: an L stays an L. What the map prints in a colour of squares is a square as it is printed.
 
 use std::collections::BTreeMap;
 
 use glam::{DVec2, IVec2};
 
 use super::bitmap::Bitmap;
+use super::classify::Classes;
+use super::clean::{SPECK_M2, course_mask, labels};
 use super::morphology::{band, grown, shrunk};
 use super::outline::{Corners, Outline, outlines, simplified_ring};
+use super::parts::Parts;
 use super::sketch::{Sketch, SketchNode, SketchStreet, length};
 
 /// Least and greatest radius of the largest disc in a square, metres.
@@ -31,6 +34,9 @@ const MOST_REACH_RADII: f64 = 6.0;
 /// Least area of a square, in areas covered by the streets that enter it.
 const LEAST_SURPLUS: f64 = 1.2;
 
+/// Half the width of edges in which the colour of squares is none, pixels.
+const EDGE_PX: usize = 2;
+
 /// A square as found.
 #[derive(Debug, Clone)]
 pub(crate) struct FoundSquare {
@@ -38,10 +44,36 @@ pub(crate) struct FoundSquare {
     pub outline: Vec<DVec2>,
 }
 
-/// Finds squares, cuts the streets at their borders, and gives their outlines.
-pub(crate) fn squares(sketch: &mut Sketch, paved: &Bitmap, margin: i32, mpp: f64) -> Vec<FoundSquare> {
+/// What is printed in the colour of squares, as whole regions with a margin; nothing where there is none.
+pub(crate) fn printed_squares(classes: &Classes, paved: &Bitmap, margin: usize, mpp: f64) -> Option<Bitmap> {
+    if classes.square.is_blank() {
+        return None;
+    }
+    let mut printed = course_mask(&classes.square, &labels(&classes.ink)).with_margin(margin);
+    printed.keep(paved);
+    // Where streets' colour meets that of blocks, theirs may lie between.
+    let mut regions = grown(&shrunk(&printed, EDGE_PX), EDGE_PX);
+    regions.keep(&printed);
+    let least = (2.0 * SPECK_M2 / (mpp * mpp)) as i64;
+    for run in Parts::of(&regions.clone(), Corners::Part).smaller_than(least) {
+        regions.set_between(run.y as usize, run.from as usize, run.to as usize, false);
+    }
+    (!regions.is_blank()).then_some(regions)
+}
+
+/// Finds squares, cuts the streets at their borders, and gives their outlines. What is `printed` as squares is taken as it is.
+pub(crate) fn squares(sketch: &mut Sketch, paved: &Bitmap, printed: Option<&Bitmap>, margin: i32, mpp: f64) -> Vec<FoundSquare> {
     let mut taken = Bitmap::new(paved.width(), paved.height());
     let mut found = Vec::new();
+    if let Some(printed) = printed {
+        for border in outlines(printed, Corners::Part).into_iter().filter(|o| !o.is_hole()) {
+            let region = Region::printed(printed, &border);
+            region.add_to(&mut taken);
+            let size = IVec2::new(paved.width() as i32, paved.height() as i32);
+            let on_map = |p: DVec2| p.clamp(DVec2::splat(f64::from(margin)), (size - margin).as_dvec2());
+            found.push((FoundSquare { outline: region.outline().into_iter().map(on_map).collect() }, region));
+        }
+    }
     let ends = Ends::of(sketch);
     let mut examined: Vec<(DVec2, f64)> = Vec::new();
     for (at, radius) in candidates(sketch, mpp) {
@@ -52,6 +84,9 @@ pub(crate) fn squares(sketch: &mut Sketch, paved: &Bitmap, margin: i32, mpp: f64
         }
         examined.push((at, radius));
         let Some(region) = Region::around(sketch, &ends, paved, at, radius, margin) else { continue };
+        if printed.is_some() && region.overlaps(&taken) {
+            continue;
+        }
         if region.is_square(sketch, radius) {
             region.add_to(&mut taken);
             found.push((FoundSquare { outline: region.outline() }, region));
@@ -129,6 +164,24 @@ struct Region {
 }
 
 impl Region {
+    /// A region in the colour of squares.
+    fn printed(printed: &Bitmap, border: &Outline) -> Self {
+        let (low, high) = border.extent();
+        let size = (high - low).as_uvec2();
+        let mut area = Bitmap::new(size.x as usize, size.y as usize);
+        let border = border.moved(-low);
+        border.paint(&mut area, true);
+        area.keep(&Bitmap::from_window(printed, low, area.width(), area.height()));
+        Self { origin: low, area, border, near: Vec::new() }
+    }
+
+    /// Whether more than a third of it is among some pixels.
+    fn overlaps(&self, pixels: &Bitmap) -> bool {
+        let mut shared = self.area.clone();
+        shared.keep(&Bitmap::from_window(pixels, self.origin, shared.width(), shared.height()));
+        3 * shared.count() > self.area.count()
+    }
+
     fn around(sketch: &Sketch, ends: &Ends, paved: &Bitmap, at: DVec2, radius: f64, margin: i32) -> Option<Self> {
         let steps = (REGION_RADII * radius) as usize;
         let middle = IVec2::new(at.x as i32, at.y as i32);
@@ -237,7 +290,7 @@ fn seed(paved: &Bitmap, at: DVec2, steps: usize, reach: i32) -> Option<(Bitmap, 
         let window = Bitmap::from_window(paved, origin, side as usize, side as usize);
         let core = shrunk(&window, steps);
         let found = outlines(&core, Corners::Join);
-        let own = found.iter().filter(|o| !o.is_hole()).find(|o| encloses(&o.corners, at - origin.as_dvec2()))?;
+        let own = found.iter().filter(|o| !o.is_hole()).find(|o| o.encloses(at - origin.as_dvec2()))?;
         let (low, high) = own.extent();
         // Nearer to the border than that, it is not known what a disc touches.
         let open = steps as i32;
@@ -253,18 +306,6 @@ fn seed(paved: &Bitmap, at: DVec2, steps: usize, reach: i32) -> Option<(Bitmap, 
         return Some((seed, origin + corner));
     }
     None
-}
-
-/// Whether a closed line of horizontal and vertical edges goes around a point.
-fn encloses(corners: &[IVec2], at: DVec2) -> bool {
-    let mut inside = false;
-    for (i, a) in corners.iter().enumerate() {
-        let b = corners[(i + 1) % corners.len()];
-        if a.x == b.x && f64::from(a.x) > at.x && (f64::from(a.y) > at.y) != (f64::from(b.y) > at.y) {
-            inside = !inside;
-        }
-    }
-    inside
 }
 
 /// The point of a ring nearest to another.

@@ -63,8 +63,17 @@ impl Stages<'_> {
     }
 }
 
-/// Colours of streets, built ground, parks, water, railways and labels.
-const COLOURS: [[u8; 3]; 6] = [[255, 255, 255], [217, 197, 168], [148, 190, 110], [120, 170, 215], [120, 60, 150], [20, 20, 20]];
+/// Colours of streets, built ground, parks, water, railways, labels, houses and squares.
+const COLOURS: [[u8; 3]; 8] = [
+    [255, 255, 255],
+    [217, 197, 168],
+    [148, 190, 110],
+    [120, 170, 215],
+    [120, 60, 150],
+    [20, 20, 20],
+    [190, 70, 50],
+    [255, 225, 60],
+];
 const WHITE: [u8; 3] = [255; 3];
 const GREY: [u8; 3] = [96; 3];
 const BLACK: [u8; 3] = [0; 3];
@@ -101,8 +110,10 @@ pub(super) fn white(picture: &Picture) -> Bitmap {
 pub(super) fn of_classes(classes: &Classes) -> Picture {
     drawn(classes.street.width(), classes.street.height(), |x, y| {
         let (x, y) = (x as isize, y as isize);
-        let shown = [&classes.street, &classes.park, &classes.water, &classes.railway, &classes.ink];
-        let colours = [COLOURS[0], COLOURS[2], COLOURS[3], COLOURS[4], COLOURS[5]];
+        let Classes { street, park, water, railway, ink, house, square } = classes;
+        // What is a square is a street too.
+        let shown = [square, street, park, water, railway, ink, house];
+        let colours = [COLOURS[7], COLOURS[0], COLOURS[2], COLOURS[3], COLOURS[4], COLOURS[5], COLOURS[6]];
         shown.iter().zip(colours).find(|(class, _)| class.get(x, y)).map_or(COLOURS[1], |(_, colour)| colour)
     })
 }
@@ -115,7 +126,10 @@ pub(super) fn classes(picture: &Picture) -> Classes {
         (0..COLOURS.len()).min_by_key(|&i| distance2(COLOURS[i], colour))
     };
     let of = |class: usize| Bitmap::from_fn(picture.width, picture.height, |x, y| nearest(x, y) == Some(class));
-    Classes { street: of(0), park: of(2), water: of(3), railway: of(4), ink: of(5) }
+    let mut street = of(0);
+    let square = of(7);
+    street.add(&square);
+    Classes { street, park: of(2), water: of(3), railway: of(4), ink: of(5), house: of(6), square }
 }
 
 #[cfg(test)]
@@ -135,14 +149,18 @@ mod tests {
 
     #[test]
     fn classes_come_back_as_they_were_drawn() {
-        let of = |n: usize| Bitmap::from_fn(70, 9, |x, y| (x / 3 + y) % 6 == n);
-        let drawn = Classes { street: of(0), park: of(1), water: of(2), railway: of(3), ink: of(4) };
+        let of = |n: usize| Bitmap::from_fn(70, 9, |x, y| (x / 3 + y) % 8 == n);
+        let mut street = of(0);
+        street.add(&of(6));
+        let drawn = Classes { street, park: of(1), water: of(2), railway: of(3), ink: of(4), house: of(5), square: of(6) };
         let back = classes(&of_classes(&drawn));
         assert_eq!(back.street, drawn.street);
         assert_eq!(back.park, drawn.park);
         assert_eq!(back.water, drawn.water);
         assert_eq!(back.railway, drawn.railway);
         assert_eq!(back.ink, drawn.ink);
+        assert_eq!(back.house, drawn.house);
+        assert_eq!(back.square, drawn.square);
     }
 
     #[test]

@@ -2,7 +2,7 @@ use super::*;
 use crate::raster::PictureLimits;
 use crate::raster::quantise::oklab;
 use crate::testing::data;
-use MapClass::{Built, Label, Park, Railway, Street, Water};
+use MapClass::{Built, House, Label, Park, Railway, Street, Water};
 use veduta_city::draw::Draw;
 
 const SIDE: usize = 400;
@@ -106,6 +106,26 @@ fn light_streets_between_dark_blocks_and_dark_streets_on_white() {
 }
 
 #[test]
+fn houses_upon_the_ground_of_blocks() {
+    // Four houses in each block, 6 from the streets and from one another; blocks of the same two colours, one each, are none.
+    let houses = |x: usize, y: usize| [x % 40, y % 40].iter().all(|c| (12..22).contains(c) || (27..36).contains(c));
+    let tones = |x: usize, y: usize| (x / 40 + y / 40).is_multiple_of(3);
+    let of = |is_dark: &dyn Fn(usize, usize) -> bool| {
+        let street = |x: usize, y: usize| x % 40 < 8 || y % 40 < 8;
+        let picture = drawn(|x, y| match () {
+            () if street(x, y) => PAPER,
+            () if is_dark(x, y) => [150, 60, 40],
+            () => HOUSES,
+        });
+        let (legend, findings) = guess_legend(&picture, None);
+        let found = [PAPER, HOUSES, [150, 60, 40]].map(|c| class_of(&legend, c));
+        (found, findings.iter().any(|f| f.message.contains("single houses")))
+    };
+    assert_eq!(of(&houses), ([Street(None), Built, House], true));
+    assert_eq!(of(&tones), ([Street(None), Built, Built], false));
+}
+
+#[test]
 fn outlined_blocks_are_a_finding() {
     let ink = |x: usize, y: usize| {
         let edge = |n: usize| n % 40 == 8 || n % 40 == 39;
@@ -143,7 +163,7 @@ const REAL: &[(&str, bool, &[([u8; 3], MapClass)])] = &[
     (
         "raster_figure_ground/port_au_prince_figure_ground.png",
         false,
-        &[([255; 3], Street(None)), ([51; 3], Built), ([255, 165, 0], Built)],
+        &[([255; 3], Street(None)), ([51; 3], Built), ([255, 165, 0], House)],
     ),
     (
         "raster_figure_ground/portland_figure_ground.png",
@@ -158,6 +178,7 @@ const REAL: &[(&str, bool, &[([u8; 3], MapClass)])] = &[
         false,
         &[
             ([49, 57, 57], Street(None)),
+            ([232, 234, 199], Built),
             ([254, 199, 87], Built),
             ([194, 41, 61], Built),
             ([232, 114, 76], Built),
