@@ -33,6 +33,40 @@ pub enum ProfileError {
     Width(f64),
 }
 
+impl WidthAt {
+    /// The width that a profile has at a share of the line's length; nothing of an empty one.
+    #[must_use]
+    pub fn between(profile: &[Self], share: f64) -> Option<f64> {
+        let next = profile.partition_point(|entry| entry.share <= share);
+        match (next.checked_sub(1).and_then(|before| profile.get(before)), profile.get(next)) {
+            (Some(a), Some(b)) => {
+                let t = (share - a.share) / (b.share - a.share);
+                Some(a.width_m + (b.width_m - a.width_m) * t.clamp(0.0, 1.0))
+            }
+            (Some(only), None) | (None, Some(only)) => Some(only.width_m),
+            (None, None) => None,
+        }
+    }
+
+    /// What of a profile lies between two shares of the line, for a line of that part alone.
+    #[must_use]
+    pub fn part(profile: &[Self], from: f64, to: f64) -> Vec<Self> {
+        let (Some(first), Some(last)) = (Self::between(profile, from), Self::between(profile, to)) else { return Vec::new() };
+        let inner = profile.iter().filter(|entry| from < entry.share && entry.share < to);
+        let inner = inner.map(|entry| Self { share: (entry.share - from) / (to - from), ..*entry });
+        let (first, last) = (Self { share: 0.0, width_m: first }, Self { share: 1.0, width_m: last });
+        core::iter::once(first).chain(inner).chain(core::iter::once(last)).collect()
+    }
+
+    /// The mean of a profile over the line's length; nothing of an empty one.
+    #[must_use]
+    pub fn mean(profile: &[Self]) -> Option<f64> {
+        let shares = core::iter::once(0.0).chain(profile.iter().map(|entry| entry.share)).chain(core::iter::once(1.0));
+        let ends: Option<Vec<(f64, f64)>> = shares.map(|share| Some((share, Self::between(profile, share)?))).collect();
+        Some(ends?.windows(2).map(|w| (w[1].0 - w[0].0) * (w[0].1 + w[1].1) / 2.0).sum())
+    }
+}
+
 impl Link {
     /// Width in metres at a share of the line's length, 0 to 1: between the entries of its profile as on a straight line, before
     /// the first and after the last as there. [`Link::width`] where it has no profile.
@@ -46,15 +80,7 @@ impl Link {
     /// ```
     #[must_use]
     pub fn width_at(&self, share: f64) -> f64 {
-        let next = self.profile.partition_point(|entry| entry.share <= share);
-        match (next.checked_sub(1).and_then(|before| self.profile.get(before)), self.profile.get(next)) {
-            (Some(a), Some(b)) => {
-                let t = (share - a.share) / (b.share - a.share);
-                a.width_m + (b.width_m - a.width_m) * t.clamp(0.0, 1.0)
-            }
-            (Some(only), None) | (None, Some(only)) => only.width_m,
-            (None, None) => self.width(),
-        }
+        WidthAt::between(&self.profile, share).unwrap_or_else(|| self.width())
     }
 
     /// What is wrong with the profile: the number of the entry, from 1, and why. The first that is wrong counts.
@@ -74,24 +100,13 @@ impl Link {
         })
     }
 
-    /// The mean of the profile over the line's length; [`Link::width`] where it has none.
-    #[must_use]
-    pub fn mean_width(&self) -> f64 {
-        let shares = core::iter::once(0.0).chain(self.profile.iter().map(|entry| entry.share)).chain(core::iter::once(1.0));
-        let ends: Vec<(f64, f64)> = shares.map(|share| (share, self.width_at(share))).collect();
-        ends.windows(2).map(|w| (w[1].0 - w[0].0) * (w[0].1 + w[1].1) / 2.0).sum()
-    }
-
     /// Keeps of the profile what lies between two shares of the line, for a link of that part alone, and makes its mean the
     /// width.
     pub(crate) fn part_profile(&mut self, from: f64, to: f64) {
         if self.profile.is_empty() || to <= from {
             return;
         }
-        let inner = self.profile.iter().copied().filter(|entry| from < entry.share && entry.share < to);
-        let end = |share: f64| WidthAt { share, width_m: self.width_at(share) };
-        let part = core::iter::once(end(from)).chain(inner).chain(core::iter::once(end(to)));
-        self.profile = part.map(|entry| WidthAt { share: (entry.share - from) / (to - from), ..entry }).collect();
+        self.profile = WidthAt::part(&self.profile, from, to);
         self.part_steps();
         self.width_of_profile();
     }
@@ -149,8 +164,8 @@ impl Link {
 
     /// Makes the mean of the profile the width, to a centimetre, where a width is given.
     fn width_of_profile(&mut self) {
-        if self.width_m > 0.0 {
-            self.width_m = (self.mean_width() * 100.0).round() / 100.0;
+        if let Some(mean) = WidthAt::mean(&self.profile).filter(|_| self.width_m > 0.0) {
+            self.width_m = (mean * 100.0).round() / 100.0;
         }
     }
 }
@@ -211,7 +226,8 @@ mod tests {
             first.join_profile(100.0 * cut, &second, 100.0 * (1.0 - cut), is_turned);
             prop_assert_eq!(first.profile_error(), None);
             prop_assert!((first.width_at(share) - whole.width_at(share)).abs() < 1e-6);
-            prop_assert!((first.mean_width() - whole.mean_width()).abs() < 1e-6);
+            let (joined, whole) = (WidthAt::mean(&first.profile), WidthAt::mean(&whole.profile));
+            prop_assert!((joined.unwrap_or(9.0) - whole.unwrap_or(9.0)).abs() < 1e-6, "{:?} for {:?}", joined, whole);
         }
     }
 
@@ -220,7 +236,9 @@ mod tests {
         let mut link = street(&[(0.0, 6.0), (1.0, 8.0)]);
         link.join_profile(30.0, &Link { width_m: 12.0, ..lane(2, 3) }, 10.0, false);
         assert_eq!(link.profile_error(), None);
-        assert!([(0.0, 6.0), (0.75, 8.0), (0.76, 12.0), (1.0, 12.0)].iter().all(|&(share, w)| (link.width_at(share) - w).abs() < 0.01));
+        assert!(
+            [(0.0, 6.0), (0.75, 8.0), (0.76, 12.0), (1.0, 12.0)].iter().all(|&(share, w)| (link.width_at(share) - w).abs() < 0.01)
+        );
         assert_eq!(link.width_m, 8.25, "the mean of 7 m over 30 m and 12 m over 10 m");
     }
 
@@ -244,7 +262,10 @@ mod tests {
                 "entry 3 of the `profile` of link 7: its share of 0.5 is not beyond the 0.5 of the entry before it; shares ascend",
             ),
             (vec![(0.0, 0.0)], "entry 1 of the `profile` of link 7: its width is 0.0 m; it must be more than 0 and at most 400 m"),
-            (vec![(0.5, f64::INFINITY)], "entry 1 of the `profile` of link 7: its width is inf m; it must be more than 0 and at most 400 m"),
+            (
+                vec![(0.5, f64::INFINITY)],
+                "entry 1 of the `profile` of link 7: its width is inf m; it must be more than 0 and at most 400 m",
+            ),
         ] {
             let graph = CityGraph {
                 nodes: vec![node(1, 0.0, 0.0), node(2, 90.0, 0.0)],
@@ -274,12 +295,16 @@ mod tests {
         assert!(links[0].profile.is_empty() && links[0].width() == 8.0);
         assert_eq!(edited("Name(target: (at: (50, 0)), name: \"B\")")[0].profile.len(), 2);
         let links = edited("SplitLink((at: (40, 0)))");
-        assert!(is_near(links[0].width_at(1.0), 8.4) && is_near(links[1].width_at(0.0), 8.4) && is_near(links[1].width_at(1.0), 12.0));
+        assert!(
+            is_near(links[0].width_at(1.0), 8.4) && is_near(links[1].width_at(0.0), 8.4) && is_near(links[1].width_at(1.0), 12.0)
+        );
         assert_eq!((links[0].width(), links[1].width()), (7.2, 10.2), "each part has its own mean");
         // The longer part, which keeps its id, runs the other way after.
         let links = edited("SplitLink((at: (40, 0))), RemoveNode((at: (40, 0)))");
         assert!(links.len() == 1 && links[0].from == Id(2), "{links:?}");
-        assert!(is_near(links[0].width_at(0.0), 12.0) && is_near(links[0].width_at(0.6), 8.4) && is_near(links[0].width_at(1.0), 6.0));
+        assert!(
+            is_near(links[0].width_at(0.0), 12.0) && is_near(links[0].width_at(0.6), 8.4) && is_near(links[0].width_at(1.0), 6.0)
+        );
         let links = edited("AddSquare((outline: [(40, -20), (60, -20), (60, 20), (40, 20)]))");
         assert!(is_near(links[0].width_at(1.0), 8.4) && is_near(links[1].width_at(0.0), 9.6), "{links:?}");
     }

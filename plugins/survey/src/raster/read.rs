@@ -1,7 +1,7 @@
 //! The way from a picture to streets, squares and blocks.
 
 use glam::DVec2;
-use veduta_city::{BlockKind, LinkKind};
+use veduta_city::{BlockKind, LinkKind, WidthAt};
 
 use crate::Georeference;
 
@@ -15,7 +15,9 @@ use super::crossing;
 use super::ends::{clipped, run_on};
 use super::legend::Legend;
 use super::outline::simplified;
+use super::over::{over_rails, over_water};
 use super::picture::Picture;
+use super::profile::profile;
 use super::sketch::Sketch;
 use super::square::squares;
 use super::stage::{self, Stage, Stages};
@@ -28,14 +30,27 @@ const SIMPLE_M: f64 = 0.6;
 /// What a map shows, in plan metres.
 #[derive(Debug, Clone, Default)]
 pub(super) struct MapReading {
-    /// Streets: line and width.
-    pub streets: Vec<(Vec<DVec2>, f64)>,
+    /// Streets.
+    pub streets: Vec<ReadStreet>,
     /// Rivers and railways: kind, line and width.
     pub courses: Vec<(LinkKind, Vec<DVec2>, f64)>,
     /// Squares.
     pub squares: Vec<Vec<DVec2>>,
     /// Blocks: kind and outline.
     pub blocks: Vec<(BlockKind, Vec<DVec2>)>,
+}
+
+/// A street between two nodes.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ReadStreet {
+    /// Its line.
+    pub line: Vec<DVec2>,
+    /// The width that it mostly has, metres.
+    pub width: f64,
+    /// Its widths from place to place, where they vary.
+    pub profile: Vec<WidthAt>,
+    /// 0, or 1 where it runs over water or rails.
+    pub layer: i8,
 }
 
 impl MapReading {
@@ -47,7 +62,7 @@ impl MapReading {
                 *p = place.plan_pos(DVec2::new(p.x / mpp, height - p.y / mpp));
             }
         };
-        self.streets.iter_mut().for_each(|(line, _)| move_all(line));
+        self.streets.iter_mut().for_each(|street| move_all(&mut street.line));
         self.courses.iter_mut().for_each(|(_, line, _)| move_all(line));
         self.squares.iter_mut().for_each(move_all);
         self.blocks.iter_mut().for_each(|(_, outline)| move_all(outline));
@@ -115,8 +130,14 @@ pub(super) fn read_map(
             }
         }
         for piece in clipped(&line, margin, margin + size) {
-            let piece: Vec<DVec2> = simplified(&piece, tolerance_px).into_iter().map(plan).collect();
-            streets.push((piece, 2.0 * street.half * mpp));
+            let piece = simplified(&piece, tolerance_px);
+            let at_crossroads = [(0, piece.first()), (1, piece.last())].map(|(end, p)| {
+                let node = street.ends[end];
+                ends[node] > 2 && p == Some(&sketch.nodes[node].pos)
+            });
+            let profile = profile(&piece, (street.half, street.range), at_crossroads, &paved, mpp);
+            let line = piece.into_iter().map(|p| p - margin).collect();
+            streets.push(ReadStreet { line, width: 2.0 * street.half * mpp, profile, layer: 0 });
         }
     }
     done("streets");
@@ -132,9 +153,19 @@ pub(super) fn read_map(
             continue;
         }
         *mask = course_mask(class, labelled.get_or_insert_with(|| labels(&classes.ink)));
-        for course in courses(mask, mpp, tolerance_px) {
+        let found = courses(mask, mpp, tolerance_px);
+        streets = match kind {
+            LinkKind::Watercourse => over_water(streets, &found, mask, mpp),
+            _ => over_rails(streets, &found, mask, mpp),
+        };
+        for course in found {
             let line = course.line.iter().map(|p| DVec2::new(p.x, size.y - p.y) * mpp).collect();
             courses_found.push((kind, line, 2.0 * course.half * mpp));
+        }
+    }
+    for street in &mut streets {
+        for p in &mut street.line {
+            *p = DVec2::new(p.x, size.y - p.y) * mpp;
         }
     }
     done("courses");
