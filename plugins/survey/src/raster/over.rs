@@ -276,3 +276,102 @@ impl ReadStreet {
         Self { line, width: WidthAt::mean(&profile).unwrap_or(self.width), profile, layer }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const MPP: f64 = 0.5;
+
+    /// A band of 40 pixels about y = 150, but where `is_hidden`.
+    fn band(is_hidden: impl Fn(DVec2) -> bool) -> (Bitmap, [FoundCourse; 1]) {
+        let bitmap =
+            Bitmap::from_fn(400, 300, |x, y| (130..170).contains(&y) && !is_hidden(DVec2::new(x as f64 + 0.5, y as f64 + 0.5)));
+        (bitmap, [FoundCourse { line: vec![DVec2::new(0.0, 150.0), DVec2::new(400.0, 150.0)], half: 20.0 }])
+    }
+
+    /// A street 10 m (20 pixels) wide.
+    fn street(line: &[(f64, f64)]) -> ReadStreet {
+        ReadStreet { line: line.iter().map(|&p| p.into()).collect(), width: 10.0, ..ReadStreet::default() }
+    }
+
+    fn is_under(line: &[DVec2]) -> impl Fn(DVec2) -> bool {
+        move |p| distance_to(line, p) < 10.0
+    }
+
+    /// Layer, first and last point of every piece.
+    fn told(pieces: &[ReadStreet]) -> Vec<(i8, [f64; 2], [f64; 2])> {
+        let round = |p: Option<&DVec2>| p.map_or([f64::NAN; 2], |p| p.round().to_array());
+        pieces.iter().map(|s| (s.layer, round(s.line.first()), round(s.line.last()))).collect()
+    }
+
+    #[test]
+    fn a_street_over_a_river_is_a_bridge_from_bank_to_bank() {
+        let across = street(&[(200.0, 20.0), (200.0, 280.0)]);
+        let (water, course) = band(is_under(&across.line));
+        // Two metres beyond either bank.
+        let parts = over_water(vec![across], &course, &water, MPP);
+        assert_eq!(
+            told(&parts),
+            [(0, [200.0, 20.0], [200.0, 127.0]), (1, [200.0, 127.0], [200.0, 173.0]), (0, [200.0, 173.0], [200.0, 280.0])]
+        );
+    }
+
+    #[test]
+    fn a_bridge_goes_to_the_crossroads_on_the_quay_and_no_further() {
+        let across = street(&[(200.0, 122.0), (200.0, 280.0)]);
+        let (water, course) = band(is_under(&[DVec2::new(200.0, 0.0), DVec2::new(200.0, 300.0)]));
+        let parts = over_water(vec![across, street(&[(0.0, 122.0), (200.0, 122.0)])], &course, &water, MPP);
+        let quay = (0, [0.0, 122.0], [200.0, 122.0]);
+        assert_eq!(told(&parts), [(1, [200.0, 122.0], [200.0, 173.0]), (0, [200.0, 173.0], [200.0, 280.0]), quay]);
+    }
+
+    #[test]
+    fn a_bridge_at_a_slant_spans_the_water_of_both_its_sides() {
+        let slanting = street(&[(70.0, 20.0), (330.0, 280.0)]);
+        let (water, course) = band(is_under(&slanting.line));
+        let parts = over_water(vec![slanting], &course, &water, MPP);
+        let bridge = parts.iter().find(|s| s.layer == 1).expect("there is one");
+        let (a, b) = (bridge.line[0], bridge.line[1]);
+        // Its edges meet the banks 20 pixels apart along it.
+        assert!((a.y - 120.0).abs() < 5.0 && (b.y - 180.0).abs() < 5.0, "{a} {b}");
+    }
+
+    #[test]
+    fn rails_are_crossed_by_a_bridge_only_where_the_street_hides_them() {
+        let across = || vec![street(&[(200.0, 20.0), (200.0, 280.0)])];
+        let (hidden, course) = band(is_under(&across()[0].line));
+        let (drawn_over, _) = band(|_| false);
+        let (ends_there, _) = band(|p| p.x > 190.0);
+        let (half_hidden, _) = band(|p| (200.0..210.0).contains(&p.x));
+        let layers = |rails: &Bitmap| over_rails(across(), &course, rails, MPP).iter().map(|s| s.layer).collect::<Vec<i8>>();
+        assert_eq!(layers(&hidden), [0, 1, 0]);
+        assert_eq!((layers(&drawn_over), layers(&ends_there), layers(&half_hidden)), (vec![0], vec![0], vec![0]));
+    }
+
+    proptest! {
+        #[test]
+        fn parts_make_up_the_street(line in prop::collection::vec((0.0..400.0f64, 0.0..300.0f64), 2..8), widths in prop::collection::vec(3.0..20.0f64, 0..4)) {
+            let mut whole = street(&line);
+            let last = widths.len().max(2) as f64 - 1.0;
+            whole.profile = widths.iter().enumerate().map(|(i, &width_m)| WidthAt { share: i as f64 / last, width_m }).collect();
+            let (water, course) = band(is_under(&whole.line));
+            let parts = over_water(vec![whole.clone()], &course, &water, MPP);
+            let all: f64 = parts.iter().map(|part| length(&part.line)).sum();
+            prop_assert!((all - length(&whole.line)).abs() < 1e-6, "{} of {}", all, length(&whole.line));
+            prop_assert_eq!(parts[0].line.first(), whole.line.first());
+            prop_assert_eq!(parts[parts.len() - 1].line.last(), whole.line.last());
+            let mut gone = 0.0;
+            for (i, part) in parts.iter().enumerate() {
+                prop_assert!(i == 0 || part.line.first() == parts[i - 1].line.last() && part.layer != parts[i - 1].layer);
+                if !widths.is_empty() {
+                    let middle = (gone + length(&part.line) / 2.0) / all;
+                    prop_assert!((part.width_at(0.5) - whole.width_at(middle)).abs() < 1e-6);
+                }
+                gone += length(&part.line);
+            }
+        }
+    }
+}
