@@ -35,7 +35,8 @@
 //!
 //! # Limits
 //! Streets and squares are told by colour: a map of outlines alone, whose streets and blocks are both bare paper, is not
-//! read. Squares of more than 160 pixels from the middle to the wall are not found. A street has one width.
+//! read. Squares of more than 160 pixels from the middle to the wall are not found. A street
+//! whose edge a label has eaten into may be told narrower there than it is.
 //!
 //! # Rejected
 //! The `image` crate as a front to the same decoders: it copies JPEG and TIFF once more, takes neither palettes nor JPEG in

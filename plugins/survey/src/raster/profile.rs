@@ -52,8 +52,9 @@ struct Station {
 }
 
 /// The widths of a street along its line, where they vary; nothing where they do not. Line in pixels, widths in metres;
-/// `half` and `range`: half the width that it mostly has, the least and the greatest, pixels; `is_crossroads`: whether others
-/// meet it at its first and at its last point; `mpp`: metres a pixel.
+/// `half` and `range`: half the width that it mostly has, the least and the greatest, pixels; `mouths`: the radius
+/// of the largest disc of street about its first and its last point, if other streets or a square meet it there; `mpp`: metres a
+/// pixel.
 ///
 /// Close to a crossroads the way across leads into the other street, so the width there is that of the nearest station beyond
 /// its mouth. The half disc of the papers, grown at the crossroads away from it until it meets a wall on either side, was
@@ -64,7 +65,7 @@ struct Station {
 pub(crate) fn profile(
     line: &[DVec2],
     (half, range): (f64, [f64; 2]),
-    is_crossroads: [bool; 2],
+    mouths: [Option<f64>; 2],
     paved: &Bitmap,
     mpp: f64,
 ) -> Vec<WidthAt> {
@@ -74,9 +75,9 @@ pub(crate) fn profile(
     }
     let length = length(line);
     let mut stations = stations(line, length, half, paved);
-    for is_crossroads in is_crossroads {
-        if is_crossroads {
-            stations.drain(..mouth(&stations, even));
+    for (node, radius) in [0.0, length].into_iter().zip(mouths) {
+        if let Some(radius) = radius {
+            stations.drain(..mouth(&stations, node, radius, even));
         }
         // The other end's turn; the second time, back again.
         stations.reverse();
@@ -144,13 +145,16 @@ fn smooth(stations: &mut [Station]) {
     }
 }
 
-/// How many stations at the beginning look into the mouth of another street: they are wider than those ahead.
-fn mouth(stations: &[Station], even: f64) -> usize {
-    let is_mouth = |six: &&[Station; WINDOW + 1]| {
+/// How many stations at the beginning look into the mouth of another street or a square: up to the last one near the `node`
+/// that is wider than those ahead of it.
+fn mouth(stations: &[Station], node: f64, radius: f64, even: f64) -> usize {
+    let reach = 1.5 * radius + 9.0;
+    let near = stations.iter().take_while(|s| (s.at - node).abs() < reach).count();
+    let is_mouth = |six: &[Station; WINDOW + 1]| {
         let [here, ahead @ ..] = six;
         median(&mut ahead.map(|s| s.width)).is_some_and(|m| here.width > m + even)
     };
-    stations.array_windows().take_while(is_mouth).count()
+    stations.array_windows().take(near).rposition(is_mouth).map_or(0, |i| i + 1)
 }
 
 /// The fewest of the stations (by Douglas and Peucker) between which straight lines pass all others within `even`.
@@ -234,7 +238,7 @@ mod tests {
         for turn in 0..12 {
             for (cross, angle) in [(14.0, 90.0), (24.0, 90.0), (20.0, 60.0)] {
                 let (bitmap, line) = drawn(angle, cross, [16.0, 32.0], f64::from(turn) * 0.5, 0.0);
-                let found = profile(&line, (12.0, [8.0, 16.0]), [true, false], &bitmap, 0.5);
+                let found = profile(&line, (12.0, [8.0, 16.0]), [Some(12.0), None], &bitmap, 0.5);
                 for k in 0..=100 {
                     let share = f64::from(k) / 100.0;
                     let truth = 8.0 + 8.0 * share;
@@ -251,7 +255,7 @@ mod tests {
         for turn in 0..12 {
             let (bitmap, line) = drawn(70.0, 20.0, [20.0, 20.0], f64::from(turn) * 0.5, 1.2);
             // Looked at though nothing says that it varies.
-            let found = profile(&line, (10.0, [5.0, 15.0]), [true, false], &bitmap, 0.5);
+            let found = profile(&line, (10.0, [5.0, 15.0]), [Some(12.0), None], &bitmap, 0.5);
             assert_eq!(found, [], "turn {turn}");
         }
     }
@@ -260,7 +264,7 @@ mod tests {
     fn a_place_within_a_street_is_in_its_profile() {
         let bitmap = Bitmap::from_fn(400, 100, |x, y| y.abs_diff(50) < if (150..220).contains(&x) { 16 } else { 8 });
         let line = [DVec2::new(10.0, 50.0), DVec2::new(390.0, 50.0)];
-        let found = profile(&line, (7.5, [7.5, 15.5]), [false; 2], &bitmap, 0.5);
+        let found = profile(&line, (7.5, [7.5, 15.5]), [None; 2], &bitmap, 0.5);
         for (x, width) in [(20.0, 7.5), (135.0, 7.5), (165.0, 15.5), (205.0, 15.5), (235.0, 7.5), (380.0, 7.5)] {
             let found = width_m(&found, (x - 10.0) / 380.0);
             assert!((found - width).abs() < 0.5, "{found} m for {width} m at {x}");

@@ -131,11 +131,12 @@ pub(super) fn read_map(
         }
         for piece in clipped(&line, margin, margin + size) {
             let piece = simplified(&piece, tolerance_px);
-            let at_crossroads = [(0, piece.first()), (1, piece.last())].map(|(end, p)| {
-                let node = street.ends[end];
-                ends[node] > 2 && p == Some(&sketch.nodes[node].pos)
+            let mouths = [(0, piece.first()), (1, piece.last())].map(|(end, p)| {
+                let node = sketch.nodes[street.ends[end]];
+                let is_met = ends[street.ends[end]] > 2 || node.square.is_some();
+                (is_met && p == Some(&node.pos)).then_some(node.radius)
             });
-            let profile = profile(&piece, (street.half, street.range), at_crossroads, &paved, mpp);
+            let profile = profile(&piece, (street.half, street.range), mouths, &paved, mpp);
             let line = piece.into_iter().map(|p| p - margin).collect();
             streets.push(ReadStreet { line, width: 2.0 * street.half * mpp, profile, layer: 0 });
         }
