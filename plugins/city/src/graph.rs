@@ -3,7 +3,7 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::{Anchor, Id, Opening, Place, Rgb, Viewpoint};
+use crate::{Anchor, Id, Opening, Place, Rgb, Viewpoint, WidthAt};
 
 /// A closed ring in plan metres; the last vertex joins the first and is not repeated.
 pub type Ring = Vec<DVec2>;
@@ -176,9 +176,13 @@ pub struct Link {
     pub via: Vec<DVec2>,
     /// What it is.
     pub kind: LinkKind,
-    /// Full width in metres; 0 means the class's default.
+    /// Full width in metres; 0 means the mean of its profile, or the class's default.
     #[serde(default)]
     pub width_m: f64,
+    /// Widths from place to place, where they vary, in the order of the line; empty where it is `width_m` wide all along. See
+    /// [`Link::width_at`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub profile: Vec<WidthAt>,
     /// Name, may be empty.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
@@ -191,11 +195,14 @@ pub struct Link {
 }
 
 impl Link {
-    /// Width in metres: its own, or its class's.
+    /// Width in metres: its own, its profile's mean, or its class's. Where it varies, that is the width it mostly has; see [`Link::width_at`].
     #[must_use]
     pub fn width(&self) -> f64 {
         if self.width_m > 0.0 {
             return self.width_m;
+        }
+        if let Some(mean) = WidthAt::mean(&self.profile) {
+            return mean;
         }
         match self.kind {
             LinkKind::Street(class) => class.default_width_m(),

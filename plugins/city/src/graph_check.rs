@@ -2,7 +2,7 @@ use std::collections::HashSet;
 
 use glam::DVec2;
 
-use crate::{CityGraph, FARTHEST_M, Id, Viewpoint};
+use crate::{CityGraph, FARTHEST_M, Id, ProfileError, Viewpoint};
 
 /// What is wrong with a graph, naming the thing.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -56,6 +56,16 @@ pub enum GraphError {
         link: Id,
         /// The node it names.
         node: Id,
+    },
+    /// A width profile that is none.
+    #[error("entry {entry} of the `profile` of {}: {error}", named("link", *link))]
+    Profile {
+        /// The link.
+        link: Id,
+        /// Which of its entries, from 1.
+        entry: usize,
+        /// What is wrong with it.
+        error: ProfileError,
     },
     /// A ring of fewer than three vertices.
     #[error("{} has an outline of {n} vertices; it needs at least three", named(what, *id))]
@@ -132,6 +142,8 @@ impl CityGraph {
             }
             errors.extend(check_positions("link", link.id, &link.via));
             errors.extend(check_numbers("link", link.id, &[("width_m", link.width_m)]));
+            let wrong = link.profile_error().map(|(entry, error)| GraphError::Profile { link: link.id, entry, error });
+            errors.extend(wrong);
             if link.id.is_given() && !links.insert(link.id) {
                 errors.push(GraphError::DuplicateId { what: "link", id: link.id });
             }

@@ -43,6 +43,7 @@ mod style;
 mod testing;
 mod tile;
 mod tour;
+mod width;
 
 pub use anchor::Anchor;
 pub use cell::{Cell, Cells, Portal, PortalSide};
@@ -68,3 +69,4 @@ pub use plan::{
 pub use style::{Range, Style, StyleError, Styles};
 pub use tile::Tile;
 pub use tour::{Ease, LookAt, Step, Tour, Where};
+pub use width::{ProfileError, WidthAt};

@@ -13,6 +13,7 @@ pub(crate) fn lane(from: u64, to: u64) -> Link {
         via: Vec::new(),
         kind: LinkKind::Street(StreetClass::Lane),
         width_m: 0.0,
+        profile: Vec::new(),
         name: String::new(),
         layer: 0,
         surfacing: None,

@@ -325,7 +325,7 @@ fn any_graph() -> impl Strategy<Value = CityGraph> {
         odd,
     )
         .prop_map(|(nodes, links, buildings, blocks, squares, objects, margin_m)| {
-            use veduta_city::{Block, BlockKind, Link, LinkKind, Node, RoofShape, Square, StandingObject, StreetClass};
+            use veduta_city::{Block, BlockKind, Link, LinkKind, Node, RoofShape, Square, StandingObject, StreetClass, WidthAt};
             let kinds = [
                 LinkKind::Street(StreetClass::Motorway),
                 LinkKind::Street(StreetClass::Main),
@@ -361,6 +361,11 @@ fn any_graph() -> impl Strategy<Value = CityGraph> {
                 via,
                 kind: kinds[kind],
                 width_m: if width.is_finite() { width } else { 0.0 },
+                profile: [(0.3, width), (0.9, 8.0)]
+                    .iter()
+                    .filter(|(_, w)| kind % 2 == 1 && *w > 0.0 && *w <= 400.0)
+                    .map(|&(share, width_m)| WidthAt { share, width_m })
+                    .collect(),
                 name: String::new(),
                 layer,
                 surfacing: None,

@@ -5,18 +5,19 @@
 //! | `feature` | geometry | properties |
 //! |---|---|---|
 //! | `node` | Point | `id`; `kind`: `blind_alley`, `crossroads`, `curve`, `square_vertex`; of streets alone |
-//! | `link` | LineString | `id`, `kind`: `street`, `railroad`, `watercourse`; `class` of a street, `width` in metres, `name`, `layer`, `from`, `to` |
+//! | `link` | LineString | `id`, `kind`: `street`, `railroad`, `watercourse`; `class` of a street, `width` in metres, `width_profile` where it varies, `name`, `layer`, `from`, `to` |
 //! | `square` | Polygon | `id`, `name` |
 //! | `block` | Polygon | `id`, `kind`: `built`, `park`, `monument`, `water`; `name`, `district` |
 //! | `building` | Polygon | `id`, `name`, `number`, `height`, `min_height`, `levels` |
 //!
-//! What is not known is not written. In plan metres the file also has a `map` member with the anchor and the extent where it is
-//! known; [`survey_vector`](crate::survey_vector) reads it back to where it was.
+//! A `width_profile` is text, so that tables of a GIS show it: `0.05 8.2, 0.5 11, 1 16.4` is 8.2 m wide at a twentieth of the
+//! line's length, 11 m half-way, 16.4 m at its end. What is not known is not written. In plan metres the file also has a `map` member with the anchor and the extent where it is
+//! known; [`survey_vector`](crate::survey_vector) reads it back to where it was, with one width a street.
 
 use std::collections::HashMap;
 
 use glam::DVec2;
-use veduta_city::{Anchor, BlockKind, CityGraph, Id, Link, LinkKind, Ring, StreetClass};
+use veduta_city::{Anchor, BlockKind, CityGraph, Id, Link, LinkKind, Ring, StreetClass, WidthAt};
 
 /// A node this near to a square's outline is one of its vertices, in metres.
 const ON_SQUARE_M: f64 = 0.5;
@@ -157,6 +158,23 @@ impl Writer {
         }
     }
 
+    fn profile(&mut self, profile: &[WidthAt]) {
+        for (i, entry) in profile.iter().enumerate() {
+            if i == 0 {
+                self.key("width_profile");
+            }
+            self.out.push_str(if i == 0 { "\"" } else { ", " });
+            let mut digits = Digits::new();
+            digits.number::<1_000>(entry.width_m);
+            digits.byte(b' ');
+            digits.number::<10_000>(entry.share);
+            self.out.push_str(digits.text());
+        }
+        if !profile.is_empty() {
+            self.out.push('"');
+        }
+    }
+
     fn geometry(&mut self, kind: &str) {
         self.out.push_str("},\"geometry\":{\"type\":\"");
         self.out.push_str(kind);
@@ -258,6 +276,7 @@ impl Writer {
             LinkKind::Watercourse => self.text("kind", "watercourse"),
         }
         self.maybe("width", Some(link.width()));
+        self.profile(&link.profile);
         self.text("name", &link.name);
         self.maybe("layer", Some(f64::from(link.layer)).filter(|l| *l != 0.0));
         for (key, id) in [("from", link.from), ("to", link.to)] {
@@ -406,7 +425,7 @@ mod tests {
     const TOWN: &str = "(name: \"T\", anchor: (lat: 50, lon: 14), attribution: \"a \\\"b\\\"\",
         nodes: [(id: 1, pos: (0, 0)), (id: 2, pos: (100, 0)), (id: 3, pos: (0, 80)), (id: 4, pos: (-60, 0.25)), (id: 5, pos: (0, -90)),
                 (id: 6, pos: (1, 1)), (id: 7, pos: (2, 300))],
-        links: [(id: 11, from: 1, to: 2, kind: Street(Main), width_m: 12.5, via: [(50, 0.001), (60, 30)]), (from: 1, to: 3, kind: Street(Lane)),
+        links: [(id: 11, from: 1, to: 2, kind: Street(Main), width_m: 12.5, via: [(50, 0.001), (60, 30)]), (from: 1, to: 3, kind: Street(Lane), profile: [(share: 0.05, width_m: 6), (share: 1, width_m: 8.25)]),
                 (from: 1, to: 5, kind: Street(Path)), (from: 1, to: 4, kind: Street(Lane), name: \"Ulička\"), (from: 6, to: 7, kind: Railway(tram: false), layer: 1)],
         squares: [(outline: [(-100, -20), (-60, -20), (-60, 20), (-100, 20)])],
         blocks: [(outline: [(5, 5), (90, 5), (90, 70)], kind: Park)],
@@ -425,6 +444,8 @@ mod tests {
         assert_eq!((&value["map"]["extent_m"][1], &value["attribution"]), (&400.5.into(), &"a \"b\"".into()));
         let link = &value["features"][7];
         assert_eq!((&link["properties"]["width"], &link["geometry"]["coordinates"][1][1]), (&12.5.into(), &0.001.into()));
+        assert!(link["properties"].get("width_profile").is_none());
+        assert_eq!(value["features"][8]["properties"]["width_profile"], "0.05 6, 1 8.25");
         assert_eq!(value["features"][10]["properties"]["width"], 6.5, "the class's own width, where none is given");
     }
 

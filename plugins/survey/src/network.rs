@@ -225,6 +225,7 @@ impl Builder {
             via,
             kind: line.kind,
             width_m: line.width_m,
+            profile: Vec::new(),
             name: line.name.clone(),
             layer: line.layer,
             surfacing: line.surfacing,

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::Target;
-use super::network::{Outcome, drop_lone, new_node};
+use super::network::{Outcome, drop_lone, length_m, new_node};
 use super::target::{Found, cross, distance_to_border, distance_to_ring, find, is_inside, line_of, ring_edges};
 use crate::{CityGraph, Id, Link, LinkKind, Ring, Square};
 
@@ -42,7 +42,8 @@ pub(super) fn add_square(graph: &mut CityGraph, square: &Square) -> Outcome {
         }
         touched.extend([link.from, link.to]);
         let mut id = Some(link.id);
-        for piece in outside(&line, &square.outline) {
+        let length = length_m(&line).max(1e-9);
+        for (begin, piece) in outside(&line, &square.outline) {
             let mut end = |graph: &mut CityGraph, p: DVec2| {
                 let own = [(link.from, line.first()), (link.to, line.last())];
                 if let Some((node, _)) = own.into_iter().find(|(_, q)| q.is_some_and(|q| q.distance(p) < 1e-6)) {
@@ -59,7 +60,9 @@ pub(super) fn add_square(graph: &mut CityGraph, square: &Square) -> Outcome {
             let (from, to) = (end(graph, first), end(graph, last));
             if from != to || piece.len() > 3 {
                 let via = piece.get(1..piece.len() - 1).unwrap_or_default().to_vec();
-                graph.links.push(Link { id: id.take().unwrap_or(Id::NONE), from, to, via, ..link.clone() });
+                let mut rest = Link { id: id.take().unwrap_or(Id::NONE), from, to, via, ..link.clone() };
+                rest.part_profile(begin / length, ((begin + length_m(&piece)) / length).min(1.0));
+                graph.links.push(rest);
             }
         }
     }
@@ -72,10 +75,11 @@ fn comes_near(line: &[DVec2], ring: &[DVec2]) -> bool {
     line.iter().any(|&p| is_inside(ring, p)) || line.windows(2).any(|w| ring_edges(ring).any(|e| cross((w[0], w[1]), e)))
 }
 
-/// The pieces of a line outside a ring, each at least a metre long.
-fn outside(line: &[DVec2], ring: &[DVec2]) -> Vec<Vec<DVec2>> {
-    let mut pieces: Vec<Vec<DVec2>> = Vec::new();
+/// The pieces of a line outside a ring, each at least a metre long, with how much of the line lies before them, metres.
+fn outside(line: &[DVec2], ring: &[DVec2]) -> Vec<(f64, Vec<DVec2>)> {
+    let mut pieces: Vec<(f64, Vec<DVec2>)> = Vec::new();
     let mut open: Vec<DVec2> = Vec::new();
+    let (mut gone, mut begin) = (0.0, 0.0);
     for w in line.windows(2) {
         let &[a, b] = w else { continue };
         let mut cuts = vec![0.0, 1.0];
@@ -85,18 +89,19 @@ fn outside(line: &[DVec2], ring: &[DVec2]) -> Vec<Vec<DVec2>> {
             let (p, q) = (a.lerp(b, t[0]), a.lerp(b, t[1]));
             let middle = (p + q) / 2.0;
             if is_inside(ring, middle) || distance_to_border(ring, middle) < ALONG_M {
-                pieces.push(core::mem::take(&mut open));
+                pieces.push((begin, core::mem::take(&mut open)));
             } else {
                 if open.is_empty() {
+                    begin = gone + a.distance(p);
                     open.push(p);
                 }
                 open.push(q);
             }
         }
+        gone += a.distance(b);
     }
-    pieces.push(open);
-    let long = |p: &Vec<DVec2>| p.windows(2).map(|e| e[0].distance(e[1])).sum::<f64>() >= SHORT_M;
-    pieces.into_iter().filter(long).collect()
+    pieces.push((begin, open));
+    pieces.into_iter().filter(|(_, piece)| length_m(piece) >= SHORT_M).collect()
 }
 
 /// Where the edge c–d cuts a–b, as a share of it.

@@ -91,7 +91,7 @@ pub enum GraphOverride {
     RemoveBuilding(Target),
     /// Put a building in.
     AddBuilding(Box<Building>),
-    /// Change the width of a link.
+    /// Change the width of a link, from end to end.
     Width {
         /// Which.
         target: Target,
@@ -112,7 +112,7 @@ pub enum GraphOverride {
         /// New kind, with its class.
         #[serde(default)]
         kind: Option<LinkKind>,
-        /// New width, metres; 0 gives the class's own back.
+        /// New width from end to end, metres; 0 gives the class's own back.
         #[serde(default)]
         width_m: Option<f64>,
         /// New name.
@@ -348,6 +348,10 @@ impl GraphOverride {
         let link = &mut graph.links[i];
         set(&mut link.kind, kind);
         set(&mut link.name, name);
+        if width_m.is_some() {
+            // One width for all of it.
+            link.profile.clear();
+        }
         set(&mut link.width_m, width_m.as_ref());
         set(&mut link.layer, layer.as_ref());
         link.surfacing = surfacing.or(link.surfacing);

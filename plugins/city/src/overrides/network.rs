@@ -101,6 +101,7 @@ fn merge(graph: &mut CityGraph, node: Id, a: usize, b: usize) -> Outcome {
     let other = graph.links[lose].clone();
     if one.from == node {
         one.via.reverse();
+        one.reverse_profile();
         (one.from, one.to) = (one.to, one.from);
     }
     let (mut via, end) = (other.via.clone(), if other.from == node { other.to } else { other.from });
@@ -112,9 +113,12 @@ fn merge(graph: &mut CityGraph, node: Id, a: usize, b: usize) -> Outcome {
     if one.from == one.to && one.via.len() < 2 {
         return Err("the two links there would be a loop without room".to_owned());
     }
-    let nature = |l: &Link| (l.kind, l.width().to_bits(), l.name.clone(), l.layer);
+    // A profile keeps the widths of both.
+    let has_profile = !one.profile.is_empty() || !other.profile.is_empty();
+    let nature = |l: &Link| (l.kind, l.width().to_bits() * u64::from(!has_profile), l.name.clone(), l.layer);
     let note =
         (nature(&one) != nature(&other)).then(|| format!("link {} takes over link {}, which differed from it", one.id, other.id));
+    one.join_profile(length(keep), &other, length(lose), other.to == node);
     graph.links[keep] = one;
     graph.links.remove(lose);
     graph.nodes.retain(|n| n.id != node);
@@ -163,6 +167,7 @@ pub(super) fn add_link(graph: &mut CityGraph, link: &LinkEdit) -> Outcome {
         via: link.via.clone(),
         kind: link.kind,
         width_m: link.width_m,
+        profile: Vec::new(),
         name: link.name.clone(),
         layer: link.layer,
         surfacing: link.surfacing,
@@ -237,14 +242,16 @@ fn part(graph: &mut CityGraph, i: usize, near: DVec2) -> Result<Id, String> {
     rest.id = Id::NONE;
     rest.from = node;
     rest.via = second[..second.len() - 1].iter().copied().filter(apart).collect();
+    rest.part_profile(share, 1.0);
     let link = &mut graph.links[i];
+    link.part_profile(0.0, share);
     link.to = node;
     link.via = first[1..].iter().copied().filter(apart).collect();
     graph.links.insert(i + 1, rest);
     Ok(node)
 }
 
-fn length_m(line: &[DVec2]) -> f64 {
+pub(super) fn length_m(line: &[DVec2]) -> f64 {
     line.windows(2).map(|e| e[0].distance(e[1])).sum()
 }
 

@@ -37,7 +37,18 @@ fn town(at: &dyn Fn(usize) -> DVec2, dropped: &dyn Fn(&str) -> bool) -> CityGrap
         if !dropped(&name) {
             let kind = LinkKind::Street(StreetClass::Lane);
             let (from, to) = (id(a), id(b));
-            graph.links.push(Link { id: Id::NONE, from, to, via: Vec::new(), kind, width_m: 0.0, name, layer: 0, surfacing: None });
+            graph.links.push(Link {
+                id: Id::NONE,
+                from,
+                to,
+                via: Vec::new(),
+                kind,
+                width_m: 0.0,
+                profile: Vec::new(),
+                name,
+                layer: 0,
+                surfacing: None,
+            });
         }
     };
     for i in 0..SIDE * SIDE {

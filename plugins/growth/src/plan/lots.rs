@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use veduta_city::draw::Draw;
 use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, LinkKind, RoofTags, Severity, Style};
 
-use super::band::quad;
+use super::band::{pieces, quad, stations};
 use super::extent::Extent;
 use super::ground::{self, Index};
 use super::houses::{Body, Draft, Grown, StyleBook};
@@ -110,16 +110,16 @@ impl Obstacles {
         let is_open = |l: &&Layer| matches!(l.rank, Rank::Square | Rank::Rails | Rank::Monument | Rank::Water | Rank::Park);
         let open = layers.iter().filter(is_open).flat_map(|l| &l.shapes).map(|s| (s.clone(), ())).collect();
         let at: HashMap<Id, DVec2> = graph.node_positions();
-        let pieces = |share: f64| {
+        let carved = |share: f64| {
             let mut out = Vec::new();
             for link in graph.links.iter().filter(|l| l.layer >= 0 && matches!(l.kind, LinkKind::Street(_))) {
-                let half = streets::width_m(link) / 2.0 * share;
                 let line = graph.polyline(link, &at).unwrap_or_default();
-                out.extend(line.windows(2).filter_map(|e| quad(e[0], e[1], half)).map(|q| (q, ())));
+                let half = |at: f64| streets::width_at_m(link, at) / 2.0 * share;
+                out.extend(pieces(&stations(&line, link), half).into_iter().map(|q| (q, ())));
             }
             Index::new(out)
         };
-        Self { houses: Index::new(footprints.collect()), open: Index::new(open), streets: [pieces(CORE), pieces(1.0)] }
+        Self { houses: Index::new(footprints.collect()), open: Index::new(open), streets: [carved(CORE), carved(1.0)] }
     }
 
     /// What may be built on of a block.

@@ -72,6 +72,11 @@ pub(super) fn width_m(link: &Link) -> f64 {
     link.width().clamp(NARROWEST_M, WIDEST_M)
 }
 
+/// Its width at a share of its length, in the same bounds.
+pub(super) fn width_at_m(link: &Link, share: f64) -> f64 {
+    link.width_at(share).clamp(NARROWEST_M, WIDEST_M)
+}
+
 const fn surface(surfacing: Surfacing) -> SurfaceKind {
     match surfacing {
         Surfacing::Asphalt => SurfaceKind::Asphalt,
@@ -107,12 +112,22 @@ pub(super) fn layers(graph: &CityGraph, areas: &[Area<'_>], findings: &mut Vec<F
     shapes.into_iter().map(|((rank, surface), shapes)| Layer { rank, surface, shapes }).collect()
 }
 
-/// One band to lay: the link, its half-width, priority and surface.
+/// One band to lay: the link, its half-width where the link is as wide as it mostly is, priority and surface.
 struct Strip<'a> {
     link: &'a Link,
     half_m: f64,
     rank: Rank,
     surface: SurfaceKind,
+}
+
+impl Strip<'_> {
+    /// Its half-width at a share of the link's length: what is beside it keeps its own width.
+    fn half_at(&self, share: f64) -> f64 {
+        if self.link.profile.is_empty() {
+            return self.half_m;
+        }
+        (self.half_m + (width_at_m(self.link, share) - width_m(self.link)) / 2.0).max(NARROWEST_M / 2.0)
+    }
 }
 
 fn link_shapes(
@@ -152,11 +167,11 @@ fn link_shapes(
     }
     let mut ends: BTreeMap<Rank, Ends> = BTreeMap::new();
     for strip in &strips {
-        ends.entry(strip.rank).or_default().add(strip.link, strip.half_m);
+        ends.entry(strip.rank).or_default().add(strip.link, [strip.half_at(0.0), strip.half_at(1.0)]);
     }
     for strip in &strips {
         if let Some(ends) = ends.get(&strip.rank) {
-            let parts = band(graph, &at, strip.link, strip.half_m, ends);
+            let parts = band(graph, &at, strip.link, |share| strip.half_at(share), ends);
             shapes.entry((strip.rank, strip.surface)).or_default().extend(parts);
         }
     }

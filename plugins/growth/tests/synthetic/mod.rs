@@ -50,6 +50,7 @@ fn link(from: Id, to: Id, seed: u64) -> Link {
         via: Vec::new(),
         kind: LinkKind::Street(class),
         width_m: 0.0,
+        profile: Vec::new(),
         name: format!("Street {}", draw.below("name", 40)),
         layer: 0,
         surfacing: None,

@@ -34,6 +34,7 @@ fn city(nodes: &[(f64, f64)], links: &[(u64, u64, i8)]) -> CityGraph {
             via: Vec::new(),
             kind: LinkKind::Street(StreetClass::Street),
             width_m: 0.0,
+            profile: Vec::new(),
             name: String::new(),
             layer,
             surfacing: None,

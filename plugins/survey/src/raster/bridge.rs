@@ -68,7 +68,7 @@ pub(crate) fn lead_through(sketch: &mut Sketch, paved: &mut Bitmap, hidden: &Bit
         let line = (0..=n).map(|k| a.at.lerp(b.at, k as f64 / n as f64)).collect();
         let half = sketch.streets[a.street].half.min(sketch.streets[b.street].half);
         band(paved, a.at, b.at, half.max(1.0));
-        sketch.streets.push(SketchStreet { ends: [a.node, b.node], line, half });
+        sketch.streets.push(SketchStreet { ends: [a.node, b.node], line, half, range: [half; 2] });
     }
 }
 

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
-use veduta_city::{Building, CityGraph, Id, Link, LinkKind, Node, RoofTags, Square, StreetClass};
+use veduta_city::{Building, CityGraph, Id, Link, LinkKind, Node, RoofTags, Square, StreetClass, WidthAt};
 
-use super::read::MapReading;
+use super::read::{MapReading, ReadStreet};
 use crate::log::Log;
 use crate::polygon::{Polygon, difference, even_odd};
 use crate::start;
@@ -21,12 +21,13 @@ const WELD_M: f64 = 0.01;
 pub(super) fn graph_of(reading: MapReading, log: &mut Log) -> CityGraph {
     let mut nodes = Nodes::default();
     let mut links = Vec::new();
-    let by_colour = |i: usize| reading.street_classes.get(i).copied().flatten();
-    let of_streets = reading.streets.into_iter().enumerate().map(|(i, (line, width))| {
-        let class = by_colour(i).unwrap_or_else(|| class_of(width));
-        (LinkKind::Street(class), line, width)
+    let of_courses =
+        reading.courses.into_iter().map(|(kind, line, width)| (kind, ReadStreet { line, width, ..ReadStreet::default() }));
+    let of_streets = reading.streets.into_iter().map(|street| {
+        let class = street.class.unwrap_or_else(|| class_of(street.width));
+        (LinkKind::Street(class), street)
     });
-    for (kind, line, width_m) in of_streets.chain(reading.courses) {
+    for (kind, ReadStreet { line, width, profile, layer, .. }) in of_streets.chain(of_courses) {
         let (Some(&first), Some(&last)) = (line.first(), line.last()) else { continue };
         let (from, to) = (nodes.at(first), nodes.at(last));
         if from == to && line.len() < 4 {
@@ -34,8 +35,8 @@ pub(super) fn graph_of(reading: MapReading, log: &mut Log) -> CityGraph {
             continue;
         }
         let via = line[1..line.len() - 1].iter().map(|&p| rounded(p)).collect();
-        let width_m = (width_m * 100.0).round() / 100.0;
-        links.push(Link { id: Id::NONE, from, to, via, kind, width_m, name: String::new(), layer: 0, surfacing: None });
+        let (width_m, profile) = (rounded_to(width, 100.0), told(profile));
+        links.push(Link { id: Id::NONE, from, to, via, kind, width_m, profile, name: String::new(), layer, surfacing: None });
     }
     let mut graph = CityGraph { margin_m: CityGraph::default_margin_m(), nodes: nodes.all, links, ..CityGraph::default() };
     for outline in reading.squares {
@@ -83,6 +84,19 @@ impl Nodes {
 
 fn rounded(p: DVec2) -> DVec2 {
     (p / WELD_M).round() * WELD_M
+}
+
+fn rounded_to(value: f64, parts: f64) -> f64 {
+    (value * parts).round() / parts
+}
+
+/// A profile as it is written: widths to a centimetre, shares to a ten thousandth.
+fn told(profile: Vec<WidthAt>) -> Vec<WidthAt> {
+    let entries =
+        profile.into_iter().map(|e| WidthAt { share: rounded_to(e.share, 10_000.0), width_m: rounded_to(e.width_m, 100.0) });
+    let mut entries: Vec<WidthAt> = entries.collect();
+    entries.dedup_by(|next, kept| next.share <= kept.share);
+    entries
 }
 
 fn class_of(width_m: f64) -> StreetClass {

@@ -37,9 +37,10 @@
 //! # Limits
 //! Streets and squares are told by colour: a map of outlines alone, whose streets and blocks are both bare paper, is not
 //! read. Squares of more than 160 pixels from the middle to the wall are not found, unless they have a colour of their own. A
-//! street has one width, and one class where colours tell classes. A courtyard about a house of its own is taken for a street
-//! about a block, and one that a gate leads to for a blind alley. Blocks that show houses of their own are built ones like any
-//! other: that nothing is to be built between the houses is not said in a graph.
+//! street has one class where colours tell classes, and one whose edge a label has eaten into may be told narrower there than
+//! it is. A courtyard about a house of its own is taken for a street about a block, and one that a gate leads to for a blind
+//! alley. Blocks that show houses of their own are built ones like any other: that nothing is to be built between the houses
+//! is not said in a graph.
 //!
 //! # Rejected
 //! The `image` crate as a front to the same decoders: it copies JPEG and TIFF once more, takes neither palettes nor JPEG in
@@ -67,9 +68,11 @@ mod limits;
 mod measure;
 mod morphology;
 mod outline;
+mod over;
 mod parts;
 mod patches;
 mod picture;
+mod profile;
 mod quantise;
 mod read;
 mod sight;
@@ -113,7 +116,7 @@ pub fn scale_by_streets(picture: &Picture, legend: &Legend) -> Option<f64> {
     const ORDINARY_M: f64 = 9.0;
     const FIRST_GUESS: f64 = 0.5;
     let reading = read::read_map(picture, legend, FIRST_GUESS, 1, &mut Stages::default(), &mut |_| ());
-    let mut streets: Vec<(f64, f64)> = reading.streets.iter().map(|(line, width)| (*width, sketch::length(line))).collect();
+    let mut streets: Vec<(f64, f64)> = reading.streets.iter().map(|street| (street.width, sketch::length(&street.line))).collect();
     streets.sort_by(|a, b| a.0.total_cmp(&b.0));
     let half = streets.iter().map(|s| s.1).sum::<f64>() / 2.0;
     let mut gone = 0.0;

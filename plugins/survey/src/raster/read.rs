@@ -1,7 +1,7 @@
 //! The way from a picture to streets, squares and blocks.
 
 use glam::DVec2;
-use veduta_city::{LinkKind, StreetClass};
+use veduta_city::{LinkKind, StreetClass, WidthAt};
 
 use crate::Georeference;
 
@@ -16,8 +16,10 @@ use super::ends::{clipped, run_on};
 use super::house::{Footprint, houses};
 use super::legend::Legend;
 use super::outline::{Corners, simplified};
+use super::over::{over_rails, over_water};
 use super::parts::Parts;
 use super::picture::Picture;
+use super::profile::profile;
 use super::sketch::Sketch;
 use super::square::{printed_squares, squares};
 use super::stage::{self, Stage, Stages};
@@ -32,10 +34,8 @@ const SIMPLE_M: f64 = 0.6;
 /// What a map shows, in plan metres.
 #[derive(Debug, Clone, Default)]
 pub(super) struct MapReading {
-    /// Streets: line and width.
-    pub streets: Vec<(Vec<DVec2>, f64)>,
-    /// The streets' classes, where the map tells them by colour: as many as streets, or none at all.
-    pub street_classes: Vec<Option<StreetClass>>,
+    /// Streets.
+    pub streets: Vec<ReadStreet>,
     /// Rivers and railways: kind, line and width.
     pub courses: Vec<(LinkKind, Vec<DVec2>, f64)>,
     /// Squares.
@@ -44,6 +44,21 @@ pub(super) struct MapReading {
     pub blocks: Vec<FoundBlock>,
     /// Single houses.
     pub houses: Vec<Footprint>,
+}
+
+/// A street between two nodes.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ReadStreet {
+    /// Its line.
+    pub line: Vec<DVec2>,
+    /// Its class, where the map tells it by colour.
+    pub class: Option<StreetClass>,
+    /// The width that it mostly has, metres.
+    pub width: f64,
+    /// Its widths from place to place, where they vary.
+    pub profile: Vec<WidthAt>,
+    /// 0, or 1 where it runs over water or rails.
+    pub layer: i8,
 }
 
 impl MapReading {
@@ -55,7 +70,7 @@ impl MapReading {
                 *p = place.plan_pos(DVec2::new(p.x / mpp, height - p.y / mpp));
             }
         };
-        self.streets.iter_mut().for_each(|(line, _)| move_all(line));
+        self.streets.iter_mut().for_each(|street| move_all(&mut street.line));
         self.courses.iter_mut().for_each(|(_, line, _)| move_all(line));
         self.squares.iter_mut().for_each(move_all);
         self.blocks.iter_mut().flat_map(FoundBlock::rings_mut).for_each(move_all);
@@ -120,6 +135,7 @@ pub(super) fn read_map(
     let margin = DVec2::splat(MARGIN as f64);
     let plan = |p: DVec2| DVec2::new(p.x - margin.x, size.y - (p.y - margin.y)) * mpp;
     let tolerance_px = (SIMPLE_M / mpp).max(1.0);
+    let tints = Tints::of(picture, legend);
     let mut streets = Vec::new();
     for street in &sketch.streets {
         let mut line = street.line.clone();
@@ -129,8 +145,16 @@ pub(super) fn read_map(
             }
         }
         for piece in clipped(&line, margin, margin + size) {
-            let piece: Vec<DVec2> = simplified(&piece, tolerance_px).into_iter().map(plan).collect();
-            streets.push((piece, 2.0 * street.half * mpp));
+            let piece = simplified(&piece, tolerance_px);
+            let mouths = [(0, piece.first()), (1, piece.last())].map(|(end, p)| {
+                let node = sketch.nodes[street.ends[end]];
+                let is_met = ends[street.ends[end]] > 2 || node.square.is_some();
+                (is_met && p == Some(&node.pos)).then_some(node.radius)
+            });
+            let profile = profile(&piece, (street.half, street.range), mouths, &paved, mpp);
+            let line: Vec<DVec2> = piece.into_iter().map(|p| p - margin).collect();
+            let class = tints.as_ref().and_then(|tints| tints.class_of(&line, street.half));
+            streets.push(ReadStreet { line, class, width: 2.0 * street.half * mpp, profile, layer: 0 });
         }
     }
     done("streets");
@@ -149,9 +173,19 @@ pub(super) fn read_map(
             continue;
         }
         *mask = course_mask(class, labelled.get_or_insert_with(|| labels(&classes.ink)));
-        for course in courses(mask, mpp, tolerance_px) {
+        let found = courses(mask, mpp, tolerance_px);
+        streets = match kind {
+            LinkKind::Watercourse => over_water(streets, &found, mask, mpp),
+            _ => over_rails(streets, &found, mask, mpp),
+        };
+        for course in found {
             let line = course.line.iter().map(|p| DVec2::new(p.x, size.y - p.y) * mpp).collect();
             courses_found.push((kind, line, 2.0 * course.half * mpp));
+        }
+    }
+    for street in &mut streets {
+        for p in &mut street.line {
+            *p = DVec2::new(p.x, size.y - p.y) * mpp;
         }
     }
     done("courses");
@@ -161,10 +195,6 @@ pub(super) fn read_map(
         *ring = ring.iter().rev().map(|p| DVec2::new(p.x, size.y - p.y) * mpp).collect();
     });
     done("blocks");
-    let in_picture = |line: &[DVec2]| -> Vec<DVec2> { line.iter().map(|p| DVec2::new(p.x / mpp, size.y - p.y / mpp)).collect() };
-    let street_classes = Tints::of(picture, legend).map_or_else(Vec::new, |tints| {
-        streets.iter().map(|(line, width)| tints.class_of(&in_picture(line), width / mpp / 2.0)).collect()
-    });
     let squares = found.iter().map(|s| s.outline.iter().rev().map(|&p| plan(p)).collect()).collect();
-    MapReading { streets, street_classes, courses: courses_found, squares, blocks, houses }
+    MapReading { streets, courses: courses_found, squares, blocks, houses }
 }

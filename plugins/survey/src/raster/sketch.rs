@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::bitmap::Bitmap;
 use super::measure::{clearance, is_clear, median, ray};
+use super::profile::range;
 use super::trace::{Traced, TracedLine};
 
 /// Nodes and streets.
@@ -31,6 +32,8 @@ pub(crate) struct SketchStreet {
     pub line: Vec<DVec2>,
     /// Half its width.
     pub half: f64,
+    /// The least and the greatest half width along it, single places aside.
+    pub range: [f64; 2],
 }
 
 impl SketchStreet {
@@ -58,7 +61,7 @@ impl Sketch {
     pub fn of(traced: Traced, paved: &Bitmap) -> Self {
         let nodes: Vec<SketchNode> =
             traced.nodes.iter().map(|&pos| SketchNode { pos, radius: clearance(paved, pos, REACH), square: None }).collect();
-        let street = |line: TracedLine| SketchStreet { ends: line.ends, line: line.path, half: 0.0 };
+        let street = |line: TracedLine| SketchStreet { ends: line.ends, line: line.path, half: 0.0, range: [0.0; 2] };
         let streets = traced.lines.into_iter().map(street).collect();
         Self { nodes, streets }
     }
@@ -87,7 +90,7 @@ impl Sketch {
     pub fn measure(&mut self, paved: &Bitmap) {
         for street in &mut self.streets {
             let nodes = street.ends.map(|n| self.nodes[n].radius);
-            street.half = half_width(&street.line, nodes, paved);
+            (street.half, street.range) = half_width(&street.line, nodes, paved);
         }
     }
 
@@ -139,19 +142,20 @@ impl Sketch {
                 continue;
             }
             let begin = self.streets[first].ends[end];
-            let (mut line, mut weight, mut half) = (vec![self.nodes[begin].pos], 0.0, 0.0);
+            let (mut line, mut weight, mut half, mut range) = (vec![self.nodes[begin].pos], 0.0, 0.0, [f64::MAX, f64::MIN]);
             loop {
                 done[i] = true;
                 let street = &self.streets[i];
                 line.extend(street.seen_from(end).skip(1));
                 let length = street.length().max(1e-9);
                 (weight, half) = (weight + length, half + street.half * length);
+                range = [range[0].min(street.range[0]), range[1].max(street.range[1])];
                 let next = street.ends[1 - end];
                 let onward = at[next].iter().copied().find(|&(j, _)| j != i && !done[j]);
                 match onward.filter(|_| is_chain(next, self)) {
                     Some((j, e)) => (i, end) = (j, e),
                     None => {
-                        joined.push(SketchStreet { ends: [begin, next], line, half: half / weight });
+                        joined.push(SketchStreet { ends: [begin, next], line, half: half / weight, range });
                         break;
                     }
                 }
@@ -186,8 +190,9 @@ const STATION_PX: usize = 3;
 /// Pixels ahead and back that tell a line's direction.
 const CHORD_PX: usize = 6;
 
-/// Half the width of a street, in pixels: the median over its length, away from the nodes (whose radii are given).
-fn half_width(line: &[DVec2], radii: [f64; 2], paved: &Bitmap) -> f64 {
+/// Half the width of a street, in pixels: the median over its length, away from the nodes (whose radii are given); and its
+/// range.
+fn half_width(line: &[DVec2], radii: [f64; 2], paved: &Bitmap) -> (f64, [f64; 2]) {
     let n = line.len();
     let margin = |radius: f64| ((1.2 * radius) as usize + 1).min(n * 3 / 8);
     let (from, to) = (margin(radii[0]), n - margin(radii[1]));
@@ -196,7 +201,10 @@ fn half_width(line: &[DVec2], radii: [f64; 2], paved: &Bitmap) -> f64 {
     let is_across = |i: usize, half: f64| is_clear(paved, line[i], (half - 1.0) / 1.25);
     let halves = stations().filter_map(|i| half_at(line, i, paved).filter(|&half| half < 1.0 || is_across(i, half)));
     let room = || stations().map(|i| clearance(paved, line[i], REACH)).fold(f64::MAX, f64::min);
-    median(&mut halves.collect::<Vec<f64>>()).unwrap_or_else(room)
+    let mut halves: Vec<f64> = halves.collect();
+    let range = range(&halves);
+    let half = median(&mut halves).unwrap_or_else(room);
+    (half, range.unwrap_or([half; 2]))
 }
 
 /// Half the width across a line at one of its points.

@@ -368,7 +368,7 @@ fn cut(sketch: &mut Sketch, taken: &Bitmap, found: &[(FoundSquare, Region)], mpp
             }
             let least = if cuts == 2 { LEAST_BETWEEN_M } else { LEAST_M };
             if length(&line) * mpp > least {
-                streets.push(SketchStreet { ends, line, half: street.half });
+                streets.push(SketchStreet { ends, line, half: street.half, range: street.range });
             }
         }
     }

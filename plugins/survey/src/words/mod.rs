@@ -147,6 +147,7 @@ fn add_water(town: &Town, words: &CityWords, names: &mut Names, graph: &mut City
         via: inner.to_vec(),
         kind: LinkKind::Watercourse,
         width_m: channel.width_m,
+        profile: Vec::new(),
         name,
         layer: 0,
         surfacing: None,

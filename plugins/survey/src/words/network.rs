@@ -163,6 +163,7 @@ fn laid(fabric: &Fabric, line: &[Spot], way: WayId, is_old: bool) -> Option<Laid
         via: bends(&points),
         kind: LinkKind::Street(class),
         width_m: kept.width_m,
+        profile: Vec::new(),
         name: String::new(),
         layer,
         surfacing,
