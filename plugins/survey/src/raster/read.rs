@@ -136,7 +136,7 @@ pub(super) fn read_map(
                 let is_met = ends[street.ends[end]] > 2 || node.square.is_some();
                 (is_met && p == Some(&node.pos)).then_some(node.radius)
             });
-            let profile = profile(&piece, (street.half, street.range), mouths, &paved, mpp);
+            let profile = profile(&piece, (street.half, street.range), mouths, [&paved, &hidden], mpp);
             let line = piece.into_iter().map(|p| p - margin).collect();
             streets.push(ReadStreet { line, width: 2.0 * street.half * mpp, profile, layer: 0 });
         }
