@@ -54,7 +54,7 @@ struct Station {
 /// The widths of a street along its line, where they vary; nothing where they do not. Line in pixels, widths in metres;
 /// `half` and `range`: half the width that it mostly has, the least and the greatest, pixels; `mouths`: the radius
 /// of the largest disc of street about its first and its last point, if other streets or a square meet it there; `mpp`: metres a
-/// pixel.
+/// pixel. Where a label hides a wall, nothing is known of the width.
 ///
 /// Close to a crossroads the way across leads into the other street, so the width there is that of the nearest station beyond
 /// its mouth. The half disc of the papers, grown at the crossroads away from it until it meets a wall on either side, was
@@ -66,7 +66,7 @@ pub(crate) fn profile(
     line: &[DVec2],
     (half, range): (f64, [f64; 2]),
     mouths: [Option<f64>; 2],
-    paved: &Bitmap,
+    [paved, hidden]: [&Bitmap; 2],
     mpp: f64,
 ) -> Vec<WidthAt> {
     let even = even_px(2.0 * half, mpp);
@@ -74,7 +74,7 @@ pub(crate) fn profile(
         return Vec::new();
     }
     let length = length(line);
-    let mut stations = stations(line, length, half, paved);
+    let mut stations = stations(line, length, half, [paved, hidden]);
     for (node, radius) in [0.0, length].into_iter().zip(mouths) {
         if let Some(radius) = radius {
             stations.drain(..mouth(&stations, node, radius, even));
@@ -95,8 +95,8 @@ pub(crate) fn profile(
     kept.into_iter().map(|s| WidthAt { share: s.at / length, width_m: s.width * mpp }).collect()
 }
 
-/// Widths square to a line, but where the way across leads into another street.
-fn stations(line: &[DVec2], length: f64, half: f64, paved: &Bitmap) -> Vec<Station> {
+/// Widths square to a line, but where the way across leads into another street, or to a wall that a label hides.
+fn stations(line: &[DVec2], length: f64, half: f64, [paved, hidden]: [&Bitmap; 2]) -> Vec<Station> {
     let count = (length / STEP_PX) as usize;
     let reach = 4.0 * half + 20.0;
     let across = |k: usize| {
@@ -105,7 +105,11 @@ fn stations(line: &[DVec2], length: f64, half: f64, paved: &Bitmap) -> Vec<Stati
         let sides = [ahead.perp(), -ahead.perp()].map(|side| ray(paved, p, side, reach));
         let width = sides[0] + sides[1];
         let middle = p + ahead.perp() * ((sides[0] - sides[1]) / 2.0);
-        let is_across = sides[0] > 0.0 && sides[1] > 0.0 && sides[0].max(sides[1]) < reach;
+        let is_told = [(ahead.perp(), sides[0]), (-ahead.perp(), sides[1])].iter().all(|(side, reach)| {
+            let wall = (p + side * (reach + 0.5)).floor();
+            !hidden.get(wall.x as isize, wall.y as isize)
+        });
+        let is_across = is_told && sides[0] > 0.0 && sides[1] > 0.0 && sides[0].max(sides[1]) < reach;
         (is_across && (width < 2.0 || is_clear(paved, middle, (width / 2.0 - 1.0) / 1.25))).then_some(Station { at, width })
     };
     (0..count).filter_map(across).collect()
@@ -238,7 +242,13 @@ mod tests {
         for turn in 0..12 {
             for (cross, angle) in [(14.0, 90.0), (24.0, 90.0), (20.0, 60.0)] {
                 let (bitmap, line) = drawn(angle, cross, [16.0, 32.0], f64::from(turn) * 0.5, 0.0);
-                let found = profile(&line, (12.0, [8.0, 16.0]), [Some(12.0), None], &bitmap, 0.5);
+                let found = profile(
+                    &line,
+                    (12.0, [8.0, 16.0]),
+                    [Some(12.0), None],
+                    [&bitmap, &Bitmap::new(bitmap.width(), bitmap.height())],
+                    0.5,
+                );
                 for k in 0..=100 {
                     let share = f64::from(k) / 100.0;
                     let truth = 8.0 + 8.0 * share;
@@ -255,7 +265,13 @@ mod tests {
         for turn in 0..12 {
             let (bitmap, line) = drawn(70.0, 20.0, [20.0, 20.0], f64::from(turn) * 0.5, 1.2);
             // Looked at though nothing says that it varies.
-            let found = profile(&line, (10.0, [5.0, 15.0]), [Some(12.0), None], &bitmap, 0.5);
+            let found = profile(
+                &line,
+                (10.0, [5.0, 15.0]),
+                [Some(12.0), None],
+                [&bitmap, &Bitmap::new(bitmap.width(), bitmap.height())],
+                0.5,
+            );
             assert_eq!(found, [], "turn {turn}");
         }
     }
@@ -264,11 +280,22 @@ mod tests {
     fn a_place_within_a_street_is_in_its_profile() {
         let bitmap = Bitmap::from_fn(400, 100, |x, y| y.abs_diff(50) < if (150..220).contains(&x) { 16 } else { 8 });
         let line = [DVec2::new(10.0, 50.0), DVec2::new(390.0, 50.0)];
-        let found = profile(&line, (7.5, [7.5, 15.5]), [None; 2], &bitmap, 0.5);
+        let found = profile(&line, (7.5, [7.5, 15.5]), [None; 2], [&bitmap, &Bitmap::new(bitmap.width(), bitmap.height())], 0.5);
         for (x, width) in [(20.0, 7.5), (135.0, 7.5), (165.0, 15.5), (205.0, 15.5), (235.0, 7.5), (380.0, 7.5)] {
             let found = width_m(&found, (x - 10.0) / 380.0);
             assert!((found - width).abs() < 0.5, "{found} m for {width} m at {x}");
         }
+    }
+
+    #[test]
+    fn a_label_over_a_wall_makes_no_street_narrower() {
+        // Letters that were taken for a block stand into the street.
+        let is_label = |x: usize, y: usize| (150..220).contains(&x) && (50..70).contains(&y);
+        let bitmap = Bitmap::from_fn(400, 100, |x, y| y.abs_diff(50) < 12 && !(is_label(x, y) && y > 54));
+        let line = [DVec2::new(10.0, 50.0), DVec2::new(390.0, 50.0)];
+        let found = |hidden: &Bitmap| profile(&line, (11.5, [8.0, 11.5]), [None; 2], [&bitmap, hidden], 0.5);
+        assert!(!found(&Bitmap::new(400, 100)).is_empty());
+        assert_eq!(found(&Bitmap::from_fn(400, 100, is_label)), []);
     }
 
     #[test]

@@ -130,33 +130,10 @@ pub(super) fn read_map(
     done("squares");
     crossing::settle(&mut sketch, &paved, mpp);
     sketch.join_chains();
-    let ends = sketch.degrees();
     let size = DVec2::new(picture.width as f64, picture.height as f64);
     let margin = DVec2::splat(MARGIN as f64);
     let plan = |p: DVec2| DVec2::new(p.x - margin.x, size.y - (p.y - margin.y)) * mpp;
-    let tolerance_px = (SIMPLE_M / mpp).max(1.0);
-    let tints = Tints::of(picture, legend);
-    let mut streets = Vec::new();
-    for street in &sketch.streets {
-        let mut line = street.line.clone();
-        for end in 0..2 {
-            if ends[street.ends[end]] == 1 && sketch.nodes[street.ends[end]].square.is_none() {
-                run_on(&mut line, end, street.half, &paved);
-            }
-        }
-        for piece in clipped(&line, margin, margin + size) {
-            let piece = simplified(&piece, tolerance_px);
-            let mouths = [(0, piece.first()), (1, piece.last())].map(|(end, p)| {
-                let node = sketch.nodes[street.ends[end]];
-                let is_met = ends[street.ends[end]] > 2 || node.square.is_some();
-                (is_met && p == Some(&node.pos)).then_some(node.radius)
-            });
-            let profile = profile(&piece, (street.half, street.range), mouths, &paved, mpp);
-            let line: Vec<DVec2> = piece.into_iter().map(|p| p - margin).collect();
-            let class = tints.as_ref().and_then(|tints| tints.class_of(&line, street.half));
-            streets.push(ReadStreet { line, class, width: 2.0 * street.half * mpp, profile, layer: 0 });
-        }
-    }
+    let mut streets = read_streets(&sketch, [&paved, &hidden], Tints::of(picture, legend).as_ref(), mpp);
     done("streets");
     let mut street = paved.without_margin(MARGIN);
     if let Some(yards) = yards {
@@ -173,7 +150,7 @@ pub(super) fn read_map(
             continue;
         }
         *mask = course_mask(class, labelled.get_or_insert_with(|| labels(&classes.ink)));
-        let found = courses(mask, mpp, tolerance_px);
+        let found = courses(mask, mpp, tolerance_px(mpp));
         streets = match kind {
             LinkKind::Watercourse => over_water(streets, &found, mask, mpp),
             _ => over_rails(streets, &found, mask, mpp),
@@ -197,4 +174,39 @@ pub(super) fn read_map(
     done("blocks");
     let squares = found.iter().map(|s| s.outline.iter().rev().map(|&p| plan(p)).collect()).collect();
     MapReading { streets, courses: courses_found, squares, blocks, houses }
+}
+
+/// The streets of a sketch, as far as they lie on the map; in its pixels. `paved` and what labels may hide of it have a margin.
+fn read_streets(sketch: &Sketch, [paved, hidden]: [&Bitmap; 2], tints: Option<&Tints<'_>>, mpp: f64) -> Vec<ReadStreet> {
+    let ends = sketch.degrees();
+    let margin = DVec2::splat(MARGIN as f64);
+    let corner = DVec2::new(paved.width() as f64, paved.height() as f64) - margin;
+    let tolerance_px = tolerance_px(mpp);
+    let mut streets = Vec::new();
+    for street in &sketch.streets {
+        let mut line = street.line.clone();
+        for end in 0..2 {
+            if ends[street.ends[end]] == 1 && sketch.nodes[street.ends[end]].square.is_none() {
+                run_on(&mut line, end, street.half, paved);
+            }
+        }
+        for piece in clipped(&line, margin, corner) {
+            let piece = simplified(&piece, tolerance_px);
+            let mouths = [(0, piece.first()), (1, piece.last())].map(|(end, p)| {
+                let node = sketch.nodes[street.ends[end]];
+                let is_met = ends[street.ends[end]] > 2 || node.square.is_some();
+                (is_met && p == Some(&node.pos)).then_some(node.radius)
+            });
+            let profile = profile(&piece, (street.half, street.range), mouths, [paved, hidden], mpp);
+            let line: Vec<DVec2> = piece.into_iter().map(|p| p - margin).collect();
+            let class = tints.and_then(|tints| tints.class_of(&line, street.half));
+            streets.push(ReadStreet { line, class, width: 2.0 * street.half * mpp, profile, layer: 0 });
+        }
+    }
+    streets
+}
+
+/// How far the line of a street or course may be from what was traced, pixels.
+fn tolerance_px(mpp: f64) -> f64 {
+    (SIMPLE_M / mpp).max(1.0)
 }
