@@ -227,12 +227,50 @@ fn a_picture_that_is_none_and_a_scale_that_is_none_are_errors() {
     }
 }
 
+/// Streets of so many pixels every 40 pixels, in both directions, and one at a slant.
+fn fine_grid(width: usize) -> Picture {
+    let mut pixels = Vec::with_capacity(SIZE * SIZE * 3);
+    for (x, y) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y))) {
+        let is_slanting = (x + 7).abs_diff(2 * y) < width;
+        let is_street = x % 40 < width || y % 40 < width || is_slanting;
+        pixels.extend(if is_street { STREET } else { BUILT });
+    }
+    Picture { width: SIZE, height: SIZE, pixels }
+}
+
+#[test]
+fn streets_of_a_few_pixels_are_read() {
+    const COARSE: f64 = 4.0;
+    for width in [1, 2, 3] {
+        let picture = fine_grid(width);
+        let legend = Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}"));
+        let settings = RasterSettings { georeference: scale(&picture, COARSE), threads: 1 };
+        let read = survey_raster(&picture, &legend, &settings, "fine.png", &mut |_| ());
+        let graph = read.unwrap_or_else(|e| panic!("{width}: {e}")).graph;
+        let at = graph.node_positions();
+        // Where two streets of the grid cross, and not the slanting one.
+        let crossings = (1..16usize).flat_map(|i| (1..16).map(move |k| (40 * i, 40 * k)));
+        let middle = width as f64 / 2.0;
+        for (x, y) in crossings.filter(|&(x, y)| (x + 7).abs_diff(2 * y) > 30) {
+            let p = DVec2::new(x as f64 + middle, SIZE as f64 - y as f64 - middle) * COARSE;
+            let nearest = at.values().map(|n| n.distance(p)).fold(f64::MAX, f64::min);
+            assert!(nearest < COARSE, "{width}: the crossroads at ({x}, {y}) is {nearest:.1} m off");
+        }
+        let mut widths: Vec<f64> = graph.links.iter().map(|link| link.width_m).collect();
+        widths.sort_by(f64::total_cmp);
+        let (median, drawn) = (widths[widths.len() / 2], COARSE * width as f64);
+        assert!((median - drawn).abs() < 0.5 * COARSE, "{width}: streets of {drawn} m are {median} m wide");
+    }
+}
+
 /// The raster maps of the shared data, and how many links each has at least.
 const REAL: &[(&str, usize)] = &[
     ("raster_prague_new_town_derived/prague_new_town_streets.png", 400),
     ("raster_heidelberg_derived/heidelberg_altstadt_streets.png", 400),
     ("raster_san_francisco_toner/sf_mission_toner_z15.png", 150),
     ("raster_figure_ground/portland_figure_ground.png", 300),
+    // Its streets are two pixels wide.
+    ("raster_figure_ground/port_au_prince_figure_ground.png", 300),
     ("raster_prettymaps/palmanova.png", 100),
 ];
 

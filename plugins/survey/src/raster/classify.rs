@@ -19,6 +19,13 @@ pub(crate) struct Classes {
     pub square: Bitmap,
 }
 
+impl Classes {
+    pub fn all_mut(&mut self) -> [&mut Bitmap; 7] {
+        let Self { street, park, water, railway, ink, house, square } = self;
+        [street, park, water, railway, ink, house, square]
+    }
+}
+
 pub(super) const STREET: u8 = 0;
 const BUILT: u8 = 1;
 const PARK: u8 = 2;

@@ -5,14 +5,16 @@ use veduta_city::{LinkKind, StreetClass, WidthAt};
 
 use crate::Georeference;
 
+use super::SIDE_PX;
 use super::bitmap::Bitmap;
 use super::blocks::{FoundBlock, blocks};
 use super::bridge::lead_through;
-use super::classify::classified;
+use super::classify::{Classes, classified};
 use super::clean::{MARGIN, cleaned, course_mask, is_rare, labels};
 use super::course::courses;
 use super::crossing;
 use super::ends::{clipped, run_on};
+use super::filter::median5;
 use super::house::{Footprint, houses};
 use super::legend::Legend;
 use super::outline::{Corners, simplified};
@@ -30,6 +32,10 @@ use super::yard::courtyards;
 
 /// How far a street's line may be from what was traced, metres, or pixels if these are larger.
 const SIMPLE_M: f64 = 0.6;
+/// Share of the streets' pixels that must not look like noise, or the map is read at twice its size …
+const LEAST_STEADY: f64 = 0.3;
+/// … or at four times it, and no more.
+const MOST_TIMES: usize = 4;
 
 /// What a map shows, in plan metres.
 #[derive(Debug, Clone, Default)]
@@ -96,21 +102,26 @@ pub(super) fn read_map(
     stages: &mut Stages<'_>,
     done: &mut dyn FnMut(&'static str),
 ) -> MapReading {
-    let classes = stages.given(Stage::Classes).map_or_else(|| classified(picture, legend), stage::classes);
+    let mut classes = stages.given(Stage::Classes).map_or_else(|| classified(picture, legend), stage::classes);
     stages.show(Stage::Classes, || stage::of_classes(&classes));
+    let times = enlarged(&mut classes);
+    let mpp = mpp / times as f64;
+    let given =
+        |stages: &Stages<'_>, stage| stages.given(stage).map(|mended| larger(stage::white(mended), times).with_margin(MARGIN));
+    let shown = |bitmap: &Bitmap| smaller(bitmap.without_margin(MARGIN), times);
     done("classify");
     let (mut paved, hidden, mut parts) = cleaned(&classes, mpp);
-    if let Some(mended) = stages.given(Stage::Streets) {
-        paved = stage::white(mended).with_margin(MARGIN);
+    if let Some(mended) = given(stages, Stage::Streets) {
+        paved = mended;
         parts = Parts::of(&paved, Corners::Join).parts;
     }
-    stages.show(Stage::Streets, || stage::of_bitmaps(&paved.without_margin(MARGIN), None));
+    stages.show(Stage::Streets, || stage::of_bitmaps(&shown(&paved), None));
     let printed = printed_squares(&classes, &paved, MARGIN, mpp);
     let yards = courtyards(&mut paved, &parts, &hidden, printed.as_ref(), mpp);
     done("clean");
-    let mended = stages.given(Stage::Skeleton).map(|mended| stage::white(mended).with_margin(MARGIN));
-    let skeleton = mended.unwrap_or_else(|| thinned(&paved, threads));
-    stages.show(Stage::Skeleton, || stage::of_bitmaps(&skeleton.without_margin(MARGIN), Some(&paved.without_margin(MARGIN))));
+    // Lines that were drawn into a skeleton may be wider than a pixel.
+    let skeleton = thinned(given(stages, Stage::Skeleton).as_ref().unwrap_or(&paved), threads);
+    stages.show(Stage::Skeleton, || stage::of_bitmaps(&shown(&skeleton), Some(&shown(&paved))));
     done("skeleton");
     let graph = traced(&skeleton);
     done("trace");
@@ -130,16 +141,17 @@ pub(super) fn read_map(
     done("squares");
     crossing::settle(&mut sketch, &paved, mpp);
     sketch.join_chains();
-    let size = DVec2::new(picture.width as f64, picture.height as f64);
+    let (width, height) = (classes.street.width(), classes.street.height());
+    let size = DVec2::new(width as f64, height as f64);
     let margin = DVec2::splat(MARGIN as f64);
     let plan = |p: DVec2| DVec2::new(p.x - margin.x, size.y - (p.y - margin.y)) * mpp;
-    let mut streets = read_streets(&sketch, [&paved, &hidden], Tints::of(picture, legend).as_ref(), mpp);
+    let mut streets = read_streets(&sketch, [&paved, &hidden], Tints::of(picture, legend, times).as_ref(), mpp);
     done("streets");
     let mut street = paved.without_margin(MARGIN);
     if let Some(yards) = yards {
         street.add(&yards.without_margin(MARGIN));
     }
-    let blank = || Bitmap::new(picture.width, picture.height);
+    let blank = || Bitmap::new(width, height);
     let (mut railway, mut river) = (blank(), blank());
     let mut courses_found = Vec::new();
     let mut labelled = None;
@@ -204,6 +216,40 @@ fn read_streets(sketch: &Sketch, [paved, hidden]: [&Bitmap; 2], tints: Option<&T
         }
     }
     streets
+}
+
+/// Makes the classes of a map larger whose streets are so narrow that cleaning would take most of them for noise, and says how
+/// many times.
+fn enlarged(classes: &mut Classes) -> usize {
+    let is_thin = |street: &Bitmap| {
+        let mut steady = median5(street);
+        steady.keep(street);
+        (steady.count() as f64) < LEAST_STEADY * street.count() as f64
+    };
+    let mut times = 1;
+    while times < MOST_TIMES && 2 * classes.street.width().max(classes.street.height()) <= SIDE_PX && is_thin(&classes.street) {
+        for class in classes.all_mut() {
+            *class = larger(core::mem::replace(class, Bitmap::new(0, 0)), 2);
+        }
+        times *= 2;
+    }
+    times
+}
+
+/// A bitmap made larger, by a power of two.
+fn larger(mut bitmap: Bitmap, times: usize) -> Bitmap {
+    for _ in 0..times.ilog2() {
+        bitmap = bitmap.doubled(2 * bitmap.width(), 2 * bitmap.height());
+    }
+    bitmap
+}
+
+/// A bitmap made smaller, by a power of two.
+fn smaller(mut bitmap: Bitmap, times: usize) -> Bitmap {
+    for _ in 0..times.ilog2() {
+        bitmap = bitmap.halved();
+    }
+    bitmap
 }
 
 /// How far the line of a street or course may be from what was traced, pixels.

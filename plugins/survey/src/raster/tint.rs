@@ -32,19 +32,21 @@ const OTHER: u8 = u8::MAX;
 pub(super) struct Tints<'a> {
     picture: &'a Picture,
     light: Light,
+    /// How many times larger than the picture the places are that are asked for.
+    times: f64,
     /// For each colour, the street's class counted from 1, 0 for a street without one, or [`OTHER`].
     table: Box<[u8; TABLE]>,
 }
 
 impl<'a> Tints<'a> {
-    /// Nothing where the legend has no class of street.
-    pub fn of(picture: &'a Picture, legend: &Legend) -> Option<Self> {
+    /// Nothing where the legend has no class of street. Places will be asked for so many times larger than the picture.
+    pub fn of(picture: &'a Picture, legend: &Legend, times: usize) -> Option<Self> {
         if !legend.colours.iter().any(|c| matches!(c.class, MapClass::Street(Some(_)))) {
             return None;
         }
         let is_street = |class: u8| class % (1 << CLASS_BITS) == STREET;
         let (light, table) = looked_up(picture, legend, |class| if is_street(class) { class >> CLASS_BITS } else { OTHER });
-        Some(Self { picture, light, table })
+        Some(Self { picture, light, times: times as f64, table })
     }
 
     /// The class of a street along a line of so many half pixels' width, pixels with y down: what most of its colour says.
@@ -81,7 +83,7 @@ impl<'a> Tints<'a> {
         if p.min_element() < 0.0 {
             return OTHER;
         }
-        let (x, y) = (p.x as usize, p.y as usize);
+        let (x, y) = ((p.x / self.times) as usize, (p.y / self.times) as usize);
         self.picture.at(x, y).map_or(OTHER, |pixel| self.table[stepped(&pixel, self.light.steps_at(x, y))])
     }
 }
