@@ -36,12 +36,12 @@
 //!
 //! # Limits
 //! Streets and squares are told by colour: a map of outlines alone, whose streets and blocks are both bare paper, is not
-//! read. Where most streets are one or two pixels wide the picture is read at twice or four times its size; where only some are,
-//! those are taken for noise. Squares of more than 160 pixels from the middle to the wall are not found, unless they have a colour of their own. A
-//! street has one class where colours tell classes, and one whose edge a label has eaten into may be told narrower there than
-//! it is. A courtyard about a house of its own is taken for a street about a block, and one that a gate leads to for a blind
-//! alley. Blocks that show houses of their own are built ones like any other: that nothing is to be built between the houses
-//! is not said in a graph.
+//! read. Where most streets are one or two pixels wide the picture is read at twice or four times its size; where only some
+//! are, those are taken for noise. Squares of more than 160 pixels from the middle to the wall are not found, unless they
+//! have a colour of their own. A street has one class where colours tell classes, and one whose edge a label has eaten into
+//! may be told narrower there than it is. A courtyard about a house of its own is taken for a street about a block, and one
+//! that a gate leads to for a blind alley. Blocks that show houses of their own are built ones like any other: that nothing
+//! is to be built between the houses is not said in a graph.
 //!
 //! # Rejected
 //! The `image` crate as a front to the same decoders: it copies JPEG and TIFF once more, takes neither palettes nor JPEG in
