@@ -195,7 +195,8 @@ pub struct Link {
 }
 
 impl Link {
-    /// Width in metres: its own, its profile's mean, or its class's. Where it varies, that is the width it mostly has; see [`Link::width_at`].
+    /// Width in metres: its own, its profile's mean, or its class's. Where it varies, that is the width it mostly has; see
+    /// [`Link::width_at`].
     #[must_use]
     pub fn width(&self) -> f64 {
         if self.width_m > 0.0 {

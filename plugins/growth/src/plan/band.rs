@@ -131,6 +131,7 @@ mod tests {
         assert_eq!((lo.0, hi.1), (0, 80 * 1024), "dead ends are not rounded");
         assert!((lo.to_metres().y + 3.0).abs() < 0.01, "the broad street does not bulge below the lane: {lo:?}");
     }
+
     #[test]
     fn a_band_follows_the_profile() {
         let mut graph = graph();

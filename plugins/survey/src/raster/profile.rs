@@ -2,8 +2,8 @@
 //!
 //! ```text
 //!  a street's line ─► stations across it ─► running median ─► straight stretches ─► (share, width) …
-//!                     (less those that look             ends: the half disc of a crossroads
-//!                      into another street)
+//!                     (less those that look             (as wide at a crossroads as
+//!                      into another street)              the nearest of them)
 //! ```
 //!
 //! Few streets of a map vary, so the spread of the widths that were measured before tells which are looked at again, on the
@@ -32,6 +32,7 @@ const STEP_PX: f64 = 3.0;
 const CHORD_PX: f64 = 6.0;
 /// The least number of stations of which a median is taken.
 const WINDOW: usize = 5;
+
 /// How far apart widths of a street may lie and be one width, pixels. `mpp`: metres a pixel.
 fn even_px(width_px: f64, mpp: f64) -> f64 {
     (EVEN_M / mpp).max(EVEN_PX).max(EVEN_SHARE * width_px)
