@@ -76,6 +76,7 @@ mod picture;
 mod profile;
 mod quantise;
 mod read;
+mod scale;
 mod sight;
 mod sketch;
 mod square;

@@ -155,6 +155,23 @@ mod tests {
     use crate::raster::outline::outlines;
     use proptest::prelude::*;
 
+    #[test]
+    fn parts_that_are_not_wanted_go_with_their_runs() {
+        // A bar, a speck, a ring about a speck.
+        let ring = |x: usize, y: usize| x.abs_diff(30).max(y.abs_diff(10)) == 6;
+        let is_set = |x: usize, y: usize| y == 2 && x < 20 || (x, y) == (10, 8) || ring(x, y) || (x, y) == (30, 10);
+        let mut parts = Parts::of(&Bitmap::from_fn(50, 20, is_set), Corners::Join);
+        assert_eq!(parts.parts.iter().map(|part| part.area_px).collect::<Vec<_>>(), [20, 48, 1, 1]);
+        assert_eq!(parts.smaller_than(20).map(|run| (run.from, run.y)).collect::<Vec<_>>(), [(10, 8), (30, 10)]);
+        parts.retain(|part| part.area_px != 20);
+        assert_eq!(parts.parts.iter().map(|part| part.area_px).collect::<Vec<_>>(), [48, 1, 1]);
+        let mut areas = [0; 3];
+        for run in &parts.runs {
+            areas[run.part as usize] += run.to - run.from;
+        }
+        assert_eq!(areas, [48, 1, 1]);
+    }
+
     proptest! {
         #[test]
         fn parts_are_what_outlines_go_around(width in 1usize..600, height in 1usize..40, density in 1u64..16, cell in 1usize..4, seed: u64) {

@@ -130,6 +130,7 @@ impl Patches {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raster::filter::dilated;
     use proptest::prelude::*;
 
     fn full(of: &Bitmap) -> Bitmap {
@@ -159,8 +160,16 @@ mod tests {
             let mut back = Bitmap::new(width, height);
             patches.put_back(&parts, &mut back);
             prop_assert_eq!(&back, &mask);
-            // What lies in and beside each pixel of a part is shown around it.
+            // What lies beside each pixel of a part is shown beside it.
             let mut shown = patches.shown(&other);
+            for run in &patches.parts.runs {
+                let place = patches.places[run.part as usize];
+                for (x, y) in (run.from..run.to).flat_map(|x| (0..9).map(move |i| (x + i % 3 - 1, run.y + i / 3 - 1))) {
+                    let there = IVec2::new(x, y) + place.to - place.from;
+                    let is_shown = shown.get(there.x as isize, there.y as isize);
+                    prop_assert_eq!(is_shown, other.get(x as isize, y as isize), "({}, {})", x, y);
+                }
+            }
             shown.keep(&parts);
             let mut back = Bitmap::new(width, height);
             patches.put_back(&shown, &mut back);
@@ -168,6 +177,23 @@ mod tests {
             expected.keep(&mask);
             prop_assert_eq!(&back, &expected);
         }
+    }
+
+    #[test]
+    fn sheets_make_what_the_whole_makes() {
+        // Bars of many heights, one of them higher than a sheet, each with its own surroundings.
+        let (width, height) = (900, 1400);
+        let bars = Bitmap::from_fn(width, height, |x, y| x % 9 < 2 && y % 437 < 100 + x / 3 || (5..7).contains(&x) && y > 20);
+        let other = Bitmap::from_fn(width, height, |x, y| (x * 31 + y * 17 + x * y) % 11 < 2);
+        let patches = Patches::of(&bars, &full(&bars));
+        assert!(patches.sheets.len() > 1, "{:?} {}", patches.sheets, patches.size);
+        let mut made = patches.sheet_by_sheet([&patches.shown(&other)], |[sheet]| dilated(&sheet));
+        made.keep(&patches.parts());
+        let mut back = Bitmap::new(width, height);
+        patches.put_back(&made, &mut back);
+        let mut expected = dilated(&other);
+        expected.keep(&bars);
+        assert_eq!(back, expected);
     }
 
     #[test]
