@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use anstream::eprintln;
 use indicatif::{ProgressBar, ProgressStyle};
 use veduta_bake::{BakeSettings, Input, InputKind, Stage, bake, overrides_beside};
 use veduta_city::Tour;

@@ -5,6 +5,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
+use anstream::eprintln;
 use image::RgbaImage;
 use image::imageops::{FilterType, resize};
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use anstream::{eprintln, println};
 use indicatif::{ProgressBar, ProgressStyle};
 use veduta::city::{Tour, file};
 use veduta::facade::FadeSettings;

@@ -3,6 +3,7 @@
 use core::str::FromStr;
 use std::path::PathBuf;
 
+use anstream::println;
 use bevy::math::DVec2;
 use veduta::facade::FadeSettings;
 use veduta::prelude::*;

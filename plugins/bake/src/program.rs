@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use anstream::{eprintln, println};
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use veduta_bake::{BakeSettings, Planned, Stage, bake_input, lay_on_ground, map_svg, plan, survey_bare};

@@ -1,7 +1,7 @@
 //! The program itself, on a place drawn by hand: exit codes, messages, and that nothing is ever written half.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 fn place(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/places").join(file)
@@ -41,6 +41,20 @@ fn run(arguments: &[&dyn AsRef<std::ffi::OsStr>]) -> (i32, String, String) {
     let Output { status, stdout, stderr } = command.output().unwrap_or_else(|e| panic!("{e}"));
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
     (status.code().unwrap_or(-1), text(stdout), text(stderr))
+}
+
+#[test]
+fn it_ends_in_order_when_nobody_reads_what_it_prints() {
+    let (reader, writer) = std::io::pipe().unwrap_or_else(|e| panic!("{e}"));
+    drop(reader);
+    let folder = Folder::new("pipe");
+    let mut survey = Command::new(env!("CARGO_BIN_EXE_veduta-bake"));
+    survey.arg("survey").arg(place("crossroads/crossroads.osm")).arg("-o").arg(folder.0.join("a.graph.ron"));
+    let writer = [writer.try_clone().unwrap_or_else(|e| panic!("{e}")), writer];
+    let [out, err] = writer.map(Stdio::from);
+    let status = survey.stdout(out).stderr(err).status().unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(status.code(), Some(0));
+    assert_eq!(folder.names(), ["a.graph.ron"]);
 }
 
 #[test]

@@ -62,7 +62,7 @@ impl Polygon {
 
 /// Edges of a closed ring, in order.
 pub(crate) fn edges(ring: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
-    ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
+    ring.iter().zip(ring.iter().skip(1).chain(ring.first())).map(|(a, b)| (*a, *b))
 }
 
 /// Positive if counter-clockwise.
@@ -123,7 +123,7 @@ pub(crate) fn is_simple(ring: &[DVec2]) -> bool {
             }
         }
         let (low, high) = (a.min(b), a.max(b));
-        for (j, &(c, d)) in all.iter().enumerate().skip(i + 2) {
+        for (j, &(c, d)) in (i + 2..).zip(all.iter().skip(i + 2)) {
             let is_neighbour = i == 0 && j == n - 1;
             if !is_neighbour && c.max(d).cmpge(low).all() && c.min(d).cmple(high).all() && touch(a, b, c, d) {
                 return false;

@@ -15,6 +15,7 @@ mod thinning;
 
 use std::path::PathBuf;
 
+use anstream::println;
 use clap::Args;
 use serde_json::{Value, json};
 use veduta_city::file;

@@ -1,5 +1,6 @@
 use std::path::{Path, PathBuf};
 
+use anstream::{eprintln, println};
 use veduta_city::{CityGraph, CityPlan, GraphOverrides, Style, Styles, Tour, file};
 use veduta_survey::CityWords;
 

@@ -1,3 +1,4 @@
+use anstream::{eprintln, println};
 use veduta_city::Level;
 use veduta_store::{
     CityIndex, INDEX_NAME, Packet, Reader, StoreError, decode_index, decode_overview, decode_packet, decode_styles, open_reader,

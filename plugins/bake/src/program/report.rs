@@ -1,5 +1,6 @@
 use core::fmt::Write;
 
+use anstream::{eprint, eprintln};
 use veduta_city::{Finding, Severity};
 
 /// How many places are named of each kind of finding.

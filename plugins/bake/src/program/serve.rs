@@ -1,5 +1,6 @@
 use std::path::Path;
 
+use anstream::{eprintln, println};
 use tiny_http::{Header, Method, Request, Response, Server, StatusCode};
 use veduta_store::{DirReader, INDEX_NAME, ReadError, Reader};
 

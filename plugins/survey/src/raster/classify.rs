@@ -1,5 +1,7 @@
 //! What every pixel of a map stands for, by the nearest colour of the legend.
 
+use pulp::{Arch, NullaryFnOnce};
+
 use super::bitmap::Bitmap;
 use super::legend::{Legend, MapClass};
 use super::picture::Picture;
@@ -49,45 +51,64 @@ pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
         SQUARE => 1 << SQUARE | 1 << STREET,
         class => 1 << (class % (1 << CLASS_BITS)),
     });
-    let (w, h) = (picture.width, picture.height);
-    let [mut street, mut park, mut water, mut railway, mut ink, mut house, mut square] = [(); 7].map(|()| Bitmap::new(w, h));
-    for y in 0..h {
-        let row = &picture.pixels[y * w * 3..(y + 1) * w * 3];
-        let [s, p, wa, r, i] = [street.row_mut(y), park.row_mut(y), water.row_mut(y), railway.row_mut(y), ink.row_mut(y)];
-        let [ho, sq] = [house.row_mut(y), square.row_mut(y)];
-        for (k, pixels) in row.chunks(64 * 3).enumerate() {
-            let step = light.steps_at(k * 64, y);
-            if let Some(class) = class_of_all(pixels, step, &table) {
-                let words = [&mut s[k], &mut p[k], &mut wa[k], &mut r[k], &mut i[k], &mut ho[k], &mut sq[k]];
-                for (word, bit) in words.into_iter().zip([STREET, PARK, WATER, RAILWAY, INK, HOUSE, SQUARE]) {
-                    if class >> bit & 1 == 1 {
-                        *word = u64::MAX;
+    Arch::new().dispatch(Classing { picture, light: &light, table: &table })
+}
+
+/// The classes of all pixels, by what is known of their colours.
+struct Classing<'a> {
+    picture: &'a Picture,
+    light: &'a Light,
+    /// Bits of the classes of each entry.
+    table: &'a [u8; TABLE],
+}
+
+impl NullaryFnOnce for Classing<'_> {
+    type Output = Classes;
+
+    #[inline(always)]
+    fn call(self) -> Classes {
+        let Self { picture, light, table } = self;
+        let (w, h) = (picture.width, picture.height);
+        let [mut street, mut park, mut water, mut railway, mut ink, mut house, mut square] = [(); 7].map(|()| Bitmap::new(w, h));
+        for y in 0..h {
+            let row = &picture.pixels[y * w * 3..(y + 1) * w * 3];
+            let [s, p, wa, r, i] = [street.row_mut(y), park.row_mut(y), water.row_mut(y), railway.row_mut(y), ink.row_mut(y)];
+            let [ho, sq] = [house.row_mut(y), square.row_mut(y)];
+            for (k, pixels) in row.chunks(64 * 3).enumerate() {
+                let steps = light.steps_at(k * 64, y);
+                if let Some(class) = class_of_all(pixels, steps, table) {
+                    let words = [&mut s[k], &mut p[k], &mut wa[k], &mut r[k], &mut i[k], &mut ho[k], &mut sq[k]];
+                    for (word, bit) in words.into_iter().zip([STREET, PARK, WATER, RAILWAY, INK, HOUSE, SQUARE]) {
+                        if class >> bit & 1 == 1 {
+                            *word = u64::MAX;
+                        }
+                    }
+                    continue;
+                }
+                let mut seen = [0; 8];
+                let (eights, rest) = pixels.as_chunks::<24>();
+                for (seen, eight) in seen.iter_mut().zip(eights) {
+                    *seen = classes_of_eight(eight, steps, table);
+                }
+                for (i, pixel) in rest.as_chunks::<3>().0.iter().enumerate() {
+                    seen[eights.len()] |= u64::from(table[stepped(pixel, steps)]) << (8 * i);
+                }
+                let all = any_of(&seen);
+                for (bit, word) in
+                    [(STREET, &mut s[k]), (PARK, &mut p[k]), (WATER, &mut wa[k]), (RAILWAY, &mut r[k]), (INK, &mut i[k])]
+                {
+                    if all >> bit & 1 == 1 {
+                        *word = gathered(&seen, bit);
                     }
                 }
-                continue;
-            }
-            let mut seen = [0u8; 64];
-            let (runs, rest) = pixels.as_chunks::<{ RUN * 3 }>();
-            for (classes, run) in seen.as_chunks_mut::<RUN>().0.iter_mut().zip(runs) {
-                *classes = classes_of_run(run, step, &table);
-            }
-            for (class, pixel) in seen[runs.len() * RUN..].iter_mut().zip(rest.as_chunks::<3>().0) {
-                *class = table[stepped(pixel, step)];
-            }
-            let all = seen.iter().fold(0, |a, b| a | b);
-            for (bit, word) in [(STREET, &mut s[k]), (PARK, &mut p[k]), (WATER, &mut wa[k]), (RAILWAY, &mut r[k]), (INK, &mut i[k])]
-            {
-                if all >> bit & 1 == 1 {
-                    *word = gathered(&seen, bit);
+                // Few maps have a colour for these.
+                if all >> HOUSE != 0 {
+                    (ho[k], sq[k]) = (gathered(&seen, HOUSE), gathered(&seen, SQUARE));
                 }
             }
-            // Few maps have a colour for these.
-            if all >> HOUSE != 0 {
-                (ho[k], sq[k]) = (gathered(&seen, HOUSE), gathered(&seen, SQUARE));
-            }
         }
+        Classes { street, park, water, railway, ink, house, square }
     }
-    Classes { street, park, water, railway, ink, house, square }
 }
 
 /// How bright a picture is, and what `of` makes of the class of the shade that is nearest to each entry of the table.
@@ -102,14 +123,11 @@ pub(super) fn looked_up(picture: &Picture, legend: &Legend, of: impl Fn(u8) -> u
     (light, table)
 }
 
-/// Pixels side by side that are looked up once if they are all alike.
-const RUN: usize = 16;
-
 /// The class of 64 pixels, if all are alike.
 #[inline(always)]
-fn class_of_all(pixels: &[u8], step: &[u8; 256], table: &[u8; TABLE]) -> Option<u8> {
+fn class_of_all(pixels: &[u8], steps: &Steps, table: &[u8; TABLE]) -> Option<u8> {
     let pixels: &[u8; 64 * 3] = pixels.try_into().ok()?;
-    is_even(pixels).then(|| table[stepped(&[pixels[0], pixels[1], pixels[2]], step)])
+    is_even(pixels).then(|| table[stepped(&[pixels[0], pixels[1], pixels[2]], steps)])
 }
 
 /// Whether all pixels are alike: each as the one before.
@@ -122,32 +140,42 @@ fn is_even<const N: usize>(pixels: &[u8; N]) -> bool {
     differ == 0
 }
 
-/// The classes of some pixels.
+/// The classes of eight pixels, a byte each from the lowest.
 #[inline(always)]
-fn classes_of_run(pixels: &[u8; RUN * 3], step: &[u8; 256], table: &[u8; TABLE]) -> [u8; RUN] {
+fn classes_of_eight(pixels: &[u8; 24], steps: &Steps, table: &[u8; TABLE]) -> u64 {
     if is_even(pixels) {
-        return [table[stepped(&[pixels[0], pixels[1], pixels[2]], step)]; RUN];
+        return u64::from(table[stepped(&[pixels[0], pixels[1], pixels[2]], steps)]) * 0x0101_0101_0101_0101;
     }
-    let mut classes = [0; RUN];
-    for (i, class) in classes.iter_mut().enumerate() {
-        *class = table[stepped(&[pixels[3 * i], pixels[3 * i + 1], pixels[3 * i + 2]], step)];
+    let mut classes = 0;
+    for i in 0..8 {
+        let class = table[stepped(&[pixels[3 * i], pixels[3 * i + 1], pixels[3 * i + 2]], steps)];
+        classes |= u64::from(class) << (8 * i);
     }
     classes
 }
 
-/// The table's entry for a colour, when a channel's values fall on these steps.
+/// What is set in any of 64 bytes, eight a word.
 #[inline(always)]
-pub(super) fn stepped(colour: &[u8; 3], step: &[u8; 256]) -> usize {
-    let [r, g, b] = *colour;
-    let at = |value: u8| usize::from(step[usize::from(value)]);
-    (at(r) << 10 | at(g) << 5 | at(b)) % TABLE
+fn any_of(bytes: &[u64; 8]) -> u8 {
+    let all = bytes.iter().fold(0, |a, b| a | b);
+    let all = all | all >> 32;
+    let all = all | all >> 16;
+    (all | all >> 8) as u8
 }
 
-/// One bit of each of 64 bytes, as a word.
-fn gathered(bytes: &[u8; 64], bit: u8) -> u64 {
+/// The table's entry for a colour, when the channels' values lie so in it.
+#[inline(always)]
+pub(super) fn stepped(colour: &[u8; 3], steps: &Steps) -> usize {
+    let ([r, g, b], [of_r, of_g, of_b]) = (*colour, steps);
+    usize::from(of_r[usize::from(r)] | of_g[usize::from(g)] | of_b[usize::from(b)]) % TABLE
+}
+
+/// One bit of each of 64 bytes, eight a word, as one word.
+#[inline(always)]
+fn gathered(bytes: &[u64; 8], bit: u8) -> u64 {
     let mut word = 0;
-    for (i, eight) in bytes.as_chunks::<8>().0.iter().enumerate() {
-        let lanes = u64::from_le_bytes(*eight) >> bit & 0x0101_0101_0101_0101;
+    for (i, eight) in bytes.iter().enumerate() {
+        let lanes = eight >> bit & 0x0101_0101_0101_0101;
         word |= (lanes.wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * i);
     }
     word
@@ -159,9 +187,12 @@ pub(super) struct Light {
     columns: usize,
     /// For each tile, the number of its brightness.
     level: Vec<u8>,
-    /// For each brightness, the step that each value of a channel falls on.
-    steps: Vec<[u8; 256]>,
+    /// For each brightness, where each value of a channel lies in the table.
+    steps: Vec<Steps>,
 }
+
+/// For each value of red, green and blue, its part of the number of a table's entry.
+pub(super) type Steps = [[u16; 256]; 3];
 
 /// Pixels of a tile's side.
 const TILE: usize = 128;
@@ -192,13 +223,14 @@ impl Light {
         });
         let steps = (-LEVELS..=LEVELS).map(|level| {
             let gain = 1.0 + level as f32 * LEVEL;
-            core::array::from_fn(|value| ((value as f32 / gain) as usize).min(255) as u8 >> 3)
+            let step = |value: usize| ((value as f32 / gain) as usize).min(255) as u16 >> 3;
+            [10, 5, 0].map(|shift| core::array::from_fn(|value| step(value) << shift))
         });
         Self { columns, level: level.collect(), steps: steps.collect() }
     }
 
     #[inline(always)]
-    pub(super) fn steps_at(&self, x: usize, y: usize) -> &[u8; 256] {
+    pub(super) fn steps_at(&self, x: usize, y: usize) -> &Steps {
         &self.steps[usize::from(self.level[y / TILE * self.columns + x / TILE])]
     }
 }

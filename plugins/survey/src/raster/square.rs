@@ -260,12 +260,8 @@ impl Region {
     }
 
     fn add_to(&self, taken: &mut Bitmap) {
-        for (x, y) in self.area.pixels() {
-            let (x, y) = (x as i32 + self.origin.x, y as i32 + self.origin.y);
-            if x >= 0 && y >= 0 && (x as usize) < taken.width() && (y as usize) < taken.height() {
-                taken.set(x as usize, y as usize, true);
-            }
-        }
+        let size = IVec2::new(self.area.width() as i32, self.area.height() as i32);
+        taken.add_from(&self.area, IVec2::ZERO, self.origin, size);
     }
 
     /// Its outline in the picture.

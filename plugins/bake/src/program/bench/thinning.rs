@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
+use anstream::println;
 use clap::Args;
 use serde::Deserialize;
 use veduta_survey::raster::{Bitmap, Picture, PictureLimits, thinned, thinned_portably};
