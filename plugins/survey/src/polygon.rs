@@ -113,24 +113,27 @@ fn welded(ring: &[DVec2]) -> Ring {
 /// Whether a ring neither crosses nor touches itself.
 pub(crate) fn is_simple(ring: &[DVec2]) -> bool {
     let n = ring.len();
-    let all: Vec<(DVec2, DVec2)> = edges(ring).collect();
-    for (i, &(a, b)) in all.iter().enumerate() {
-        // A spike folds back on the edge before it.
-        if let Some(&(_, c)) = all.get((i + 1) % n.max(1)) {
-            let (u, v) = (b - a, c - b);
-            if u.perp_dot(v).abs() <= 1e-9 * u.length() * v.length() && u.dot(v) < 0.0 {
-                return false;
-            }
-        }
+    // A spike folds back on the edge before it.
+    let is_spike = |((a, b), (_, c)): ((DVec2, DVec2), (DVec2, DVec2))| {
+        let (u, v) = (b - a, c - b);
+        u.perp_dot(v).abs() <= 1e-9 * u.length() * v.length() && u.dot(v) < 0.0
+    };
+    if n < 3 || edges(ring).zip(edges(ring).skip(1).chain(edges(ring).take(1))).any(is_spike) {
+        return false;
+    }
+    // Each edge meets those that begin, from left to right, before it ends.
+    let mut sorted: Vec<(usize, DVec2, DVec2)> = edges(ring).enumerate().map(|(i, (a, b))| (i, a, b)).collect();
+    sorted.sort_unstable_by(|(_, a, b), (_, c, d)| a.x.min(b.x).total_cmp(&c.x.min(d.x)));
+    for (k, &(i, a, b)) in sorted.iter().enumerate() {
         let (low, high) = (a.min(b), a.max(b));
-        for (j, &(c, d)) in (i + 2..).zip(all.iter().skip(i + 2)) {
-            let is_neighbour = i == 0 && j == n - 1;
-            if !is_neighbour && c.max(d).cmpge(low).all() && c.min(d).cmple(high).all() && touch(a, b, c, d) {
+        for &(j, c, d) in sorted[k + 1..].iter().take_while(|(_, c, d)| c.x.min(d.x) <= high.x) {
+            let is_neighbour = i.abs_diff(j) == 1 || i.abs_diff(j) == n - 1;
+            if !is_neighbour && c.y.max(d.y) >= low.y && c.y.min(d.y) <= high.y && touch(a, b, c, d) {
                 return false;
             }
         }
     }
-    n >= 3
+    true
 }
 
 /// Whether two segments share a point.

@@ -1,6 +1,7 @@
 use core::fmt;
 
 use glam::IVec2;
+use pulp::{Arch, NullaryFnOnce};
 
 use super::lanes::ThreeRows;
 
@@ -21,6 +22,22 @@ pub struct Bitmap {
     stride: usize,
     /// A blank word, then the rows.
     words: Vec<u64>,
+}
+
+/// How many bits of some words are set.
+struct Count<'a>(&'a [u64]);
+
+impl NullaryFnOnce for Count<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn call(self) -> usize {
+        let mut count = 0;
+        for word in self.0 {
+            count += u64::from(word.count_ones());
+        }
+        count as usize
+    }
 }
 
 impl Bitmap {
@@ -94,7 +111,7 @@ impl Bitmap {
     /// How many pixels are set.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.words.iter().map(|w| w.count_ones() as usize).sum()
+        Arch::new().dispatch(Count(&self.words))
     }
 
     #[inline]

@@ -16,7 +16,7 @@ use super::clean::SPECK_M2;
 use super::filter::median5;
 use super::ground::{Grounds, Share};
 use super::morphology::{Sweep, grown, swept_at};
-use super::outline::{Corners, Outline, holders, outlines, simplified_ring};
+use super::outline::{Corners, Outline, holders, outlines};
 
 /// Half the width of gaps between courses and streets that are closed, pixels.
 const GAP_PX: usize = 3;
@@ -55,8 +55,10 @@ pub(super) fn blocks(street: &Bitmap, courses: [&Bitmap; 2], classes: &Classes, 
         area.remove(&gaps);
     }
     let mut ponds = classes.water.clone();
-    ponds.keep(&area);
-    let ponds = median5(&ponds);
+    if !ponds.is_blank() {
+        ponds.keep(&area);
+        ponds = median5(&ponds);
+    }
     let least = (2.0 * SPECK_M2 / (mpp * mpp)) as i64;
     // What most of a block shows covers at least half of the smallest.
     let has_grounds = 2 * classes.park.count().max(ponds.count()) as i64 > least;
@@ -97,9 +99,7 @@ impl FoundBlock {
 impl Plot {
     fn in_plan(&self, kind: BlockKind, height: f64, mpp: f64) -> FoundBlock {
         let ring = |outline: &Outline| {
-            let ring: Vec<DVec2> = outline.corners.iter().map(|c| c.as_dvec2()).collect();
-            let ring = simplified_ring(&ring, SIMPLE_PX).into_iter().rev();
-            ring.map(|p| DVec2::new(p.x, height - p.y) * mpp).collect()
+            outline.simplified(SIMPLE_PX).into_iter().rev().map(|p| DVec2::new(p.x, height - p.y) * mpp).collect()
         };
         FoundBlock { kind, outline: ring(&self.outline), holes: self.holes.iter().map(ring).collect() }
     }

@@ -33,21 +33,21 @@ const CLEARLY: f64 = 0.75;
 /// A street shows where it goes by a straight stretch of so many pixels.
 const LEAST_STRAIGHT_PX: f64 = 6.0;
 
+/// Of a street's length, as much may at each end be what its skeleton swerves.
+const MOST_SWERVE: f64 = 0.45;
+
 /// Puts crossroads where their streets meet, and makes one of those that are one. `mpp`: metres a pixel.
 pub(crate) fn settle(sketch: &mut Sketch, paved: &Bitmap, mpp: f64) {
     let at = sketch.ends();
+    let lengths: Vec<f64> = sketch.streets.iter().map(SketchStreet::length).collect();
     let swerves: Vec<[f64; 2]> =
         sketch.streets.iter().map(|s| [swerve(s, 0, sketch, paved), swerve(s, 1, sketch, paved)]).collect();
-    let arms: Vec<[Option<Arm>; 2]> = sketch
-        .streets
-        .iter()
-        .zip(&swerves)
-        .map(|(street, swerves)| [arm(street, 0, swerves[0], sketch), arm(street, 1, swerves[1], sketch)])
-        .collect();
+    let arm_of = |i: usize, end: usize| arm(&sketch.streets[i], end, swerves[i][end], lengths[i], sketch);
+    let arms: Vec<[Option<Arm>; 2]> = (0..sketch.streets.len()).map(|i| [arm_of(i, 0), arm_of(i, 1)]).collect();
     // Too short to show where they go: all of their line is bent by what meets at their ends.
     let is_short = |i: usize| {
         let [a, b] = sketch.streets[i].ends;
-        at[a].len() > 2 && at[b].len() > 2 && sketch.streets[i].length() < swerves[i][0] + swerves[i][1] + LEAST_STRAIGHT_PX
+        at[a].len() > 2 && at[b].len() > 2 && lengths[i] < swerves[i][0] + swerves[i][1] + LEAST_STRAIGHT_PX
     };
     let short: Vec<bool> = (0..sketch.streets.len()).map(is_short).collect();
     let place = |node: usize| -> DVec2 {
@@ -84,7 +84,7 @@ pub(crate) fn settle(sketch: &mut Sketch, paved: &Bitmap, mpp: f64) {
     for (i, gone) in gone.iter_mut().enumerate() {
         let [a, b] = sketch.streets[i].ends;
         let within = groups.of(a) == groups.of(b) && (a != b || sketch.nodes[a].square.is_none());
-        *gone |= within && at[a].len() > 2 && sketch.streets[i].length() < 4.0 * sketch.nodes[a].radius.max(sketch.nodes[b].radius);
+        *gone |= within && at[a].len() > 2 && lengths[i] < 4.0 * sketch.nodes[a].radius.max(sketch.nodes[b].radius);
     }
     let new_places: Vec<DVec2> = (0..sketch.nodes.len())
         .map(|n| {
@@ -107,7 +107,7 @@ pub(crate) fn settle(sketch: &mut Sketch, paved: &Bitmap, mpp: f64) {
             let new = groups.of(old);
             street.ends[end] = new;
             if at[old].len() > 2 {
-                street.tie(end, sketch.nodes[new].pos, swerve);
+                street.tie(end, sketch.nodes[new].pos, swerve.min(MOST_SWERVE * lengths[i]));
             }
         }
     }
@@ -120,12 +120,11 @@ pub(crate) fn settle(sketch: &mut Sketch, paved: &Bitmap, mpp: f64) {
 }
 
 impl SketchStreet {
-    /// Ends its line at a new place of a node, without the `swerve` that its skeleton makes before.
-    fn tie(&mut self, end: usize, place: DVec2, swerve: f64) {
+    /// Ends its line at a new place of a node, without what of it lies within `trim` of the old.
+    fn tie(&mut self, end: usize, place: DVec2, trim: f64) {
         if end == 1 {
             self.line.reverse();
         }
-        let trim = swerve.min(0.45 * self.length());
         let old = self.line[0];
         let keep =
             self.line.iter().position(|p| p.distance(old) >= trim && p.distance(place) >= 1.0).unwrap_or(self.line.len() - 1);
@@ -137,10 +136,9 @@ impl SketchStreet {
     }
 }
 
-/// How a street comes to the node at one of its ends.
-fn arm(street: &SketchStreet, end: usize, swerve: f64, sketch: &Sketch) -> Option<Arm> {
+/// How a street so long comes to the node at one of its ends.
+fn arm(street: &SketchStreet, end: usize, swerve: f64, length: f64, sketch: &Sketch) -> Option<Arm> {
     let far = sketch.nodes[street.ends[1 - end]];
-    let length = street.length();
     let from = (swerve + 0.5 * street.half).min(0.5 * length);
     let to = (from + (3.0 * street.half).max(10.0)).min(length - (1.15 * far.radius).min(0.3 * length)).max(from + 3.0);
     let (mut gone, mut before) = (0.0, sketch.nodes[street.ends[end]].pos);

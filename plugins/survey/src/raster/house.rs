@@ -11,7 +11,7 @@ use glam::DVec2;
 use super::classify::Classes;
 use super::clean::{is_rare, labels};
 use super::filter::{crowded, filled};
-use super::outline::{Corners, Outline, holders, outlines, simplified_ring};
+use super::outline::{Corners, Outline, holders, outlines};
 use crate::polygon::{is_simple, signed_area};
 
 /// Smallest house, square metres and pixels …
@@ -86,9 +86,9 @@ fn outline_of(outline: &Outline, tolerance: f64) -> Vec<DVec2> {
         let off = (signed_area(right).abs() - area).abs();
         off < AREA_SHARE * area + AREA_PX * right.len() as f64 && is_simple(right)
     };
-    let right = WALLS_PX.iter().find_map(|&t| squared(&edges, &simplified_ring(&edges, t.max(tolerance))).filter(is_true));
+    let right = WALLS_PX.iter().find_map(|&t| squared(&edges, &outline.simplified(t.max(tolerance))).filter(is_true));
     right.unwrap_or_else(|| {
-        let finer = [tolerance, tolerance / 2.0].iter().map(|&t| simplified_ring(&edges, t)).find(|ring| is_simple(ring));
+        let finer = [tolerance, tolerance / 2.0].iter().map(|&t| outline.simplified(t)).find(|ring| is_simple(ring));
         finer.unwrap_or(edges)
     })
 }

@@ -1,6 +1,7 @@
 //! Outlines of what is set in a bitmap, along the cracks between pixels.
 
 use glam::{DVec2, IVec2};
+use pulp::{Arch, NullaryFnOnce};
 
 use super::bitmap::{Bitmap, ones};
 
@@ -165,88 +166,144 @@ fn follow(bitmap: &Bitmap, done: &mut Bitmap, start: IVec2, connect: Corners) ->
     }
 }
 
-/// A closed line that stays within `tolerance` of the given one, with as few of its vertices as one pass can find. Fewer
-/// than three vertices remain of a ring thinner than that.
-#[must_use]
-pub(crate) fn simplified_ring(ring: &[DVec2], tolerance: f64) -> Vec<DVec2> {
-    // Begin at two far corners, so that the beginning does not matter much.
-    let Some(&first) = ring.first() else { return Vec::new() };
-    let far = |from: DVec2| {
-        ring.iter()
-            .enumerate()
-            .fold((0, -1.0), |best, (i, p)| {
+impl Outline {
+    /// A ring that stays within `tolerance` of the outline, with as few of its corners as one pass can find. Fewer than three
+    /// remain of one thinner than that.
+    #[must_use]
+    pub fn simplified(&self, tolerance: f64) -> Vec<DVec2> {
+        // Begin at two far corners, so that the beginning does not matter much.
+        let Some(&first) = self.corners.first() else { return Vec::new() };
+        let far = |from: IVec2| {
+            let farther = |best: (usize, i32), (i, p): (usize, &IVec2)| {
                 let d = p.distance_squared(from);
                 if d > best.1 { (i, d) } else { best }
-            })
-            .0
-    };
-    let a = far(first);
-    let b = far(ring[a]);
-    if a == b {
-        return vec![first];
+            };
+            self.corners.iter().enumerate().fold((0, -1), farther).0
+        };
+        let a = far(first);
+        let b = far(self.corners[a]);
+        if a == b {
+            return vec![first.as_dvec2()];
+        }
+        let mut ring = self.corners.clone();
+        ring.rotate_left(a.min(b));
+        ring.push(ring[0]);
+        let (one, other) = (&ring[..=a.abs_diff(b)], &ring[a.abs_diff(b)..]);
+        let mut result = Vec::new();
+        for side in [one, other] {
+            let keep = Arch::new().dispatch(KeptCorners { corners: side, tolerance });
+            let last = side.len() - 1;
+            result.extend(side[..last].iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| p.as_dvec2()));
+        }
+        result
     }
-    let (low, high) = (a.min(b), a.max(b));
-    let one: Vec<DVec2> = ring[low..=high].to_vec();
-    let other: Vec<DVec2> = ring[high..].iter().chain(&ring[..=low]).copied().collect();
-    let mut result = simplified(&one, tolerance);
-    result.pop();
-    result.extend(simplified(&other, tolerance));
-    result.pop();
-    result
 }
 
 /// A line with the same ends that stays within `tolerance` of the given one (Ramer, Douglas and Peucker).
 #[must_use]
 pub(crate) fn simplified(line: &[DVec2], tolerance: f64) -> Vec<DVec2> {
-    if line.len() < 3 {
-        return line.to_vec();
+    let keep = Arch::new().dispatch(KeptPoints { line, tolerance });
+    line.iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| *p).collect()
+}
+
+/// Which of `n` points in a line are kept. `farthest` tells of those between two the one that is farthest off the straight
+/// line from the one to the other, and the square of how far.
+#[inline(always)]
+fn kept(n: usize, tolerance: f64, farthest: impl Fn(usize, usize) -> (f64, usize)) -> Vec<bool> {
+    let mut keep = vec![false; n];
+    if n < 3 {
+        keep.fill(true);
+        return keep;
     }
-    let mut keep = vec![false; line.len()];
-    keep[0] = true;
-    keep[line.len() - 1] = true;
-    let mut stack = vec![(0, line.len() - 1)];
+    (keep[0], keep[n - 1]) = (true, true);
+    let mut stack = vec![(0, n - 1)];
     while let Some((from, to)) = stack.pop() {
-        let along = line[to] - line[from];
-        let length2 = along.length_squared();
-        let (off2, worst) = if length2 > 0.0 {
-            let (off2, i) = farthest(&line[from + 1..to], |p| along.perp_dot(p - line[from]));
-            (off2 / length2, i)
-        } else {
-            farthest(&line[from + 1..to], |p| p.distance(line[from]))
-        };
+        let (off2, worst) = farthest(from, to);
         if off2 > tolerance * tolerance {
-            let worst = from + 1 + worst;
             keep[worst] = true;
             stack.extend([(from, worst), (worst, to)]);
         }
     }
-    line.iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| *p).collect()
+    keep
 }
 
-/// Of some points the one farthest off, and the square of how far.
+/// Which points of a line are kept.
+struct KeptPoints<'a> {
+    line: &'a [DVec2],
+    tolerance: f64,
+}
+
+impl NullaryFnOnce for KeptPoints<'_> {
+    type Output = Vec<bool>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<bool> {
+        let line = self.line;
+        kept(line.len(), self.tolerance, |from, to| {
+            let (start, along) = (line[from], line[to] - line[from]);
+            let length2 = along.length_squared();
+            let (off, i) = if length2 > 0.0 {
+                farthest(&line[from + 1..to], |p| along.perp_dot(p - start).abs())
+            } else {
+                farthest(&line[from + 1..to], |p| p.distance(start))
+            };
+            (if length2 > 0.0 { off * off / length2 } else { off * off }, from + 1 + i)
+        })
+    }
+}
+
+/// Which corners of a part of an outline are kept, in whole numbers: no picture is so large that its area twice is none.
+struct KeptCorners<'a> {
+    corners: &'a [IVec2],
+    tolerance: f64,
+}
+
+impl NullaryFnOnce for KeptCorners<'_> {
+    type Output = Vec<bool>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<bool> {
+        let corners = self.corners;
+        kept(corners.len(), self.tolerance, |from, to| {
+            let (start, along) = (corners[from], corners[to] - corners[from]);
+            let between = &corners[from + 1..to];
+            if along == IVec2::ZERO {
+                let (off2, i) = farthest(between, |p| (p - start).length_squared());
+                return (f64::from(off2), from + 1 + i);
+            }
+            let (off, i) = farthest(between, |p| (along.x * (p.y - start.y) - along.y * (p.x - start.x)).abs());
+            (f64::from(off) * f64::from(off) / along.as_dvec2().length_squared(), from + 1 + i)
+        })
+    }
+}
+
+/// Of some points the first that is farthest off, and how far; 0 and the first if none is off at all.
 #[inline(always)]
-fn farthest(points: &[DVec2], off: impl Fn(DVec2) -> f64) -> (f64, usize) {
-    const TOGETHER: usize = 8;
-    let mut worst = (0.0, 0);
+fn farthest<P: Copy, N: Copy + Default + PartialOrd>(points: &[P], off: impl Fn(P) -> N) -> (N, usize) {
+    const TOGETHER: usize = 16;
+    let mut worst = (N::default(), 0);
     let (together, rest) = points.as_chunks::<TOGETHER>();
     for (i, points) in together.iter().enumerate() {
-        let mut off2 = [0.0; TOGETHER];
+        let mut offs = [N::default(); TOGETHER];
         for k in 0..TOGETHER {
-            let off = off(points[k]);
-            off2[k] = off * off;
+            offs[k] = off(points[k]);
         }
-        if off2.iter().fold(0.0, |a: f64, &b| if b > a { b } else { a }) > worst.0 {
-            for (k, &off2) in off2.iter().enumerate() {
-                if off2 > worst.0 {
-                    worst = (off2, i * TOGETHER + k);
+        let mut most = worst.0;
+        for &off in &offs {
+            most = if off > most { off } else { most };
+        }
+        if most > worst.0 {
+            for (k, &off) in offs.iter().enumerate() {
+                if off > worst.0 {
+                    worst = (off, i * TOGETHER + k);
                 }
             }
         }
     }
     for (k, &p) in rest.iter().enumerate() {
-        let off2 = off(p) * off(p);
-        if off2 > worst.0 {
-            worst = (off2, together.len() * TOGETHER + k);
+        let off = off(p);
+        if off > worst.0 {
+            worst = (off, together.len() * TOGETHER + k);
         }
     }
     worst
@@ -289,13 +346,18 @@ mod tests {
         assert_eq!(holders(&outers[1..], &holes[..1]), [None], "its own outline is not there");
     }
 
+    /// Single pixels, of which so many sixteenths are set.
+    fn blots(width: usize, height: usize, seed: u64, density: u64) -> Bitmap {
+        Bitmap::from_fn(width, height, |x, y| {
+            let n = (x as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (y as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F) ^ seed;
+            (n ^ n >> 29).wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 60 < density
+        })
+    }
+
     proptest! {
         #[test]
         fn outlines_enclose_what_is_set(width in 1usize..90, height in 1usize..30, density in 1u64..16, seed: u64) {
-            let bitmap = Bitmap::from_fn(width, height, |x, y| {
-                let n = (x as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (y as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F) ^ seed;
-                (n ^ n >> 29).wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 60 < density
-            });
+            let bitmap = blots(width, height, seed, density);
             for corners in [Corners::Join, Corners::Part] {
                 let found = outlines(&bitmap, corners);
                 prop_assert_eq!(found.iter().map(|o| o.area_px).sum::<i64>(), bitmap.count() as i64);
@@ -317,6 +379,38 @@ mod tests {
             prop_assert_eq!(simple.first(), line.first());
             prop_assert_eq!(simple.last(), line.last());
             prop_assert!(simple.len() <= line.len());
+            // What lies between two points that are kept is near the straight line through them.
+            let mut rest = &line[..];
+            for w in simple.windows(2) {
+                let to = 1 + rest[1..].iter().position(|p| *p == w[1]).ok_or_else(|| TestCaseError::fail("a point that is none"))?;
+                let normal = (w[1] - w[0]).normalize_or_zero().perp();
+                prop_assert!(rest[..to].iter().all(|p| normal.dot(*p - w[0]).abs() <= tolerance + 1e-9));
+                rest = &rest[to..];
+            }
+        }
+
+        #[test]
+        fn an_outline_is_simplified_as_a_line_is(width in 1usize..90, height in 1usize..60, seed: u64, tolerance in 0.1..3.0f64) {
+            let bitmap = blots(width, height, seed, 11);
+            for outline in outlines(&bitmap, Corners::Part) {
+                let simple = outline.simplified(tolerance);
+                let Some(begin) = outline.corners.iter().position(|c| Some(&c.as_dvec2()) == simple.first()) else {
+                    prop_assert!(false, "a corner that is none");
+                    continue;
+                };
+                let mut ring: Vec<DVec2> = outline.corners.iter().map(|c| c.as_dvec2()).collect();
+                ring.rotate_left(begin);
+                ring.push(ring[0]);
+                let is_kept = simple.iter().enumerate().any(|(middle, p)| {
+                    let Some(at) = ring.iter().position(|q| q == p).filter(|&at| at > 0) else { return false };
+                    let mut line = simplified(&ring[..=at], tolerance);
+                    line.pop();
+                    line.extend(simplified(&ring[at..], tolerance));
+                    line.pop();
+                    middle > 0 && line == simple
+                });
+                prop_assert!(is_kept, "{simple:?}");
+            }
         }
     }
 }

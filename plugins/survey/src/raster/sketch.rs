@@ -97,7 +97,9 @@ impl Sketch {
     /// Takes out branches that hardly leave the street they start from: what thinning makes of bumps and corners.
     pub fn prune(&mut self) {
         let mut degrees = self.degrees();
-        let mut order: Vec<(f64, usize)> = self.streets.iter().enumerate().map(|(i, s)| (s.length(), i)).collect();
+        let is_branch = |street: &SketchStreet| street.ends.iter().any(|&n| degrees[n] == 1);
+        let branches = self.streets.iter().enumerate().filter(|(_, street)| is_branch(street));
+        let mut order: Vec<(f64, usize)> = branches.map(|(i, street)| (street.length(), i)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut gone = vec![false; self.streets.len()];
         for (length, i) in order {
@@ -187,6 +189,8 @@ impl Sketch {
 const SPUR_RADII: f64 = 1.6;
 /// Pixels between places where a width is measured.
 const STATION_PX: usize = 3;
+/// Half widths that differ by less are alike, pixels.
+const LIKE_PX: f64 = 0.6;
 /// Pixels ahead and back that tell a line's direction.
 const CHORD_PX: usize = 6;
 
@@ -198,10 +202,19 @@ fn half_width(line: &[DVec2], radii: [f64; 2], paved: &Bitmap) -> (f64, [f64; 2]
     let (from, to) = (margin(radii[0]), n - margin(radii[1]));
     let stations = || (from..to.max(from + 1)).step_by(STATION_PX);
     // Where the way across is much longer than there is room, it leads into another street.
-    let is_across = |i: usize, half: f64| is_clear(paved, line[i], (half - 1.0) / 1.25);
-    let halves = stations().filter_map(|i| half_at(line, i, paved).filter(|&half| half < 1.0 || is_across(i, half)));
+    // Where it has the length that was found good before, it is.
+    let mut good = f64::NAN;
+    let is_across = |i: usize, half: f64| half < 1.0 || is_clear(paved, line[i], (half - 1.0) / 1.25);
+    let mut halves = Vec::new();
+    for i in stations() {
+        let Some(half) = half_at(line, i, paved) else { continue };
+        let is_like = (half - good).abs() < LIKE_PX;
+        if is_like || is_across(i, half) {
+            good = if is_like { good } else { half };
+            halves.push(half);
+        }
+    }
     let room = || stations().map(|i| clearance(paved, line[i], REACH)).fold(f64::MAX, f64::min);
-    let mut halves: Vec<f64> = halves.collect();
     let range = range(&halves);
     let half = median(&mut halves).unwrap_or_else(room);
     (half, range.unwrap_or([half; 2]))

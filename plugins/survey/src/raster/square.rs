@@ -17,7 +17,7 @@ use super::bitmap::Bitmap;
 use super::classify::Classes;
 use super::clean::{SPECK_M2, course_mask, labels};
 use super::morphology::{band, grown, shrunk};
-use super::outline::{Corners, Outline, outlines, simplified_ring};
+use super::outline::{Corners, Outline, outlines};
 use super::parts::Parts;
 use super::sketch::{Sketch, SketchNode, SketchStreet, length};
 
@@ -266,8 +266,7 @@ impl Region {
 
     /// Its outline in the picture.
     fn outline(&self) -> Vec<DVec2> {
-        let ring: Vec<DVec2> = self.border.corners.iter().map(|&c| (c + self.origin).as_dvec2()).collect();
-        simplified_ring(&ring, 1.2)
+        self.border.moved(self.origin).simplified(1.2)
     }
 }
 

@@ -4,12 +4,12 @@
 //! the network is street, however narrow the gate is through which it does; what does not, and is a place rather than a way,
 //! is a courtyard. A street that a label cuts off lies beside that label, and one that noise cuts off is long and narrow.
 
-use glam::{DVec2, IVec2};
+use glam::IVec2;
 
 use super::bitmap::Bitmap;
 use super::clean::SPECK_M2;
 use super::morphology::grown;
-use super::outline::{Corners, Outline, outlines, simplified_ring};
+use super::outline::{Corners, Outline, outlines};
 use super::parts::Part;
 
 /// Least share of the disc as long around that a courtyard covers: 0.79 of a square, 0.5 of a box four times as long as wide.
@@ -67,8 +67,7 @@ impl Yard {
         if outlines(&area, Corners::Join).iter().any(Outline::is_hole) {
             return None;
         }
-        let ring: Vec<DVec2> = own.corners.iter().map(|c| c.as_dvec2()).collect();
-        let ring = simplified_ring(&ring, 1.0);
+        let ring = own.simplified(1.0);
         let around_px = (0..ring.len()).map(|i| ring[i].distance(ring[(i + 1) % ring.len()])).sum();
         Some(Self { corner, area, inside_px: own.area_px as f64, around_px })
     }
