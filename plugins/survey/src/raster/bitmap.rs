@@ -1,6 +1,6 @@
 use core::fmt;
 
-use glam::IVec2;
+use glam::{DVec2, IVec2};
 use pulp::{Arch, NullaryFnOnce};
 
 use super::lanes::ThreeRows;
@@ -80,6 +80,13 @@ impl Bitmap {
     pub fn get(&self, x: isize, y: isize) -> bool {
         let inside = x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height;
         inside && self.words[self.index(x as usize, y as usize)] >> (x as usize % 64) & 1 == 1
+    }
+
+    /// Whether the pixel that a point lies in is set; pixels outside are not.
+    #[inline]
+    pub(crate) fn get_at(&self, p: DVec2) -> bool {
+        let (x, y) = pixel_of(p);
+        self.get(x, y)
     }
 
     /// As [`get`](Self::get), sooner, for pixels that are at most one pixel outside.
@@ -370,13 +377,15 @@ impl Bitmap {
                 }
                 continue;
             }
-            for (k, mask) in stretch(to.x, to.x + width) {
-                // The pixels of this word there: from the one that comes into its lowest bit.
-                let first = (k * 64 + from.x) as isize - to.x as isize + 64;
-                let (word, bit) = (first as usize / 64, first as usize % 64);
-                let low = there[word] >> bit;
-                let bits = if bit == 0 { low } else { low | there.get(word + 1).map_or(0, |next| next << (64 - bit)) };
-                self.row_mut(to.y + row)[k] |= bits & mask;
+            // The pixel there that comes into the lowest bit of the first word here, counted from the blank word.
+            let first = to.x / 64 * 64 + from.x + 64 - to.x;
+            let (word, bit) = (first / 64, first % 64);
+            let here = &mut self.row_mut(to.y + row)[to.x / 64..];
+            for ((k, mask), here) in stretch(to.x % 64, to.x % 64 + width).zip(here) {
+                let low = there[word + k] >> bit;
+                // Shifted out by two steps where it is by 64.
+                let high = there.get(word + k + 1).map_or(0, |next| next << 1 << (63 - bit));
+                *here |= (low | high) & mask;
             }
         }
     }
@@ -415,6 +424,14 @@ fn stretch(from: usize, to: usize) -> impl Iterator<Item = (usize, u64)> {
     let below = |n: usize| if n >= 64 { u64::MAX } else { (1 << n) - 1 };
     let words = if from < to { from / 64..to.div_ceil(64) } else { 0..0 };
     words.map(move |k| (k, below(to - k * 64) & !below(from.saturating_sub(k * 64))))
+}
+
+/// The pixel that a point lies in.
+#[inline]
+pub(crate) fn pixel_of(p: DVec2) -> (isize, isize) {
+    // As `floor`, which is a call where the processor is not known to have an instruction for it.
+    let below = |v: f64| v as isize - isize::from(v < (v as isize) as f64);
+    (below(p.x), below(p.y))
 }
 
 /// Exchanges rows and columns of 64 × 64 bits, by exchanging ever smaller quarters.

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::bitmap::Bitmap;
+use super::bitmap::{Bitmap, pixel_of};
 use super::morphology::band;
 use super::sketch::{Sketch, SketchStreet};
 
@@ -96,7 +96,7 @@ fn share_hidden(hidden: &Bitmap, a: DVec2, b: DVec2, counts: impl Fn(isize, isiz
     let (mut all, mut covered) = (0.0, 0.0);
     for k in 0..=n {
         let p = a.lerp(b, k as f64 / n as f64);
-        let (x, y) = (p.x.floor() as isize, p.y.floor() as isize);
+        let (x, y) = pixel_of(p);
         if counts(x, y) {
             all += 1.0;
             covered += f64::from(u8::from(hidden.get(x, y)));

@@ -2,17 +2,17 @@
 
 use glam::DVec2;
 
-use super::bitmap::Bitmap;
+use super::bitmap::{Bitmap, pixel_of};
 
 /// How far one can go from a point in a direction (of length 1) before a pixel that is not set, up to `reach`; pixels.
 #[must_use]
 pub(crate) fn ray(bitmap: &Bitmap, from: DVec2, direction: DVec2, reach: f64) -> f64 {
     let step = DVec2::new(direction.x.signum(), direction.y.signum());
     let per = DVec2::new(1.0 / direction.x.abs().max(1e-12), 1.0 / direction.y.abs().max(1e-12));
-    let floor = from.floor();
+    let (mut x, mut y) = pixel_of(from);
+    let floor = DVec2::new(x as f64, y as f64);
     let to_edge = |at: f64, low: f64, forward: bool| if forward { low + 1.0 - at } else { at - low };
     let mut next = DVec2::new(to_edge(from.x, floor.x, step.x > 0.0), to_edge(from.y, floor.y, step.y > 0.0)) * per;
-    let (mut x, mut y) = (floor.x as isize, floor.y as isize);
     let mut gone = 0.0;
     while gone < reach {
         if !bitmap.get(x, y) {
@@ -35,10 +35,10 @@ pub(crate) fn ray(bitmap: &Bitmap, from: DVec2, direction: DVec2, reach: f64) ->
 /// where the pixel is not set.
 #[must_use]
 pub(crate) fn clearance(bitmap: &Bitmap, at: DVec2, reach: f64) -> f64 {
-    let (x, y) = (at.x.floor() as isize, at.y.floor() as isize);
+    let (x, y) = pixel_of(at);
     let limit = (reach + 0.5) * (reach + 0.5);
-    // The square of the distance to the nearest pixel that is not set, and the least whole number not below its root.
-    let mut best = limit.ceil() as isize;
+    // The square of the distance to the nearest pixel that is not set, and a whole number above its root.
+    let mut best = limit as isize + 1;
     let mut most = (reach + 0.5) as isize + 1;
     let mut dy = 0;
     while dy * dy < best {
@@ -46,7 +46,7 @@ pub(crate) fn clearance(bitmap: &Bitmap, at: DVec2, reach: f64) -> f64 {
             let dx = gap(bitmap, x, row, most);
             if dx * dx + dy * dy < best {
                 best = dx * dx + dy * dy;
-                most = (best as f64).sqrt().ceil() as isize;
+                most = (best as f64).sqrt() as isize + 1;
             }
         }
         dy += 1;
@@ -58,7 +58,7 @@ pub(crate) fn clearance(bitmap: &Bitmap, at: DVec2, reach: f64) -> f64 {
 /// that.
 #[must_use]
 pub(crate) fn is_clear(bitmap: &Bitmap, at: DVec2, radius: f64) -> bool {
-    let (x, y) = (at.x.floor() as isize, at.y.floor() as isize);
+    let (x, y) = pixel_of(at);
     let radius2 = (radius + 0.5) * (radius + 0.5);
     let high = (radius + 0.5) as isize;
     (0..=high).all(|dy| {
@@ -73,6 +73,15 @@ fn gap(bitmap: &Bitmap, x: isize, y: isize, most: isize) -> isize {
         return 0;
     }
     let row = bitmap.padded(y as usize);
+    if most <= 32 {
+        // The 32 pixels before it, itself, and 31 after it; the row begins with a blank word.
+        let first = x as usize + 32;
+        let (word, bit) = (first / 64, first % 64);
+        let window = row[word] >> bit | row[word + 1] << 1 << (63 - bit);
+        let right = (!(window >> 32)).trailing_zeros();
+        let left = (!(window << 31)).leading_zeros();
+        return (right.min(left) as isize).min(most);
+    }
     let (word, bit) = (x as usize / 64 + 1, x as usize % 64);
     // To the right.
     let mut right = (!(row[word] >> bit)).trailing_zeros() as isize;

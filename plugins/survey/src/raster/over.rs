@@ -147,7 +147,7 @@ fn between_banks(half: f64, line: &[DVec2], crossing: &Crossing, course: &FoundC
         let Some((p, ahead)) = place(line, at) else { return false };
         let wet = [ahead.perp(), -ahead.perp()].map(|side| {
             let q = p + side * (half + BESIDE_PX);
-            water.get(q.x.floor() as isize, q.y.floor() as isize)
+            water.get_at(q)
         });
         let is_wet = if both { wet[0] && wet[1] } else { wet[0] || wet[1] };
         is_wet && distance_to(&course.line, p) < near
@@ -186,7 +186,7 @@ fn is_painted_over(half: f64, crossing: &Crossing, course: &FoundCourse, rails: 
             for lane in 0..=2 * lanes {
                 let q = p + crossing.course.perp() * (0.7 * course.half * (lane as f64 / lanes as f64 - 1.0));
                 all += 1.0;
-                set += f64::from(u8::from(rails.get(q.x.floor() as isize, q.y.floor() as isize)));
+                set += f64::from(u8::from(rails.get_at(q)));
             }
         }
         set / all

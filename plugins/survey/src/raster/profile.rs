@@ -106,10 +106,9 @@ fn stations(line: &[DVec2], length: f64, half: f64, [paved, hidden]: [&Bitmap; 2
         let sides = [ahead.perp(), -ahead.perp()].map(|side| ray(paved, p, side, reach));
         let width = sides[0] + sides[1];
         let middle = p + ahead.perp() * ((sides[0] - sides[1]) / 2.0);
-        let is_told = [(ahead.perp(), sides[0]), (-ahead.perp(), sides[1])].iter().all(|(side, reach)| {
-            let wall = (p + side * (reach + 0.5)).floor();
-            !hidden.get(wall.x as isize, wall.y as isize)
-        });
+        let is_told = [(ahead.perp(), sides[0]), (-ahead.perp(), sides[1])]
+            .iter()
+            .all(|(side, reach)| !hidden.get_at(p + side * (reach + 0.5)));
         let is_across = is_told && sides[0] > 0.0 && sides[1] > 0.0 && sides[0].max(sides[1]) < reach;
         (is_across && (width < 2.0 || is_clear(paved, middle, (width / 2.0 - 1.0) / 1.25))).then_some(Station { at, width })
     };

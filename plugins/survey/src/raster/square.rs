@@ -193,7 +193,7 @@ impl Region {
         let (width, height) = (area.width(), area.height());
         area.keep(&Bitmap::from_window(paved, origin, width, height));
         let mut away = Bitmap::new(width, height);
-        let inside = |p: DVec2| reached.get(p.x.floor() as isize, p.y.floor() as isize);
+        let inside = |p: DVec2| reached.get_at(p);
         let near = ends.within(at, f64::from(reach));
         let (low, high) = (origin.as_dvec2(), (origin + IVec2::new(width as i32, height as i32)).as_dvec2());
         for street in near.iter().map(|&i| &sketch.streets[i]) {
@@ -246,7 +246,7 @@ impl Region {
     }
 
     fn holds(&self, at: DVec2) -> bool {
-        self.area.get(at.x.floor() as isize - self.origin.x as isize, at.y.floor() as isize - self.origin.y as isize)
+        self.area.get_at(at - self.origin.as_dvec2())
     }
 
     /// Its middle, in the window.
@@ -324,7 +324,7 @@ const LEAST_BETWEEN_M: f64 = 14.0;
 
 /// Cuts streets where they enter a square; what is inside goes.
 fn cut(sketch: &mut Sketch, taken: &Bitmap, found: &[(FoundSquare, Region)], mpp: f64) {
-    let inside = |p: DVec2| taken.get(p.x.floor() as isize, p.y.floor() as isize);
+    let inside = |p: DVec2| taken.get_at(p);
     let square_at = |p: DVec2| found.iter().position(|(_, region)| region.holds(p));
     let mut streets = Vec::new();
     for street in core::mem::take(&mut sketch.streets) {

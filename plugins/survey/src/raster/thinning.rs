@@ -31,9 +31,8 @@ pub fn thinned_portably(bitmap: &Bitmap, threads: usize) -> Bitmap {
 
 fn thin_on(bitmap: &Bitmap, threads: usize, arch: Arch) -> Bitmap {
     assert!(bitmap.chunks() <= 64, "{bitmap:?} is too wide to be thinned");
-    let mut result = bitmap.clone();
     if bitmap.width() < 3 || bitmap.height() < 3 {
-        return result;
+        return bitmap.clone();
     }
     let inner = bitmap.height() - 2;
     let threads = threads.clamp(1, inner.div_ceil(64));
@@ -56,6 +55,10 @@ fn thin_on(bitmap: &Bitmap, threads: usize, arch: Arch) -> Bitmap {
         if quiet == 2 {
             break;
         }
+    }
+    let mut result = Bitmap::new(bitmap.width(), bitmap.height());
+    for (y, row) in [0, bitmap.height() - 1].map(|y| (y, bitmap.row(y))) {
+        result.row_mut(y).copy_from_slice(row);
     }
     let stride = result.stride();
     for band in bands {
