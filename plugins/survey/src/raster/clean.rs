@@ -2,7 +2,7 @@
 
 use super::bitmap::Bitmap;
 use super::classify::Classes;
-use super::filter::{crowded, dilated, filled, median5};
+use super::filter::{crowded, dilated, dilated_twice, filled, median5};
 use super::morphology::Sweep::{Grow, Shrink};
 use super::morphology::{grown, swept, swept_at};
 use super::outline::{Corners, outlines};
@@ -32,11 +32,14 @@ pub(crate) fn is_rare(class: &Bitmap) -> bool {
 pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap, Vec<Part>) {
     let mut street = classes.street.clone();
     let mut hidden = Bitmap::new(street.width(), street.height());
+    let rails = (!classes.railway.is_blank()).then(|| median5(&classes.railway));
     if !is_rare(&classes.ink) {
-        let mut ink = crowded(&classes.ink, 4);
+        let mut ink = crowded(&classes.ink);
         ink.keep(&classes.ink);
-        ink.remove(&dilated(&dilated(&median5(&classes.railway))));
-        let mut ink = dilated(&dilated(&ink));
+        if let Some(rails) = &rails {
+            ink.remove(&dilated_twice(rails));
+        }
+        let mut ink = dilated_twice(&ink);
         // Between a letter and the street it stands on, its soft edge looks like a block.
         let mut seen = street.clone();
         seen.remove(&ink);
@@ -47,7 +50,7 @@ pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap, Vec<Part>
         edges.remove(&seen);
         ink.add(&edges);
         street.remove(&ink);
-        let steady = crowded(&street, 4);
+        let steady = crowded(&street);
         street.keep(&steady);
         let under = seen_as_street(&street, &names(&ink));
         street.add(&under);
@@ -56,10 +59,10 @@ pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap, Vec<Part>
         open.remove(&under);
         street = filled(&street, &open);
     }
-    if !is_rare(&classes.railway) {
+    if let Some(rails) = rails.filter(|_| !is_rare(&classes.railway)) {
         // Streets go on under viaducts.
         let reach = (VIADUCT_M / 2.0 / mpp) as usize + 1;
-        let rails = grown(&median5(&classes.railway), 3);
+        let rails = grown(&rails, 3);
         street.add(&swept_at(&rails, &street, &[Grow(reach), Shrink(reach)]));
         hidden.add(&rails);
     }
@@ -99,5 +102,5 @@ pub(crate) fn course_mask(class: &Bitmap, labels: &Bitmap) -> Bitmap {
 
 /// What labels and symbols hide, with their soft edges.
 pub(crate) fn labels(ink: &Bitmap) -> Bitmap {
-    dilated(&crowded(ink, 4))
+    dilated(&crowded(ink))
 }

@@ -15,15 +15,19 @@ pub(crate) fn median5(bitmap: &Bitmap) -> Bitmap {
 /// The pixels that are set or touch, by side or corner, one that is.
 #[must_use]
 pub(crate) fn dilated(bitmap: &Bitmap) -> Bitmap {
-    let inside = frame(bitmap);
-    Arch::new().dispatch(Near { bitmap, at_least: 1, inside })
+    Arch::new().dispatch(Dilated::<1>(bitmap))
 }
 
-/// The pixels with at least so many (1 to 4) of the nine around them (themselves among these) set.
+/// What [`dilated`] makes of what it has made.
 #[must_use]
-pub(crate) fn crowded(bitmap: &Bitmap, at_least: u32) -> Bitmap {
-    let inside = frame(bitmap);
-    Arch::new().dispatch(Near { bitmap, at_least, inside })
+pub(crate) fn dilated_twice(bitmap: &Bitmap) -> Bitmap {
+    Arch::new().dispatch(Dilated::<2>(bitmap))
+}
+
+/// The pixels with at least four of the nine around them (themselves among these) set.
+#[must_use]
+pub(crate) fn crowded(bitmap: &Bitmap) -> Bitmap {
+    Arch::new().dispatch(Crowded(bitmap))
 }
 
 /// Decides `unknown` pixels by the known ones around them, the nearest first: those with more `set` than unset known
@@ -112,34 +116,58 @@ fn most(a: Five, b: Five, c: Five, d: Five, e: Five) -> Lanes {
     sixteen | (w3 & v2 & (u1 | t0))
 }
 
-struct Near<'a> {
-    bitmap: &'a Bitmap,
-    at_least: u32,
-    inside: Vec<u64>,
-}
+/// The pixels with one set at most so many rows and columns away.
+struct Dilated<'a, const REACH: usize>(&'a Bitmap);
 
-impl NullaryFnOnce for Near<'_> {
+impl<const REACH: usize> NullaryFnOnce for Dilated<'_, REACH> {
     type Output = Bitmap;
 
     #[inline(always)]
     fn call(self) -> Bitmap {
-        let (bitmap, height) = (self.bitmap, self.bitmap.height());
+        let bitmap = self.0;
+        let (height, chunks) = (bitmap.height(), bitmap.chunks());
         let mut result = Bitmap::new(bitmap.width(), height);
+        let inside = frame(bitmap);
+        let mut wide = vec![[Lanes::NONE; 5]; chunks];
+        for y in 0..height + REACH {
+            for (chunk, wide) in wide.iter_mut().enumerate() {
+                let here = &mut wide[y % (2 * REACH + 1)];
+                *here = Lanes::NONE;
+                if y < height {
+                    let words = beside(bitmap.padded(y), chunk);
+                    *here = Lanes::here(words);
+                    for n in 1..=REACH as u32 {
+                        *here |= Lanes::west(words, n) | Lanes::east(words, n);
+                    }
+                }
+                if y >= REACH {
+                    let [a, b, c, d, e] = *wide;
+                    ((a | b | c | d | e) & Lanes::of(&inside, chunk)).write(result.row_mut(y - REACH), chunk);
+                }
+            }
+        }
+        result
+    }
+}
+
+struct Crowded<'a>(&'a Bitmap);
+
+impl NullaryFnOnce for Crowded<'_> {
+    type Output = Bitmap;
+
+    #[inline(always)]
+    fn call(self) -> Bitmap {
+        let (bitmap, height) = (self.0, self.0.height());
+        let mut result = Bitmap::new(bitmap.width(), height);
+        let inside = frame(bitmap);
         let blank = vec![0; bitmap.stride() + 1];
         for y in 0..height {
             let (rows, to) = (bitmap.around_row(y, &blank), result.row_mut(y));
             for chunk in 0..bitmap.chunks() {
                 let three = rows.chunk(chunk);
-                // Saturating counts in unary: seen[n] where more than n are set.
-                let mut seen = [Lanes::here(three.at), Lanes::NONE, Lanes::NONE, Lanes::NONE];
-                for bit in three.ring() {
-                    for n in (1..self.at_least as usize).rev() {
-                        let fewer = seen[n - 1];
-                        seen[n] |= fewer & bit;
-                    }
-                    seen[0] |= bit;
-                }
-                (seen[self.at_least as usize - 1] & Lanes::of(&self.inside, chunk)).write(to, chunk);
+                let [one, two, four, eight] = eight(three.ring());
+                let four_of_nine = four | eight | (one & two & Lanes::here(three.at));
+                (four_of_nine & Lanes::of(&inside, chunk)).write(to, chunk);
             }
         }
         result
@@ -281,18 +309,21 @@ mod tests {
 
     proptest! {
         #[test]
-        fn filters_count_as_a_person_would(width in prop_oneof![1usize..200, Just(512), Just(1024), 505usize..520], height in 1usize..12, density in 1u64..16, at_least in 1u32..=4, seed: u64) {
+        fn filters_count_as_a_person_would(width in prop_oneof![1usize..200, Just(512), Just(1024), 505usize..520], height in 1usize..12, density in 1u64..16, seed: u64) {
             let bitmap = noise(width, height, density, seed);
-            let (median, near, some) = (median5(&bitmap), dilated(&bitmap), crowded(&bitmap, at_least));
+            let (median, near, nearer, some) = (median5(&bitmap), dilated_twice(&bitmap), dilated(&bitmap), crowded(&bitmap));
             for y in 0..height {
                 for x in 0..width {
                     let (px, py) = (x as isize, y as isize);
                     prop_assert_eq!(median.get(px, py), set_within(&bitmap, x, y, 2) >= 13, "median at {}, {}", x, y);
-                    prop_assert_eq!(near.get(px, py), set_within(&bitmap, x, y, 1) >= 1);
-                    prop_assert_eq!(some.get(px, py), set_within(&bitmap, x, y, 1) >= at_least as usize);
+                    prop_assert_eq!(near.get(px, py), set_within(&bitmap, x, y, 2) >= 1);
+                    prop_assert_eq!(nearer.get(px, py), set_within(&bitmap, x, y, 1) >= 1);
+                    prop_assert_eq!(some.get(px, py), set_within(&bitmap, x, y, 1) >= 4);
                 }
             }
-            prop_assert_eq!(median.pixels().filter(|&(x, _)| x >= width).count(), 0);
+            for bitmap in [median, near, nearer, some] {
+                prop_assert_eq!(bitmap.pixels().filter(|&(x, _)| x >= width).count(), 0);
+            }
         }
 
         #[test]

@@ -8,7 +8,7 @@ use veduta_city::BlockKind;
 
 use super::bitmap::Bitmap;
 use super::blocks::{Plot, plots};
-use super::filter::{crowded, dilated, filled, median5};
+use super::filter::{crowded, dilated_twice, filled, median5};
 use super::morphology::{grown, shrunk};
 use super::outline::Corners;
 use super::parts::Parts;
@@ -122,7 +122,7 @@ impl Grounds<'_> {
         let steps = ((SMOOTH_M / self.mpp) as usize).max(SMOOTH_PX);
         let mut seen = shown.clone();
         if !ink.is_blank() {
-            let mut hidden = dilated(&dilated(&crowded(ink, 4)));
+            let mut hidden = dilated_twice(&crowded(ink));
             hidden.keep(own);
             seen = filled(&seen, &hidden);
         }

@@ -59,7 +59,7 @@ pub(super) fn houses(classes: &Classes, mpp: f64) -> Vec<Footprint> {
         house = filled(&house, &labels(&classes.ink));
     }
     // Less strict than a median: that takes corners off, and small houses away.
-    let steady = crowded(&house, 4);
+    let steady = crowded(&house);
     house.keep(&steady);
     let px = |area_m2: f64| ((area_m2 / (mpp * mpp)) as i64).max(LEAST_PX);
     let (least, least_court) = (px(LEAST_M2), px(LEAST_COURT_M2));
