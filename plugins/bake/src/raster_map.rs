@@ -59,7 +59,7 @@ impl RasterMap {
         let picture = Picture::decode(&bytes, &path.to_string_lossy(), &PictureLimits::default())?;
         done("decode");
         let mut findings = Vec::new();
-        let (legend, is_guessed) = match self.legend_file(path) {
+        let (mut legend, is_guessed) = match self.legend_file(path) {
             Some(file) => (read_legend(&file)?, false),
             None => {
                 let (legend, found) = guess_legend(&picture, self.colours);
@@ -68,15 +68,19 @@ impl RasterMap {
                 (legend, true)
             }
         };
-        let legend_ron = legend.to_ron_with(&findings);
+        let mut of_scale = Vec::new();
         let size = (picture.width as u32, picture.height as u32);
         let georeference = match self.place(path, &bytes, size)? {
-            Some(place) => place,
+            Some(place) => {
+                legend.metres_per_pixel = Some(place.metres_per_pixel());
+                place
+            }
             None => {
-                let metres = match self.metres_per_pixel.or(legend.metres_per_pixel) {
+                legend.metres_per_pixel = self.metres_per_pixel.or(legend.metres_per_pixel);
+                let metres = match legend.metres_per_pixel {
                     Some(metres) => metres,
                     None => {
-                        let metres = guessed_scale(&picture, &legend, &name, &mut findings)?;
+                        let metres = guessed_scale(&picture, &legend, &name, &mut of_scale)?;
                         done("scale");
                         metres
                     }
@@ -84,6 +88,8 @@ impl RasterMap {
                 Georeference::from_metres_per_pixel(&name, size, metres)?
             }
         };
+        let legend_ron = legend.to_ron_with(&findings);
+        findings.append(&mut of_scale);
         let metres = georeference.metres_per_pixel();
         let extent_m = (!georeference.is_placed()).then(|| [picture.width, picture.height].map(|n| n as f64 * metres));
         let settings = RasterSettings { georeference, threads: 1 };

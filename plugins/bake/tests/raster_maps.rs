@@ -5,7 +5,7 @@ use std::process::Command;
 
 use glam::DVec2;
 use veduta_city::{CityGraph, file};
-use veduta_survey::raster::{Picture, PictureLimits};
+use veduta_survey::raster::{Legend, Picture, PictureLimits};
 
 #[path = "shared/folder.rs"]
 mod folder;
@@ -55,6 +55,24 @@ fn a_scale_that_is_given_puts_the_lower_left_corner_at_nought() {
     let (at, widest) = crossroads(&survey(&folder, &["--metres-per-pixel", "0.5"]).unwrap_or_else(|e| panic!("{e}")));
     assert!(at.distance(DVec2::splat(100.0)) < 1.0, "{at}");
     assert!((widest - 9.5).abs() < 0.6, "{widest}");
+}
+
+#[test]
+fn a_guessed_legend_tells_the_scale_that_is_known() {
+    let folder = Folder::new("raster-guess");
+    town(&folder);
+    std::fs::remove_file(folder.0.join("town.legend.json")).unwrap_or_else(|e| panic!("{e}"));
+    let legend = |arguments: &[&str]| {
+        survey(&folder, arguments).unwrap_or_else(|e| panic!("{e}"));
+        let text = std::fs::read_to_string(folder.0.join("out.legend.ron")).unwrap_or_else(|e| panic!("{e}"));
+        let legend = Legend::parse(&text, "out.legend.ron").unwrap_or_else(|e| panic!("{e}"));
+        (text.contains("the scale is not known: write it here"), legend)
+    };
+    let (is_unknown, known) = legend(&["--metres-per-pixel", "0.25"]);
+    assert_eq!((is_unknown, known.metres_per_pixel, known.colours.len()), (false, Some(0.25), 2));
+    let (is_unknown, unknown) = legend(&[]);
+    assert_eq!((is_unknown, unknown.metres_per_pixel), (true, None));
+    assert_eq!(unknown.colours, known.colours);
 }
 
 #[test]

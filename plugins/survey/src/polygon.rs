@@ -310,4 +310,30 @@ mod tests {
             prop_assert!((parts - 400.0).abs() < 2.5, "{parts}");
         }
     }
+
+    /// As [`is_simple`], by trying every edge with every other.
+    fn is_simple_by_all_pairs(ring: &[DVec2]) -> bool {
+        let (n, all) = (ring.len(), edges(ring).collect::<Vec<_>>());
+        let is_spike = |i: usize| {
+            let ((a, b), (_, c)) = (all[i], all[(i + 1) % n]);
+            (b - a).perp_dot(c - b) == 0.0 && (b - a).dot(c - b) < 0.0
+        };
+        let meet = |i: usize, j: usize| touch(all[i].0, all[i].1, all[j].0, all[j].1);
+        let are_apart = |i: usize, j: usize| j > i + 1 && !(i == 0 && j == n - 1);
+        n >= 3 && !(0..n).any(|i| is_spike(i) || (0..n).any(|j| are_apart(i, j) && meet(i, j)))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4000))]
+
+        #[test]
+        fn crossings_and_touches_are_all_found(points in prop::collection::vec((-6i32..6, -6i32..6), 0..12), is_starlike: bool) {
+            let mut ring: Ring = points.into_iter().map(|(x, y)| DVec2::new(f64::from(x), f64::from(y))).collect();
+            if is_starlike {
+                // Rings that mostly are simple.
+                ring.sort_by(|a, b| libm::atan2(a.y, a.x).total_cmp(&libm::atan2(b.y, b.x)));
+            }
+            prop_assert_eq!(is_simple(&ring), is_simple_by_all_pairs(&ring));
+        }
+    }
 }

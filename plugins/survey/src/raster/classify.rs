@@ -435,3 +435,38 @@ fn sample(picture: &Picture) -> Vec<[f32; 3]> {
         .map(|(x, y)| core::array::from_fn(|c| f32::from(picture.pixels[at(x, y) + c])))
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::LegendColour;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn pixels_are_classified_as_one_by_one(width in 1usize..300, runs in prop::collection::vec((0usize..8, 1usize..90), 1..60), noise in 0u8..2) {
+            const COLOURS: [[u8; 3]; 8] =
+                [[250; 3], [220, 200, 170], [120, 190, 110], [90, 150, 220], [130, 60, 150], [20; 3], [190, 70, 50], [255, 225, 60]];
+            let colours = MapClass::ALL.into_iter().zip(COLOURS).map(|(class, colour)| LegendColour { class, colour }).collect();
+            let legend = Legend { metres_per_pixel: None, colours };
+            let all: Vec<usize> = runs.iter().flat_map(|&(colour, length)| core::iter::repeat_n(colour, length)).collect();
+            let height = all.len().div_ceil(width);
+            let shade = |i: usize| COLOURS[all[i % all.len()]].map(|c| c.saturating_sub(noise * (i * 7 % 5) as u8));
+            let picture = Picture { width, height, pixels: (0..width * height).flat_map(shade).collect() };
+            let mut classes = classified(&picture, &legend);
+            let (light, table) = looked_up(&picture, &legend, |class| class);
+            let counts = classes.all_mut().map(|bitmap| bitmap.pixels().count());
+            let mut expected = [0; 7];
+            let Classes { street, park, water, railway, ink, house, square } = &classes;
+            for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
+                let class = table[stepped(&picture.at(x, y).unwrap_or_default(), light.steps_at(x, y))];
+                let is = [class == STREET || class == SQUARE, class == PARK, class == WATER, class == RAILWAY, class == INK, class == HOUSE, class == SQUARE];
+                for ((bitmap, is), expected) in [street, park, water, railway, ink, house, square].into_iter().zip(is).zip(&mut expected) {
+                    prop_assert_eq!(bitmap.get(x as isize, y as isize), is, "class {} at {}, {}", class, x, y);
+                    *expected += usize::from(is);
+                }
+            }
+            prop_assert_eq!(counts, expected, "nothing beyond the width");
+        }
+    }
+}

@@ -1,8 +1,10 @@
 //! Streets, rails and water free of labels and noise.
 
+use core::cell::OnceCell;
+
 use super::bitmap::Bitmap;
 use super::classify::Classes;
-use super::filter::{crowded, dilated, dilated_twice, filled, median5};
+use super::filter::{crowded, dilated, dilated_twice, filled, filled_among, median5};
 use super::morphology::Sweep::{Grow, Shrink};
 use super::morphology::{grown, swept, swept_at};
 use super::outline::{Corners, outlines};
@@ -32,8 +34,9 @@ pub(crate) fn is_rare(class: &Bitmap) -> bool {
 pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap, Vec<Part>) {
     let mut street = classes.street.clone();
     let mut hidden = Bitmap::new(street.width(), street.height());
-    let rails = (!classes.railway.is_blank()).then(|| median5(&classes.railway));
-    if !is_rare(&classes.ink) {
+    let [has_ink, has_rails] = [&classes.ink, &classes.railway].map(|class| !is_rare(class));
+    let rails = ((has_ink || has_rails) && !classes.railway.is_blank()).then(|| median5(&classes.railway));
+    if has_ink {
         let mut ink = crowded(&classes.ink);
         ink.keep(&classes.ink);
         if let Some(rails) = &rails {
@@ -59,7 +62,7 @@ pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap, Vec<Part>
         open.remove(&under);
         street = filled(&street, &open);
     }
-    if let Some(rails) = rails.filter(|_| !is_rare(&classes.railway)) {
+    if let Some(rails) = rails.filter(|_| has_rails) {
         // Streets go on under viaducts.
         let reach = (VIADUCT_M / 2.0 / mpp) as usize + 1;
         let rails = grown(&rails, 3);
@@ -95,12 +98,30 @@ fn names(ink: &Bitmap) -> Bitmap {
     names
 }
 
-/// Water or rails free of labels and noise: what is in `class`, and under the `labels` upon it.
-pub(crate) fn course_mask(class: &Bitmap, labels: &Bitmap) -> Bitmap {
-    median5(&filled(class, labels))
+/// What labels and symbols hide, with their soft edges; found when it is first asked for.
+pub(crate) struct Labels<'a> {
+    ink: &'a Bitmap,
+    hidden: OnceCell<(Bitmap, Parts)>,
 }
 
-/// What labels and symbols hide, with their soft edges.
-pub(crate) fn labels(ink: &Bitmap) -> Bitmap {
-    dilated(&crowded(ink))
+impl<'a> Labels<'a> {
+    /// Of what is inked.
+    pub fn of(ink: &'a Bitmap) -> Self {
+        Self { ink, hidden: OnceCell::new() }
+    }
+
+    /// What there is of a class, under labels too.
+    pub fn seen_through(&self, class: &Bitmap) -> Bitmap {
+        let (hidden, parts) = self.hidden.get_or_init(|| {
+            let hidden = dilated(&crowded(self.ink));
+            let parts = Parts::of(&hidden, Corners::Join);
+            (hidden, parts)
+        });
+        filled_among(class, hidden, parts)
+    }
+
+    /// The same, free of noise.
+    pub fn cleaned(&self, class: &Bitmap) -> Bitmap {
+        median5(&self.seen_through(class))
+    }
 }

@@ -4,6 +4,8 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::bitmap::Bitmap;
 use super::lanes::{Beside, Lanes, beside, full_add};
+use super::outline::Corners;
+use super::parts::Parts;
 use super::patches::Patches;
 
 /// The pixels with at least 13 of the 25 around them (themselves among these) set: the median of 5 × 5.
@@ -34,9 +36,15 @@ pub(crate) fn crowded(bitmap: &Bitmap) -> Bitmap {
 /// neighbours become set, the others not. What nothing known surrounds stays unset.
 #[must_use]
 pub(crate) fn filled(set: &Bitmap, unknown: &Bitmap) -> Bitmap {
+    filled_among(set, unknown, &Parts::of(unknown, Corners::Join))
+}
+
+/// As [`filled`], with the connected parts (by corners too) of what is `unknown`.
+#[must_use]
+pub(crate) fn filled_among(set: &Bitmap, unknown: &Bitmap, parts: &Parts) -> Bitmap {
     let mut known = set.clone();
     known.remove(unknown);
-    let patches = Patches::of(unknown, &known);
+    let patches = Patches::among(parts, &known);
     let mut unset = set.inverted();
     unset.remove(unknown);
     let of = [&patches.shown(&known), &patches.shown(&unset), &patches.parts()];
@@ -124,6 +132,7 @@ impl<const REACH: usize> NullaryFnOnce for Dilated<'_, REACH> {
 
     #[inline(always)]
     fn call(self) -> Bitmap {
+        const { assert!(REACH <= 2, "five rows are kept") };
         let bitmap = self.0;
         let (height, chunks) = (bitmap.height(), bitmap.chunks());
         let mut result = Bitmap::new(bitmap.width(), height);

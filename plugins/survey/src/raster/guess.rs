@@ -67,7 +67,6 @@ pub fn guess(picture: &Picture, colours: Option<usize>) -> Guess {
     if let Some(asked) = colours.filter(|&asked| asked > swatches.len()) {
         notes.add(format!("{asked} colours were asked for, and {} stand out", swatches.len()));
     }
-    notes.add("the scale is not known: write metres_per_pixel into the legend, or give two known points".to_owned());
     let rgb: Vec<[u8; 3]> = swatches.iter().map(|s| s.colour).collect();
     if rgb.is_empty() {
         return Guess { legend: Legend::default(), findings: notes.0, is_outlined: false };

@@ -9,8 +9,8 @@
 use glam::DVec2;
 
 use super::classify::Classes;
-use super::clean::{is_rare, labels};
-use super::filter::{crowded, filled};
+use super::clean::{Labels, is_rare};
+use super::filter::crowded;
 use super::outline::{Corners, Outline, holders, outlines};
 use crate::polygon::{is_simple, signed_area};
 
@@ -50,13 +50,13 @@ impl Footprint {
 }
 
 /// The footprints of a map's houses; none where the map does not show single ones.
-pub(super) fn houses(classes: &Classes, mpp: f64) -> Vec<Footprint> {
+pub(super) fn houses(classes: &Classes, labels: &Labels<'_>, mpp: f64) -> Vec<Footprint> {
     if classes.house.is_blank() {
         return Vec::new();
     }
     let mut house = classes.house.clone();
     if !is_rare(&classes.ink) {
-        house = filled(&house, &labels(&classes.ink));
+        house = labels.seen_through(&house);
     }
     // Less strict than a median: that takes corners off, and small houses away.
     let steady = crowded(&house);
@@ -199,7 +199,7 @@ mod tests {
         let house = Bitmap::from_fn(side, side, |x, y| is_house(DVec2::new(x as f64 + 0.5, y as f64 + 0.5)));
         let classes =
             Classes { street: blank(), park: blank(), water: blank(), railway: blank(), ink: blank(), house, square: blank() };
-        houses(&classes, mpp)
+        houses(&classes, &Labels::of(&classes.ink), mpp)
     }
 
     /// An L of two boxes of 60 × 20 and 20 × 50, with its corner at the origin.

@@ -187,7 +187,9 @@ impl Legend {
         text += "(\n";
         match self.metres_per_pixel {
             Some(metres) => text += &format!("    metres_per_pixel: {metres:?},\n"),
-            None => text += "    // metres_per_pixel: 0.5,\n",
+            None => {
+                text += "    // the scale is not known: write it here, or give two known points\n    // metres_per_pixel: 0.5,\n"
+            }
         }
         text += "    colours: [\n";
         for colour in &self.colours {
@@ -469,11 +471,11 @@ mod tests {
             ],
         };
         let note = |text: &str| Finding::new(Severity::Note, Id::NONE, None, text);
-        let text = legend.to_ron_with(&[note("#C80001 may be\na park"), note("the scale is not known")]);
+        let text = legend.to_ron_with(&[note("#C80001 may be\na park"), note("colours are few")]);
         let lines: Vec<&str> = text.lines().collect();
         let at = lines.iter().position(|l| l.contains("may be a park")).unwrap_or_else(|| panic!("{text}"));
         assert!(lines[at].trim().starts_with("//") && lines[at + 1].contains("#C80001"), "{text}");
-        let top = lines.iter().position(|l| *l == "// the scale is not known").unwrap_or_else(|| panic!("{text}"));
+        let top = lines.iter().position(|l| *l == "// colours are few").unwrap_or_else(|| panic!("{text}"));
         assert!(lines[top + 1..].contains(&"("), "{text}");
         assert_eq!(Legend::parse(&text, "t").unwrap_or_else(|e| panic!("{e}")), legend);
     }

@@ -123,13 +123,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn clearance_is_the_distance_to_the_nearest_unset_pixel(width in 1usize..300, height in 1usize..60, seed: u64, x in 0usize..300, y in 0usize..60) {
+        fn clearance_is_the_distance_to_the_nearest_unset_pixel(width in 1usize..400, height in 1usize..150, cell in 5usize..150, seed: u64, x in 0usize..400, y in 0usize..150, reach in 0.0..150.0f64) {
             let bitmap = Bitmap::from_fn(width, height, |x, y| {
-                let n = ((x / 5) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((y / 5) as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F) ^ seed;
+                let n = ((x / cell) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((y / cell) as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F) ^ seed;
                 (n ^ n >> 29).wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 60 < 15
             });
             let (x, y) = ((x % width) as isize, (y % height) as isize);
-            let mut nearest = 20.5f64;
+            let mut nearest = reach + 0.5;
             for py in -1..=height as isize {
                 for px in -1..=width as isize {
                     if !bitmap.get(px, py) {
@@ -137,7 +137,7 @@ mod tests {
                     }
                 }
             }
-            let found = clearance(&bitmap, DVec2::new(x as f64 + 0.5, y as f64 + 0.5), 20.0);
+            let found = clearance(&bitmap, DVec2::new(x as f64 + 0.5, y as f64 + 0.5), reach);
             prop_assert!((found - (nearest - 0.5).max(0.0)).abs() < 1e-9, "{} for {}", found, nearest - 0.5);
         }
 

@@ -115,11 +115,14 @@ pub struct RasterSettings {
 }
 
 /// The metres a pixel by which a map's streets are as wide as streets are: half of their length at least 9 m. Nothing
-/// where it shows no street.
+/// where it shows no street, or has more pixels than are read.
 #[must_use]
 pub fn scale_by_streets(picture: &Picture, legend: &Legend) -> Option<f64> {
     const ORDINARY_M: f64 = 9.0;
     const FIRST_GUESS: f64 = 0.5;
+    if picture.width.max(picture.height) > SIDE_PX {
+        return None;
+    }
     let reading = read::read_map(picture, legend, FIRST_GUESS, 1, &mut Stages::default(), &mut |_| ());
     let mut streets: Vec<(f64, f64)> = reading.streets.iter().map(|street| (street.width, sketch::length(&street.line))).collect();
     streets.sort_by(|a, b| a.0.total_cmp(&b.0));

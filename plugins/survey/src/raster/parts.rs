@@ -1,6 +1,7 @@
 //! Connected parts of a bitmap, found by its runs of pixels.
 
 use glam::IVec2;
+use pulp::{Arch, NullaryFnOnce};
 
 use super::bitmap::{Bitmap, ones};
 use super::outline::Corners;
@@ -37,7 +38,7 @@ pub(crate) struct Parts {
 impl Parts {
     /// The parts of what is set.
     pub fn of(bitmap: &Bitmap, corners: Corners) -> Self {
-        let mut runs: Vec<Run> = Vec::with_capacity(runs_in(bitmap));
+        let mut runs: Vec<Run> = Vec::with_capacity(Arch::new().dispatch(RunsIn(bitmap)));
         // Runs are numbered as they are found: as one above that they touch, or anew. For each number, a lower one of the
         // same part, or itself.
         let mut lower: Vec<u32> = Vec::new();
@@ -84,22 +85,18 @@ impl Parts {
         Self { runs, parts }
     }
 
-    /// Keeps some parts only.
-    pub fn retain(&mut self, mut is_wanted: impl FnMut(&Part) -> bool) {
-        const GONE: u32 = u32::MAX;
+    /// Some of the parts only.
+    pub fn only(&self, is_wanted: impl FnMut(&Part) -> bool) -> Self {
+        let wanted: Vec<bool> = self.parts.iter().map(is_wanted).collect();
         let mut kept = 0;
-        let number = |is_kept: bool| {
+        let number = |&is_kept: &bool| {
             kept += u32::from(is_kept);
-            if is_kept { kept - 1 } else { GONE }
+            is_kept.then(|| kept - 1)
         };
-        let wanted: Vec<bool> = self.parts.iter().map(&mut is_wanted).collect();
-        let numbers: Vec<u32> = wanted.iter().copied().map(number).collect();
-        let mut wanted = wanted.iter();
-        self.parts.retain(|_| wanted.next() == Some(&true));
-        self.runs.retain_mut(|run| {
-            run.part = numbers[run.part as usize];
-            run.part != GONE
-        });
+        let numbers: Vec<Option<u32>> = wanted.iter().map(number).collect();
+        let parts = self.parts.iter().zip(&wanted).filter(|(_, is_kept)| **is_kept).map(|(part, _)| *part).collect();
+        let runs = self.runs.iter().filter_map(|run| Some(Run { part: numbers[run.part as usize]?, ..*run })).collect();
+        Self { runs, parts }
     }
 
     /// The runs of the parts of less than so many pixels.
@@ -109,10 +106,21 @@ impl Parts {
 }
 
 /// How many runs a bitmap has.
-fn runs_in(bitmap: &Bitmap) -> usize {
-    let rows = (0..bitmap.height()).map(|y| bitmap.padded(y));
-    let begin = |words: &[u64]| (words[1] & !(words[1] << 1 | words[0] >> 63)).count_ones() as usize;
-    rows.flat_map(|row| row.windows(2)).map(begin).sum()
+struct RunsIn<'a>(&'a Bitmap);
+
+impl NullaryFnOnce for RunsIn<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn call(self) -> usize {
+        let words = self.0.words();
+        let mut runs = 0;
+        // Words before a row, and between rows, are blank.
+        for i in 1..words.len() {
+            runs += u64::from((words[i] & !(words[i] << 1 | words[i - 1] >> 63)).count_ones());
+        }
+        runs as usize
+    }
 }
 
 /// Adds a row's runs.
@@ -160,10 +168,10 @@ mod tests {
         // A bar, a speck, a ring about a speck.
         let ring = |x: usize, y: usize| x.abs_diff(30).max(y.abs_diff(10)) == 6;
         let is_set = |x: usize, y: usize| y == 2 && x < 20 || (x, y) == (10, 8) || ring(x, y) || (x, y) == (30, 10);
-        let mut parts = Parts::of(&Bitmap::from_fn(50, 20, is_set), Corners::Join);
+        let parts = Parts::of(&Bitmap::from_fn(50, 20, is_set), Corners::Join);
         assert_eq!(parts.parts.iter().map(|part| part.area_px).collect::<Vec<_>>(), [20, 48, 1, 1]);
         assert_eq!(parts.smaller_than(20).map(|run| (run.from, run.y)).collect::<Vec<_>>(), [(10, 8), (30, 10)]);
-        parts.retain(|part| part.area_px != 20);
+        let parts = parts.only(|part| part.area_px != 20);
         assert_eq!(parts.parts.iter().map(|part| part.area_px).collect::<Vec<_>>(), [48, 1, 1]);
         let mut areas = [0; 3];
         for run in &parts.runs {

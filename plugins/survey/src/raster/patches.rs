@@ -37,14 +37,18 @@ struct Place {
 impl Patches {
     /// Patches of what is set, but for parts beside which nothing of `known` is.
     pub fn of(bitmap: &Bitmap, known: &Bitmap) -> Self {
-        let mut parts = Parts::of(bitmap, Corners::Join);
-        parts.retain(|part| {
+        Self::among(&Parts::of(bitmap, Corners::Join), known)
+    }
+
+    /// As [`of`](Self::of), with the connected parts (by corners too) of what is set in a bitmap of the size of `known`.
+    pub fn among(parts: &Parts, known: &Bitmap) -> Self {
+        let parts = parts.only(|part| {
             let (low, high) = (part.low - BESIDE, part.high + BESIDE);
             (low.y..high.y).any(|y| known.has_between(y, low.x, high.x))
         });
         let place = |part: &Part| Place { from: part.low - BESIDE, to: IVec2::ZERO, size: part.high - part.low + 2 * BESIDE };
         let mut places: Vec<Place> = parts.parts.iter().map(place).collect();
-        let whole = IVec2::new(bitmap.width() as i32, bitmap.height() as i32);
+        let whole = IVec2::new(known.width() as i32, known.height() as i32);
         let area = |size: IVec2| i64::from(size.x) * i64::from(size.y);
         if places.iter().map(|place| area(place.size)).sum::<i64>() > area(whole) {
             // Parts that wind about one another would be shown many times: they are left where they are.

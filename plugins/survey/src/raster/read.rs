@@ -10,7 +10,7 @@ use super::bitmap::Bitmap;
 use super::blocks::{FoundBlock, blocks};
 use super::bridge::lead_through;
 use super::classify::{Classes, classified};
-use super::clean::{MARGIN, cleaned, course_mask, is_rare, labels};
+use super::clean::{Labels, MARGIN, cleaned, is_rare};
 use super::course::courses;
 use super::crossing;
 use super::ends::{clipped, run_on};
@@ -116,7 +116,8 @@ pub(super) fn read_map(
         parts = Parts::of(&paved, Corners::Join).parts;
     }
     stages.show(Stage::Streets, || stage::of_bitmaps(&shown(&paved), None));
-    let printed = printed_squares(&classes, &paved, MARGIN, mpp);
+    let labels = Labels::of(&classes.ink);
+    let printed = printed_squares(&classes, &labels, &paved, MARGIN, mpp);
     let yards = courtyards(&mut paved, &parts, &hidden, printed.as_ref(), mpp);
     done("clean");
     // Lines that were drawn into a skeleton may be wider than a pixel.
@@ -154,14 +155,13 @@ pub(super) fn read_map(
     let blank = || Bitmap::new(width, height);
     let (mut railway, mut river) = (blank(), blank());
     let mut courses_found = Vec::new();
-    let mut labelled = None;
     for (kind, class, mask) in
         [(LinkKind::Railway { tram: false }, &classes.railway, &mut railway), (LinkKind::Watercourse, &classes.water, &mut river)]
     {
         if is_rare(class) {
             continue;
         }
-        *mask = course_mask(class, labelled.get_or_insert_with(|| labels(&classes.ink)));
+        *mask = labels.cleaned(class);
         let found = courses(mask, mpp, tolerance_px(mpp));
         streets = match kind {
             LinkKind::Watercourse => over_water(streets, &found, mask, mpp),
@@ -179,7 +179,7 @@ pub(super) fn read_map(
     }
     done("courses");
     let blocks = blocks(&street, [&railway, &river], &classes, mpp);
-    let mut houses = houses(&classes, mpp);
+    let mut houses = houses(&classes, &labels, mpp);
     houses.iter_mut().flat_map(Footprint::rings_mut).for_each(|ring| {
         *ring = ring.iter().rev().map(|p| DVec2::new(p.x, size.y - p.y) * mpp).collect();
     });

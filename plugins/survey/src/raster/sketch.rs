@@ -202,7 +202,7 @@ fn half_width(line: &[DVec2], radii: [f64; 2], paved: &Bitmap) -> (f64, [f64; 2]
     let (from, to) = (margin(radii[0]), n - margin(radii[1]));
     let stations = || (from..to.max(from + 1)).step_by(STATION_PX);
     // Where the way across is much longer than there is room, it leads into another street.
-    // Where it has the length that was found good before, it is.
+    // A way as long as one that was found to lead across is taken to do so too.
     let mut good = f64::NAN;
     let is_across = |i: usize, half: f64| half < 1.0 || is_clear(paved, line[i], (half - 1.0) / 1.25);
     let mut halves = Vec::new();
@@ -210,7 +210,9 @@ fn half_width(line: &[DVec2], radii: [f64; 2], paved: &Bitmap) -> (f64, [f64; 2]
         let Some(half) = half_at(line, i, paved) else { continue };
         let is_like = (half - good).abs() < LIKE_PX;
         if is_like || is_across(i, half) {
-            good = if is_like { good } else { half };
+            if !is_like {
+                good = half;
+            }
             halves.push(half);
         }
     }

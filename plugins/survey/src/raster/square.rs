@@ -15,7 +15,7 @@ use glam::{DVec2, IVec2};
 
 use super::bitmap::Bitmap;
 use super::classify::Classes;
-use super::clean::{SPECK_M2, course_mask, labels};
+use super::clean::{Labels, SPECK_M2};
 use super::morphology::{band, grown, shrunk};
 use super::outline::{Corners, Outline, outlines};
 use super::parts::Parts;
@@ -45,11 +45,11 @@ pub(crate) struct FoundSquare {
 }
 
 /// What is printed in the colour of squares, as whole regions with a margin; nothing where there is none.
-pub(crate) fn printed_squares(classes: &Classes, paved: &Bitmap, margin: usize, mpp: f64) -> Option<Bitmap> {
+pub(crate) fn printed_squares(classes: &Classes, labels: &Labels<'_>, paved: &Bitmap, margin: usize, mpp: f64) -> Option<Bitmap> {
     if classes.square.is_blank() {
         return None;
     }
-    let mut printed = course_mask(&classes.square, &labels(&classes.ink)).with_margin(margin);
+    let mut printed = labels.cleaned(&classes.square).with_margin(margin);
     printed.keep(paved);
     // Where streets' colour meets that of blocks, theirs may lie between.
     let mut regions = grown(&shrunk(&printed, EDGE_PX), EDGE_PX);

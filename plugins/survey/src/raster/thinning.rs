@@ -57,8 +57,8 @@ fn thin_on(bitmap: &Bitmap, threads: usize, arch: Arch) -> Bitmap {
         }
     }
     let mut result = Bitmap::new(bitmap.width(), bitmap.height());
-    for (y, row) in [0, bitmap.height() - 1].map(|y| (y, bitmap.row(y))) {
-        result.row_mut(y).copy_from_slice(row);
+    for y in [0, bitmap.height() - 1] {
+        result.copy_rows(bitmap, y..y + 1, y);
     }
     let stride = result.stride();
     for band in bands {

@@ -77,11 +77,9 @@ fn light_streets_between_coloured_blocks() {
     assert_eq!(found, [Street(None), Built, Park, Water, Railway, Label], "{legend:?}");
     assert_eq!(class_of(&legend, MAIN), Street(Some(StreetClass::Main)), "{legend:?}");
     let says = |what: &str| findings.iter().any(|f| f.message.contains(what));
-    assert!(
-        says("the scale is not known") && says("#FCDD80 is taken for main streets") && says("taken for railways"),
-        "{findings:?}"
-    );
+    assert!(says("#FCDD80 is taken for main streets") && says("taken for railways"), "{findings:?}");
     let text = legend.to_ron_with(&findings);
+    assert!(text.contains("the scale is not known"), "{text}");
     assert_eq!(Legend::parse(&text, "guessed").unwrap_or_else(|e| panic!("{e}")), legend, "{text}");
 }
 
