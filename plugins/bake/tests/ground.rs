@@ -1,6 +1,6 @@
 //! Nothing of the ground is lost on the way from plan to packets.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use veduta_bake::{BakeSettings, Input, cut, plan};
 use veduta_cells::cell_shells;
@@ -21,7 +21,7 @@ fn meshed_m2(mesh: &veduta_growth::mesh::MeshData) -> f64 {
 
 #[test]
 fn every_square_metre_of_the_sample_city_is_in_a_cell_and_in_a_mesh() {
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/old_prague");
+    let scene = PathBuf::from("../../scenes/old_prague");
     let input = Input::of(&scene).unwrap_or_else(|e| panic!("{e}"));
     let settings = BakeSettings::default();
     let plan = plan(&input, &settings, &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).plan;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 fn place(file: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/places").join(file)
+    Path::new("tests/places").join(file)
 }
 
 /// A folder of its own that is removed in the end.
@@ -280,7 +280,7 @@ fn every_part_of_a_city_is_inspected() {
 #[test]
 fn styles_are_told_by_their_folder_or_content() {
     let folder = Folder::new("styles");
-    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/styles");
+    let assets = PathBuf::from("../../assets/styles");
     let (code, out, err) = run(&[&"check", &assets.join("modern.ron"), &assets.join("old_town.ron")]);
     assert_eq!((code, err.as_str()), (0, ""));
     assert!(out.contains("style `modern`") && out.contains("style `old_town`"), "{out}");

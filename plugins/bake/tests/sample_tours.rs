@@ -1,6 +1,6 @@
 //! The tours of the sample city compile on the streets that are grown from it.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use veduta_bake::{BakeSettings, Input, plan};
 use veduta_city::{Overview, Tour, file};
@@ -8,7 +8,7 @@ use veduta_route::{Gazetteer, StreetNet, compile};
 
 #[test]
 fn every_tour_of_the_sample_city_can_be_played() {
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/old_prague");
+    let scene = PathBuf::from("../../scenes/old_prague");
     let input = Input::of(&scene).unwrap_or_else(|e| panic!("{e}"));
     let planned = plan(&input, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
     let net = StreetNet::new(&Overview::of(&planned.plan).streets);

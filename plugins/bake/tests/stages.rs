@@ -13,7 +13,7 @@ use veduta_bake::{BakeSettings, Input, cut, plan, survey};
 use veduta_city::{CityGraph, Finding, file};
 
 fn places() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/places")
+    PathBuf::from("tests/places")
 }
 
 /// What the stages make of one input, as text by golden.

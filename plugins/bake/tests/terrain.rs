@@ -1,6 +1,6 @@
 //! `veduta-bake survey` with a terrain and a surface model: what is written, and what is refused.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use veduta_city::{CityGraph, file};
@@ -11,7 +11,7 @@ mod folder;
 use folder::Folder;
 
 fn survey(out: &Path, models: &[(&str, &Path)]) -> (i32, String) {
-    let map = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/places/crossroads/crossroads.osm");
+    let map = PathBuf::from("tests/places/crossroads/crossroads.osm");
     let mut command = Command::new(env!("CARGO_BIN_EXE_veduta-bake"));
     command.arg("survey").arg(map).arg("-o").arg(out);
     for (option, path) in models {

@@ -6,7 +6,7 @@ use veduta_bake::{BakeSettings, Input, InputKind, bake, overrides_beside, plan};
 use veduta_city::Severity;
 
 fn sample() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/words/brookwick.words.ron")
+    PathBuf::from("../../scenes/words/brookwick.words.ron")
 }
 
 #[test]

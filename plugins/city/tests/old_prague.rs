@@ -9,7 +9,7 @@ use veduta_city::{
 };
 
 fn scene(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes/old_prague").join(name)
+    PathBuf::from("../../scenes/old_prague").join(name)
 }
 
 fn read<T: serde::de::DeserializeOwned>(name: &str) -> T {

@@ -1,6 +1,6 @@
 //! Pictures of towns, drawn here, whose streets are known; and the real maps of the shared test data.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use glam::DVec2;
 use veduta_city::{Anchor, BlockKind, CityGraph, LinkKind, NodeKind, StreetClass};
@@ -275,8 +275,7 @@ const REAL: &[(&str, usize)] = &[
 ];
 
 fn data() -> PathBuf {
-    std::env::var_os("VEDUTA_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from)
+    std::env::var_os("VEDUTA_DATA").map_or_else(|| PathBuf::from("../../../shared/data"), PathBuf::from)
 }
 
 #[test]

@@ -49,7 +49,7 @@ const CITIES: &[Expected] = &[
 ];
 
 fn data() -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
+    let beside = "../../../shared/data";
     let folder = std::env::var_os("VEDUTA_DATA").map_or_else(|| PathBuf::from(beside), PathBuf::from);
     if !folder.is_dir() {
         println!("skipped: no shared data");

@@ -7,7 +7,7 @@ use veduta_city::{CityGraph, Severity};
 use veduta_survey::{Crs, ElevationGrid, drape, heights_from_surface, survey_osm};
 
 fn data() -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
+    let beside = "../../../shared/data";
     let folder = std::env::var_os("VEDUTA_DATA").map_or_else(|| PathBuf::from(beside), PathBuf::from);
     if folder.is_dir() {
         return Some(folder);

@@ -159,7 +159,7 @@ fn the_order_of_features_changes_nothing() {
 
 /// Folder of the shared test data; says so if there is none.
 fn data() -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
+    let beside = "../../../shared/data";
     let folder = std::env::var_os("VEDUTA_DATA").map_or_else(|| PathBuf::from(beside), PathBuf::from);
     if !folder.is_dir() {
         println!("skipped: no shared data");
