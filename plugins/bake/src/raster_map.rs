@@ -68,7 +68,7 @@ impl RasterMap {
                 (legend, true)
             }
         };
-        let mut of_scale = Vec::new();
+        let mut of_scale = None;
         let size = (picture.width as u32, picture.height as u32);
         let georeference = match self.place(path, &bytes, size)? {
             Some(place) => {
@@ -80,7 +80,8 @@ impl RasterMap {
                 let metres = match legend.metres_per_pixel {
                     Some(metres) => metres,
                     None => {
-                        let metres = guessed_scale(&picture, &legend, &name, &mut of_scale)?;
+                        let (metres, finding) = guessed_scale(&picture, &legend, &name)?;
+                        of_scale = Some(finding);
                         done("scale");
                         metres
                     }
@@ -89,7 +90,7 @@ impl RasterMap {
             }
         };
         let legend_ron = legend.to_ron_with(&findings);
-        findings.append(&mut of_scale);
+        findings.extend(of_scale);
         let metres = georeference.metres_per_pixel();
         let extent_m = (!georeference.is_placed()).then(|| [picture.width, picture.height].map(|n| n as f64 * metres));
         let settings = RasterSettings { georeference, threads: 1 };
@@ -186,7 +187,7 @@ fn beside(path: &Path, endings: &[&str]) -> Option<PathBuf> {
 }
 
 /// The metres a pixel by which the streets are as wide as streets are, with a finding that says so.
-fn guessed_scale(picture: &Picture, legend: &Legend, name: &str, findings: &mut Vec<Finding>) -> Result<f64, BakeError> {
+fn guessed_scale(picture: &Picture, legend: &Legend, name: &str) -> Result<(f64, Finding), BakeError> {
     let metres = scale_by_streets(picture, legend).ok_or_else(|| {
         let holds = "no street by which to guess its scale".to_owned();
         SurveyError::Empty { name: name.to_owned(), holds, findings: String::new() }
@@ -194,8 +195,7 @@ fn guessed_scale(picture: &Picture, legend: &Legend, name: &str, findings: &mut 
     let message = format!(
         "the map's scale is not known: {metres:.2} metres a pixel make its streets as wide as streets are; say --metres-per-pixel if they are not"
     );
-    findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
-    Ok(metres)
+    Ok((metres, Finding::new(Severity::Note, Id::NONE, None, message)))
 }
 
 /// A stage that was written before.
