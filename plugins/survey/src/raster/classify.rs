@@ -47,10 +47,7 @@ pub(super) const TABLE: usize = STEPS * STEPS * STEPS;
 /// Classifies a picture's pixels.
 #[must_use]
 pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
-    let (light, table) = looked_up(picture, legend, |class| match class {
-        SQUARE => 1 << SQUARE | 1 << STREET,
-        class => 1 << (class % (1 << CLASS_BITS)),
-    });
+    let (light, table) = looked_up(picture, legend, |class| class % (1 << CLASS_BITS));
     Arch::new().dispatch(Classing { picture, light: &light, table: &table })
 }
 
@@ -58,7 +55,7 @@ pub(crate) fn classified(picture: &Picture, legend: &Legend) -> Classes {
 struct Classing<'a> {
     picture: &'a Picture,
     light: &'a Light,
-    /// Bits of the classes of each entry.
+    /// The class of each entry.
     table: &'a [u8; TABLE],
 }
 
@@ -74,37 +71,11 @@ impl NullaryFnOnce for Classing<'_> {
             let row = &picture.pixels[y * w * 3..(y + 1) * w * 3];
             let [s, p, wa, r, i] = [street.row_mut(y), park.row_mut(y), water.row_mut(y), railway.row_mut(y), ink.row_mut(y)];
             let [ho, sq] = [house.row_mut(y), square.row_mut(y)];
-            for (k, pixels) in row.chunks(64 * 3).enumerate() {
-                let steps = light.steps_at(k * 64, y);
-                if let Some(class) = class_of_all(pixels, steps, table) {
-                    let words = [&mut s[k], &mut p[k], &mut wa[k], &mut r[k], &mut i[k], &mut ho[k], &mut sq[k]];
-                    for (word, bit) in words.into_iter().zip([STREET, PARK, WATER, RAILWAY, INK, HOUSE, SQUARE]) {
-                        if class >> bit & 1 == 1 {
-                            *word = u64::MAX;
-                        }
-                    }
-                    continue;
-                }
-                let mut seen = [0; 8];
-                let (eights, rest) = pixels.as_chunks::<24>();
-                for (seen, eight) in seen.iter_mut().zip(eights) {
-                    *seen = classes_of_eight(eight, steps, table);
-                }
-                for (i, pixel) in rest.as_chunks::<3>().0.iter().enumerate() {
-                    seen[eights.len()] |= u64::from(table[stepped(pixel, steps)]) << (8 * i);
-                }
-                let all = any_of(&seen);
-                for (bit, word) in
-                    [(STREET, &mut s[k]), (PARK, &mut p[k]), (WATER, &mut wa[k]), (RAILWAY, &mut r[k]), (INK, &mut i[k])]
-                {
-                    if all >> bit & 1 == 1 {
-                        *word = gathered(&seen, bit);
-                    }
-                }
-                // Few maps have a colour for these.
-                if all >> HOUSE != 0 {
-                    (ho[k], sq[k]) = (gathered(&seen, HOUSE), gathered(&seen, SQUARE));
-                }
+            for (k, pixels) in row.chunks(WORD_BYTES).enumerate() {
+                let of = classes_of_word(pixels, light.gain_at(k * 64, y), table);
+                let of = |bit: u8| of[usize::from(bit)];
+                (s[k], p[k], wa[k], r[k], i[k]) = (of(STREET) | of(SQUARE), of(PARK), of(WATER), of(RAILWAY), of(INK));
+                (ho[k], sq[k]) = (of(HOUSE), of(SQUARE));
             }
         }
         Classes { street, park, water, railway, ink, house, square }
@@ -123,63 +94,80 @@ pub(super) fn looked_up(picture: &Picture, legend: &Legend, of: impl Fn(u8) -> u
     (light, table)
 }
 
-/// The class of 64 pixels, if all are alike.
+/// Bytes of 64 pixels.
+const WORD_BYTES: usize = 64 * 3;
+
+/// For each class, where it is in a word of at most 64 pixels.
 #[inline(always)]
-fn class_of_all(pixels: &[u8], steps: &Steps, table: &[u8; TABLE]) -> Option<u8> {
-    let pixels: &[u8; 64 * 3] = pixels.try_into().ok()?;
-    is_even(pixels).then(|| table[stepped(&[pixels[0], pixels[1], pixels[2]], steps)])
+fn classes_of_word(pixels: &[u8], gain: u16, table: &[u8; TABLE]) -> [u64; 8] {
+    let Ok(word) = <&[u8; WORD_BYTES]>::try_from(pixels) else {
+        let mut word = [0; WORD_BYTES];
+        word[..pixels.len()].copy_from_slice(pixels);
+        return of_each(&word, gain, table).map(|bits| bits & ((1 << (pixels.len() / 3)) - 1));
+    };
+    if is_even(word) {
+        let mut words = [0; 8];
+        words[usize::from(table[entry_at([word[0], word[1], word[2]], gain)] % 8)] = u64::MAX;
+        return words;
+    }
+    of_each(word, gain, table)
 }
 
 /// Whether all pixels are alike: each as the one before.
 #[inline(always)]
-fn is_even<const N: usize>(pixels: &[u8; N]) -> bool {
+fn is_even(pixels: &[u8; WORD_BYTES]) -> bool {
     let mut differ = 0;
-    for i in 3..N {
+    for i in 3..WORD_BYTES {
         differ |= pixels[i] ^ pixels[i - 3];
     }
     differ == 0
 }
 
-/// The classes of eight pixels, a byte each from the lowest.
 #[inline(always)]
-fn classes_of_eight(pixels: &[u8; 24], steps: &Steps, table: &[u8; TABLE]) -> u64 {
-    // On noisy paper the first two tell already.
-    if pixels[0] == pixels[3] && is_even(pixels) {
-        return u64::from(table[stepped(&[pixels[0], pixels[1], pixels[2]], steps)]) * 0x0101_0101_0101_0101;
+fn of_each(word: &[u8; WORD_BYTES], gain: u16, table: &[u8; TABLE]) -> [u64; 8] {
+    let mut entries = [0; 64];
+    for (i, entry) in entries.iter_mut().enumerate() {
+        *entry = entry_at([word[3 * i], word[3 * i + 1], word[3 * i + 2]], gain) as u16;
     }
-    let mut classes = 0;
-    for i in 0..8 {
-        let class = table[stepped(&[pixels[3 * i], pixels[3 * i + 1], pixels[3 * i + 2]], steps)];
-        classes |= u64::from(class) << (8 * i);
-    }
-    classes
+    exchanged(eights(&entries, table))
 }
 
-/// What is set in any of 64 bytes, eight a word.
-#[inline(always)]
-fn any_of(bytes: &[u64; 8]) -> u8 {
-    let all = bytes.iter().fold(0, |a, b| a | b);
-    let all = all | all >> 32;
-    let all = all | all >> 16;
-    (all | all >> 8) as u8
-}
-
-/// The table's entry for a colour, when the channels' values lie so in it.
-#[inline(always)]
-pub(super) fn stepped(colour: &[u8; 3], steps: &Steps) -> usize {
-    let ([r, g, b], [of_r, of_g, of_b]) = (*colour, steps);
-    usize::from(of_r[usize::from(r)] | of_g[usize::from(g)] | of_b[usize::from(b)]) % TABLE
-}
-
-/// One bit of each of 64 bytes, eight a word, as one word.
-#[inline(always)]
-fn gathered(bytes: &[u64; 8], bit: u8) -> u64 {
-    let mut word = 0;
-    for (i, eight) in bytes.iter().enumerate() {
-        let lanes = eight >> bit & 0x0101_0101_0101_0101;
-        word |= (lanes.wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * i);
+/// The classes of eight pixels a word: byte `c` has a bit for each that is of class `c`.
+///
+/// Not for wide registers: what is looked up at 64 places goes through them one by one.
+#[inline(never)]
+fn eights(entries: &[u16; 64], table: &[u8; TABLE]) -> [u64; 8] {
+    const OF_CLASS: [u64; 8] = [1, 1 << 8, 1 << 16, 1 << 24, 1 << 32, 1 << 40, 1 << 48, 1 << 56];
+    let mut words = [0; 8];
+    for k in 0..8 {
+        let mut word = 0;
+        for i in 0..8 {
+            word |= OF_CLASS[usize::from(table[usize::from(entries[8 * k + i])] % 8)] << i;
+        }
+        words[k] = word;
     }
-    word
+    words
+}
+
+/// Byte `i` of word `k` as byte `k` of word `i`.
+#[inline(always)]
+fn exchanged(mut words: [u64; 8]) -> [u64; 8] {
+    // In squares of two by two bytes, of four by four, and all.
+    for (apart, mask) in [(1, 0x00FF_00FF_00FF_00FF), (2, 0x0000_FFFF_0000_FFFF), (4, 0x0000_0000_FFFF_FFFF)] {
+        for k in (0..8).filter(|k| k & apart == 0) {
+            let swapped = (words[k] >> (8 * apart) ^ words[k + apart]) & mask;
+            words[k] ^= swapped << (8 * apart);
+            words[k + apart] ^= swapped;
+        }
+    }
+    words
+}
+
+/// The table's entry for a colour in light of some gain.
+#[inline(always)]
+pub(super) fn entry_at(colour: [u8; 3], gain: u16) -> usize {
+    let step = |value: u8| (u32::from(value) * 2 * u32::from(gain) >> 16).min(255) >> 3;
+    (step(colour[0]) << 10 | step(colour[1]) << 5 | step(colour[2])) as usize
 }
 
 /// How bright a scan is from place to place.
@@ -188,12 +176,12 @@ pub(super) struct Light {
     columns: usize,
     /// For each tile, the number of its brightness.
     level: Vec<u8>,
-    /// For each brightness, where each value of a channel lies in the table.
-    steps: Vec<Steps>,
+    /// For each brightness, by what values are multiplied to be as in even light.
+    gains: Vec<u16>,
 }
 
-/// For each value of red, green and blue, its part of the number of a table's entry.
-pub(super) type Steps = [[u16; 256]; 3];
+/// A gain that leaves values as they are.
+const EVEN: f32 = 32768.0;
 
 /// Pixels of a tile's side.
 const TILE: usize = 128;
@@ -222,17 +210,13 @@ impl Light {
             let level = ((sum / n - 1.0) / LEVEL).round() as i32;
             (level.clamp(-LEVELS, LEVELS) + LEVELS) as u8
         });
-        let steps = (-LEVELS..=LEVELS).map(|level| {
-            let gain = 1.0 + level as f32 * LEVEL;
-            let step = |value: usize| ((value as f32 / gain) as usize).min(255) as u16 >> 3;
-            [10, 5, 0].map(|shift| core::array::from_fn(|value| step(value) << shift))
-        });
-        Self { columns, level: level.collect(), steps: steps.collect() }
+        let gains = (-LEVELS..=LEVELS).map(|level| (EVEN / (1.0 + level as f32 * LEVEL)).ceil() as u16);
+        Self { columns, level: level.collect(), gains: gains.collect() }
     }
 
     #[inline(always)]
-    pub(super) fn steps_at(&self, x: usize, y: usize) -> &Steps {
-        &self.steps[usize::from(self.level[y / TILE * self.columns + x / TILE])]
+    pub(super) fn gain_at(&self, x: usize, y: usize) -> u16 {
+        self.gains[usize::from(self.level[y / TILE * self.columns + x / TILE])]
     }
 }
 
@@ -459,7 +443,7 @@ mod tests {
             let mut expected = [0; 7];
             let Classes { street, park, water, railway, ink, house, square } = &classes;
             for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
-                let class = table[stepped(&picture.at(x, y).unwrap_or_default(), light.steps_at(x, y))];
+                let class = table[entry_at(picture.at(x, y).unwrap_or_default(), light.gain_at(x, y))];
                 let is = [class == STREET || class == SQUARE, class == PARK, class == WATER, class == RAILWAY, class == INK, class == HOUSE, class == SQUARE];
                 for ((bitmap, is), expected) in [street, park, water, railway, ink, house, square].into_iter().zip(is).zip(&mut expected) {
                     prop_assert_eq!(bitmap.get(x as isize, y as isize), is, "class {} at {}, {}", class, x, y);

@@ -3,7 +3,7 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use super::bitmap::Bitmap;
-use super::lanes::{Beside, Lanes, beside, full_add};
+use super::lanes::{Beside, Lanes, beside, eight, full_add};
 use super::outline::Corners;
 use super::parts::Parts;
 use super::patches::Patches;
@@ -200,18 +200,6 @@ impl Filling {
         let blank = vec![0; set.stride() + 1];
         Self { set, unset, open: vec![true; parts.height()], rest: parts.clone(), parts, blank }
     }
-}
-
-/// How many of eight bits are set, as a sum of four bits.
-#[inline(always)]
-fn eight(ring: [Lanes; 8]) -> [Lanes; 4] {
-    let (s1, c1) = full_add(ring[0], ring[1], ring[2]);
-    let (s2, c2) = full_add(ring[3], ring[4], ring[5]);
-    let (s3, c3) = full_add(s1, s2, ring[6]);
-    let (b0, c4) = (s3 ^ ring[7], s3 & ring[7]);
-    let (t, d1) = full_add(c1, c2, c3);
-    let (b1, d2) = (t ^ c4, t & c4);
-    [b0, b1, d1 ^ d2, d1 & d2]
 }
 
 /// Where one number is greater than another.

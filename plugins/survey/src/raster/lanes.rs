@@ -38,7 +38,10 @@ impl Lanes {
     /// Writes a chunk of a row, given without the blank words.
     #[inline(always)]
     pub fn write(self, row: &mut [u64], chunk: usize) {
-        row[chunk * CHUNK..][..CHUNK].copy_from_slice(&self.0);
+        // Word by word: a call that copies a slice is not compiled for this kind of processor.
+        for (word, own) in row[chunk * CHUNK..][..CHUNK].iter_mut().zip(self.0) {
+            *word = own;
+        }
     }
 
     /// The pixels themselves.
@@ -57,6 +60,20 @@ impl Lanes {
     #[inline(always)]
     pub fn east(words: &Beside, n: u32) -> Self {
         Self::each(|k| words[k + 1] >> n | words[k + 2] << (64 - n))
+    }
+
+    /// Each pixel moved by one to the right (`by` 1), to the left (-1) or not at all (0), between the words before and after.
+    /// Which of these is not asked but reckoned: where it is hard to foretell, asking takes longer.
+    #[inline(always)]
+    pub fn moved(self, by: i32, before: u64, after: u64) -> Self {
+        let (right, left) = (u64::from(by > 0), u64::from(by < 0));
+        let mut lanes = [0; CHUNK];
+        for k in 0..CHUNK {
+            let west = if k > 0 { self.0[k - 1] } else { before };
+            let east = if k + 1 < CHUNK { self.0[k + 1] } else { after };
+            lanes[k] = self.0[k] << right >> left | west >> 63 & right | east << 63 & left << 63;
+        }
+        Self(lanes)
     }
 
     /// Whether any pixel is set.
@@ -129,6 +146,18 @@ impl BitOrAssign for Lanes {
 #[inline(always)]
 pub(crate) fn full_add(a: Lanes, b: Lanes, c: Lanes) -> (Lanes, Lanes) {
     (a ^ b ^ c, (a & b) | (c & (a ^ b)))
+}
+
+/// How many of eight bits are set, as a sum of four bits.
+#[inline(always)]
+pub(crate) fn eight(ring: [Lanes; 8]) -> [Lanes; 4] {
+    let (s1, c1) = full_add(ring[0], ring[1], ring[2]);
+    let (s2, c2) = full_add(ring[3], ring[4], ring[5]);
+    let (s3, c3) = full_add(s1, s2, ring[6]);
+    let (b0, c4) = (s3 ^ ring[7], s3 & ring[7]);
+    let (t, d1) = full_add(c1, c2, c3);
+    let (b1, d2) = (t ^ c4, t & c4);
+    [b0, b1, d1 ^ d2, d1 & d2]
 }
 
 /// A row, and those above and below, each between its blank words.

@@ -6,8 +6,8 @@
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::bitmap::Bitmap;
-use super::lanes::{Lanes, beside};
+use super::bitmap::{Bitmap, CHUNK};
+use super::lanes::Lanes;
 use super::patches::Patches;
 
 /// Directions of looking that are steeper than a diagonal; as many again are not.
@@ -20,9 +20,8 @@ pub(crate) fn seen_as_street(street: &Bitmap, hidden: &Bitmap) -> Bitmap {
     known.remove(hidden);
     let patches = Patches::of(hidden, &known);
     let seen = patches.sheet_by_sheet([&patches.shown(&known), &patches.parts()], |[street, hidden]| {
-        let mut seen = Arch::new().dispatch(Looking { street: &street, hidden: &hidden });
-        let (street, hidden) = (street.transposed(), hidden.transposed());
-        seen.add(&Arch::new().dispatch(Looking { street: &street, hidden: &hidden }).transposed());
+        let mut seen = Looking::at(&street, &hidden);
+        seen.add(&Looking::at(&street.transposed(), &hidden.transposed()).transposed());
         seen
     });
     let mut result = Bitmap::new(street.width(), street.height());
@@ -30,25 +29,45 @@ pub(crate) fn seen_as_street(street: &Bitmap, hidden: &Bitmap) -> Bitmap {
     result
 }
 
-/// Looking along all directions steeper than a diagonal.
-struct Looking<'a> {
-    street: &'a Bitmap,
-    hidden: &'a Bitmap,
+/// Looking along all directions steeper than a diagonal; chunks row by row.
+struct Looking {
+    street: Vec<Lanes>,
+    hidden: Vec<Lanes>,
+    /// Chunks a row.
+    chunks: usize,
+}
+
+impl Looking {
+    /// The hidden pixels that are street, found from what is seen.
+    fn at(street: &Bitmap, hidden: &Bitmap) -> Bitmap {
+        let lanes = |bitmap: &Bitmap| {
+            let rows = (0..bitmap.height()).map(|y| bitmap.row(y));
+            rows.flat_map(|row| (0..row.len() / CHUNK).map(|chunk| Lanes::of(row, chunk))).collect()
+        };
+        let looking = Self { street: lanes(street), hidden: lanes(hidden), chunks: hidden.chunks() };
+        let seen = Arch::new().dispatch(&looking);
+        let mut result = Bitmap::new(hidden.width(), hidden.height());
+        for (y, row) in seen.chunks_exact(hidden.chunks().max(1)).enumerate() {
+            row.iter().enumerate().for_each(|(chunk, lanes)| lanes.write(result.row_mut(y), chunk));
+        }
+        result
+    }
 }
 
 /// The two lines of sight that meet in a pixel may differ by so many directions: streets bend.
 const BEND: usize = 2;
 
-impl NullaryFnOnce for Looking<'_> {
-    type Output = Bitmap;
+impl NullaryFnOnce for &Looking {
+    type Output = Vec<Lanes>;
 
     #[inline(always)]
-    fn call(self) -> Bitmap {
-        let (width, height) = (self.hidden.width(), self.hidden.height());
-        let mut result = Bitmap::new(width, height);
+    fn call(self) -> Vec<Lanes> {
+        let blank = vec![Lanes::NONE; self.hidden.len()];
         // What is reached from above and from below, of the last few directions.
-        let mut reached = [(); BEND + 1].map(|()| [Bitmap::new(width, height), Bitmap::new(width, height)]);
-        let mut aside = vec![0; height];
+        let mut reached: [[Vec<Lanes>; 2]; BEND + 1] = Default::default();
+        reached.as_flattened_mut().fill(blank.clone());
+        let mut result = blank;
+        let mut aside = vec![0; self.hidden.len().checked_div(self.chunks).unwrap_or(0)];
         for direction in 0..DIRECTIONS {
             // The tangent of evenly spaced angles from -45° to 45°.
             let angle = ((direction as f64 + 0.5) / DIRECTIONS as f64 - 0.5) * core::f64::consts::FRAC_PI_2;
@@ -58,8 +77,7 @@ impl NullaryFnOnce for Looking<'_> {
             }
             reached.rotate_right(1);
             let [down, up] = &mut reached[0];
-            self.look(0..height, &aside, down);
-            self.look((0..height).rev(), &aside, up);
+            self.look(&aside, down, up);
             meet(&mut result, &reached);
         }
         result
@@ -68,40 +86,43 @@ impl NullaryFnOnce for Looking<'_> {
 
 /// Adds what the latest direction from one side shares with any from the other.
 #[inline(always)]
-fn meet(result: &mut Bitmap, reached: &[[Bitmap; 2]; BEND + 1]) {
-    let to = result.words_mut();
-    let n = to.len();
+fn meet(result: &mut [Lanes], reached: &[[Vec<Lanes>; 2]; BEND + 1]) {
+    let n = result.len();
     let [[down, up], [down1, up1], [down2, up2]] = reached;
-    let [down, up, down1, up1, down2, up2] = [down, up, down1, up1, down2, up2].map(|bitmap| &bitmap.words()[..n]);
+    let [down, up, down1, up1, down2, up2] = [&down[..n], &up[..n], &down1[..n], &up1[..n], &down2[..n], &up2[..n]];
     for i in 0..n {
-        to[i] |= (down[i] & (up[i] | up1[i] | up2[i])) | (up[i] & (down1[i] | down2[i]));
+        result[i] |= (down[i] & (up[i] | up1[i] | up2[i])) | (up[i] & (down1[i] | down2[i]));
     }
 }
 
-impl Looking<'_> {
-    /// Goes from row to row, and so far `aside` in each: which hidden pixels are reached from street over hidden ones.
+impl Looking {
+    /// Goes down from row to row, and so far `aside` in each, and up: which hidden pixels are reached from street over hidden
+    /// ones, one way and the other. Both ways are gone together: neither waits for the other's last row.
     #[inline(always)]
-    fn look(&self, rows: impl Iterator<Item = usize>, aside: &[i32], reached: &mut Bitmap) {
-        // What can be gone on from, in the row before and in this one.
-        let mut before = vec![0; self.hidden.stride() + 1];
-        let mut here = before.clone();
-        let mut was_aside = None;
-        for y in rows {
-            let shift = aside[y] - was_aside.unwrap_or(aside[y]);
-            was_aside = Some(aside[y]);
-            let (hidden, street, reached) = (self.hidden.row(y), self.street.row(y), reached.row_mut(y));
-            for chunk in 0..self.hidden.chunks() {
-                let from = beside(&before, chunk);
-                let come = match shift {
-                    0 => Lanes::here(from),
-                    1 => Lanes::west(from, 1),
-                    _ => Lanes::east(from, 1),
-                };
-                let come = come & Lanes::of(hidden, chunk);
-                come.write(reached, chunk);
-                (come | Lanes::of(street, chunk)).write(&mut here[1..], chunk);
-            }
-            core::mem::swap(&mut before, &mut here);
+    fn look(&self, aside: &[i32], down: &mut [Lanes], up: &mut [Lanes]) {
+        let (mut from_above, mut from_below) = (vec![Lanes::NONE; self.chunks], vec![Lanes::NONE; self.chunks]);
+        let rows = aside.len();
+        let (mut above, mut below) = (0, rows.saturating_sub(1));
+        for row in 0..rows {
+            let mirrored = rows - 1 - row;
+            self.go(row, aside[row] - aside[above], &mut from_above, down);
+            self.go(mirrored, aside[mirrored] - aside[below], &mut from_below, up);
+            (above, below) = (row, mirrored);
+        }
+    }
+
+    /// Goes on to a row, by so many pixels to the right, `from` what can be gone on from in the one before.
+    #[inline(always)]
+    fn go(&self, row: usize, by: i32, from: &mut [Lanes], reached: &mut [Lanes]) {
+        let mut before = 0;
+        for chunk in 0..from.len() {
+            let i = row * self.chunks + chunk;
+            let after = from.get(chunk + 1).map_or(0, |after| after.0[0]);
+            let here = from[chunk];
+            let come = here.moved(by, before, after) & self.hidden[i];
+            before = here.0[CHUNK - 1];
+            reached[i] = come;
+            from[chunk] = come | self.street[i];
         }
     }
 }

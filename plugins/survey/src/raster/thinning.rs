@@ -11,8 +11,8 @@
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::bitmap::{Bitmap, CHUNK};
-use super::lanes::{Lanes, Three, beside};
+use super::bitmap::{Bitmap, CHUNK, CHUNK_PX};
+use super::lanes::{Lanes, Three, beside, eight, full_add};
 
 /// The skeleton of a bitmap, on so many threads (at least one), with the same result for any number.
 ///
@@ -105,10 +105,10 @@ struct Band {
     words: Vec<u64>,
     /// For each step, and each row from the copy above: the chunks in which it last took something, a bit each.
     changed: [Vec<u64>; 2],
-    /// The leftmost and rightmost words' pixels that are never taken, by index of the word in the row.
-    fixed: [(usize, u64); 2],
+    /// A row's pixels that may be taken: all but the first and the last.
+    loose: Vec<Lanes>,
     /// Marks of two rows: of the one before, and of the one at hand.
-    marks: [Vec<u64>; 2],
+    marks: [Vec<Lanes>; 2],
     /// Whether its last step took anything.
     taken: bool,
 }
@@ -118,14 +118,19 @@ impl Band {
         let (stride, rows, right) = (bitmap.stride(), end - first, bitmap.width() - 1);
         let from = (first - 1) * stride;
         let all = u64::MAX >> (64 - bitmap.chunks());
+        let blank = vec![Lanes::NONE; bitmap.chunks()];
+        let mut loose = vec![Lanes::ALL; bitmap.chunks()];
+        for fixed in [0, right] {
+            loose[fixed / CHUNK_PX].0[fixed / 64 % CHUNK] &= !(1 << (fixed % 64));
+        }
         Self {
             first,
             rows,
             stride,
             words: bitmap.words()[from..from + (rows + 2) * stride + 1].to_vec(),
             changed: [vec![all; rows + 2], vec![all; rows + 2]],
-            fixed: [(0, 1), (right / 64, 1 << (right % 64))],
-            marks: [vec![0; stride], vec![0; stride]],
+            loose,
+            marks: [blank.clone(), blank],
             taken: false,
         }
     }
@@ -165,15 +170,11 @@ impl Band {
             let chunk = rest.trailing_zeros() as usize;
             rest &= rest - 1;
             let row = |i: usize| beside(&self.words[i * stride..], chunk);
-            let mut gone = marked::<FIRST>(Three { above: row(i - 1), at: row(i), below: row(i + 1) });
-            for (word, bits) in self.fixed {
-                if word / CHUNK == chunk {
-                    gone.0[word % CHUNK] &= !bits;
-                }
-            }
+            let three = Three { above: row(i - 1), at: row(i), below: row(i + 1) };
+            let gone = marked::<FIRST>(three) & self.loose[chunk];
             if gone.any() {
                 found |= 1 << chunk;
-                gone.write(marks, chunk);
+                marks[chunk] = gone;
             }
         }
         found
@@ -185,10 +186,8 @@ impl Band {
         while chunks != 0 {
             let chunk = chunks.trailing_zeros() as usize;
             chunks &= chunks - 1;
-            let words = &mut self.words[1 + i * self.stride + chunk * CHUNK..][..CHUNK];
-            for (word, gone) in words.iter_mut().zip(&self.marks[marks][chunk * CHUNK..][..CHUNK]) {
-                *word &= !gone;
-            }
+            let row = &mut self.words[1 + i * self.stride..];
+            (Lanes::of(row, chunk) & !self.marks[marks][chunk]).write(row, chunk);
         }
     }
 }
@@ -198,25 +197,16 @@ impl Band {
 #[inline(always)]
 fn marked<const FIRST: bool>(three: Three<'_>) -> Lanes {
     let ring = three.ring();
-    let [n, _, e, _, s, _, w, _] = ring;
-    // Of the changes from unset to set around the pixel there is exactly one; of set and of unset at least two.
-    let (mut one_rise, mut two_rises) = (Lanes::NONE, Lanes::NONE);
-    let (mut one_set, mut two_set) = (Lanes::NONE, Lanes::NONE);
-    let (mut all_set, mut all_but_one_set) = (Lanes::ALL, Lanes::ALL);
-    for j in 0..8 {
-        let (here, next) = (ring[j], ring[(j + 1) % 8]);
-        let rise = !here & next;
-        two_rises |= one_rise & rise;
-        one_rise |= rise;
-        two_set |= one_set & here;
-        one_set |= here;
-        all_but_one_set &= all_set | here;
-        all_set &= here;
-    }
+    let [n, ne, e, se, s, sw, w, nw] = ring;
+    // Around the pixel, from unset to set: once in so many pairs of places side by side, as it cannot be twice in one.
+    let rise = |a: Lanes, b: Lanes, c: Lanes| (!a & b) | (!b & c);
+    let rises = [rise(n, ne, e), rise(e, se, s), rise(s, sw, w), rise(w, nw, n)];
+    let (odd, two_of_three) = full_add(rises[0], rises[1], rises[2]);
+    let one_run = (odd ^ rises[3]) & !two_of_three;
+    let [ones, twos, fours, _] = eight(ring);
+    let two_to_six = (twos | fours) & !(ones & twos & fours);
     let full = if FIRST { e & s & (n | w) } else { n & w & (e | s) };
-    let one_run = one_rise & !two_rises;
-    let some = two_set & !all_but_one_set;
-    Lanes::here(three.at) & one_run & some & !full
+    Lanes::here(three.at) & one_run & two_to_six & !full
 }
 
 /// Gives every band its neighbours' border rows, and what changed there.

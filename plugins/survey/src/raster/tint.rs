@@ -3,7 +3,7 @@
 use glam::DVec2;
 use veduta_city::StreetClass;
 
-use super::classify::{CLASS_BITS, Light, STREET, TABLE, looked_up, stepped};
+use super::classify::{CLASS_BITS, Light, STREET, TABLE, entry_at, looked_up};
 use super::legend::{Legend, MapClass};
 use super::picture::Picture;
 
@@ -84,6 +84,6 @@ impl<'a> Tints<'a> {
             return OTHER;
         }
         let (x, y) = ((p.x / self.times) as usize, (p.y / self.times) as usize);
-        self.picture.at(x, y).map_or(OTHER, |pixel| self.table[stepped(&pixel, self.light.steps_at(x, y))])
+        self.picture.at(x, y).map_or(OTHER, |pixel| self.table[entry_at(pixel, self.light.gain_at(x, y))])
     }
 }
