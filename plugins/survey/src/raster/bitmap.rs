@@ -196,26 +196,55 @@ impl Bitmap {
         self.combine(other, |a, b| a & !b);
     }
 
+    /// The pixels that another bitmap of the same size does not have.
+    #[must_use]
+    pub(crate) fn without(&self, other: &Self) -> Self {
+        assert!(self.width == other.width && self.height == other.height, "{self:?} and {other:?} differ in size");
+        let words = self.words.iter().zip(&other.words).map(|(a, b)| a & !b).collect();
+        Self { words, ..*self }
+    }
+
     /// The pixels that are not set.
     #[must_use]
     pub fn inverted(&self) -> Self {
-        let mut inverted = self.clone();
-        inverted.invert();
-        inverted
+        self.neither(self)
+    }
+
+    /// The pixels that neither this bitmap nor another of the same size has.
+    #[must_use]
+    pub(crate) fn neither(&self, other: &Self) -> Self {
+        assert!(self.width == other.width && self.height == other.height, "{self:?} and {other:?} differ in size");
+        let (used, last) = (self.width.div_ceil(64), self.last_word());
+        let mut words: Vec<u64> = self.words.iter().zip(&other.words).map(|(a, b)| !(a | b)).collect();
+        words[0] = 0;
+        for row in words[1..].chunks_exact_mut(self.stride) {
+            row[used..].fill(0);
+            if let Some(word) = row[..used].last_mut() {
+                *word &= last;
+            }
+        }
+        Self { words, ..*self }
     }
 
     /// Sets the pixels that are not set, and clears the others.
     pub(crate) fn invert(&mut self) {
-        let (used, last) = (self.width.div_ceil(64), self.last_word());
-        for y in 0..self.height {
-            let row = &mut self.row_mut(y)[..used];
-            for word in row.iter_mut() {
-                *word = !*word;
-            }
-            if let Some(word) = row.last_mut() {
-                *word &= last;
+        let (inside, stride) = (self.inside(), self.stride);
+        for row in self.words[1..].chunks_exact_mut(stride) {
+            for (word, inside) in row.iter_mut().zip(&inside) {
+                *word ^= inside;
             }
         }
+    }
+
+    /// A row of which every pixel is set.
+    pub(crate) fn inside(&self) -> Vec<u64> {
+        let mut row = vec![0; self.stride];
+        let used = self.width.div_ceil(64);
+        row[..used].fill(u64::MAX);
+        if let Some(word) = row[..used].last_mut() {
+            *word = self.last_word();
+        }
+        row
     }
 
     /// The bits in use of a row's last used word.
@@ -368,24 +397,27 @@ impl Bitmap {
         }
         let (from, to) = ((from + low).as_usizevec2(), (to + low).as_usizevec2());
         let (width, height) = ((high.x - low.x) as usize, (high.y - low.y) as usize);
-        for row in 0..height {
-            let there = other.padded(from.y + row);
-            if from.x.is_multiple_of(64) && to.x.is_multiple_of(64) && width.is_multiple_of(64) {
-                let there = &there[1 + from.x / 64..][..width / 64];
-                for (here, there) in self.row_mut(to.y + row)[to.x / 64..].iter_mut().zip(there) {
+        let (here, there) = (self.index(to.x, to.y), other.index(from.x, from.y));
+        if from.x.is_multiple_of(64) && to.x.is_multiple_of(64) && width.is_multiple_of(64) {
+            for row in 0..height {
+                let (here, there) = (here + row * self.stride, there + row * other.stride);
+                for (here, there) in self.words[here..][..width / 64].iter_mut().zip(&other.words[there..]) {
                     *here |= there;
                 }
-                continue;
             }
-            // The pixel there that comes into the lowest bit of the first word here, counted from the blank word.
-            let first = to.x / 64 * 64 + from.x + 64 - to.x;
-            let (word, bit) = (first / 64, first % 64);
-            let here = &mut self.row_mut(to.y + row)[to.x / 64..];
-            for ((k, mask), here) in stretch(to.x % 64, to.x % 64 + width).zip(here) {
-                let low = there[word + k] >> bit;
-                // Shifted out by two steps where it is by 64.
-                let high = there.get(word + k + 1).map_or(0, |next| next << 1 << (63 - bit));
-                *here |= (low | high) & mask;
+            return;
+        }
+        // The pixel there that comes into the lowest bit of the first word here, counted from the word before.
+        let first = 64 + from.x % 64 - to.x % 64;
+        let (there, bit) = (there + first / 64 - 1, first % 64);
+        // Word by word down the rows: most of what is taken is narrow.
+        for (k, mask) in stretch(to.x % 64, to.x % 64 + width) {
+            let (mut here, mut there) = (here + k, there + k);
+            for _ in 0..height {
+                // Shifted out by two steps where it is by 64; there is no word after the last.
+                let (low, high) = (other.words[there] >> bit, other.words.get(there + 1).map_or(0, |next| next << 1 << (63 - bit)));
+                self.words[here] |= (low | high) & mask;
+                (here, there) = (here + self.stride, there + other.stride);
             }
         }
     }

@@ -41,10 +41,8 @@ pub(super) struct Plot {
 
 /// The outlines of what is neither street nor course, with what they hold.
 pub(super) fn blocks(street: &Bitmap, courses: [&Bitmap; 2], classes: &Classes, mpp: f64) -> Vec<FoundBlock> {
-    let mut area = street.inverted();
-    for course in courses {
-        area.remove(course);
-    }
+    let mut area = street.neither(courses[0]);
+    area.remove(courses[1]);
     // Where a course comes to a street, noise leaves a gap by which the blocks on its two sides would be one.
     if courses.iter().any(|course| !course.is_blank()) {
         let mut gaps = courses[0].clone();

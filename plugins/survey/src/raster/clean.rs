@@ -44,9 +44,7 @@ pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap, Vec<Part>
         }
         let mut ink = dilated_twice(&ink);
         // Between a letter and the street it stands on, its soft edge looks like a block.
-        let mut seen = street.clone();
-        seen.remove(&ink);
-        let seen = median5(&seen);
+        let seen = median5(&street.without(&ink));
         let mut edges = grown(&ink, 2);
         edges.keep(&grown(&seen, 2));
         edges.add(&swept(&ink, &[Grow(3), Shrink(3)]));
@@ -57,10 +55,8 @@ pub(crate) fn cleaned(classes: &Classes, mpp: f64) -> (Bitmap, Bitmap, Vec<Part>
         street.keep(&steady);
         let under = seen_as_street(&street, &names(&ink));
         street.add(&under);
-        hidden = ink.clone();
-        let mut open = ink;
-        open.remove(&under);
-        street = filled(&street, &open);
+        street = filled(&street, &ink.without(&under));
+        hidden = ink;
     }
     if let Some(rails) = rails.filter(|_| has_rails) {
         // Streets go on under viaducts.
@@ -93,9 +89,7 @@ fn names(ink: &Bitmap) -> Bitmap {
         }
     }
     let large = grown(&large, LARGE + 1).doubled(ink.width(), ink.height());
-    let mut names = ink.clone();
-    names.remove(&large);
-    names
+    ink.without(&large)
 }
 
 /// What labels and symbols hide, with their soft edges; found when it is first asked for.

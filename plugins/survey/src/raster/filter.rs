@@ -42,11 +42,9 @@ pub(crate) fn filled(set: &Bitmap, unknown: &Bitmap) -> Bitmap {
 /// As [`filled`], with the connected parts (by corners too) of what is `unknown`.
 #[must_use]
 pub(crate) fn filled_among(set: &Bitmap, unknown: &Bitmap, parts: &Parts) -> Bitmap {
-    let mut known = set.clone();
-    known.remove(unknown);
+    let mut known = set.without(unknown);
     let patches = Patches::among(parts, &known);
-    let mut unset = set.inverted();
-    unset.remove(unknown);
+    let unset = set.neither(unknown);
     let of = [&patches.shown(&known), &patches.shown(&unset), &patches.parts()];
     let decided = patches.sheet_by_sheet(of, |[set, unset, parts]| {
         let mut filling = Filling::of(set, unset, parts);
@@ -56,17 +54,6 @@ pub(crate) fn filled_among(set: &Bitmap, unknown: &Bitmap, parts: &Parts) -> Bit
     });
     patches.put_back(&decided, &mut known);
     known
-}
-
-/// Where a row may have pixels.
-fn frame(bitmap: &Bitmap) -> Vec<u64> {
-    let mut row = vec![0; bitmap.stride()];
-    let used = bitmap.width().div_ceil(64);
-    row[..used].fill(u64::MAX);
-    if let Some(word) = row[..used].last_mut() {
-        *word = bitmap.last_word();
-    }
-    row
 }
 
 struct Median5<'a>(&'a Bitmap);
@@ -89,7 +76,7 @@ impl NullaryFnOnce for Median5<'_> {
         let bitmap = self.0;
         let (height, chunks) = (bitmap.height(), bitmap.chunks());
         let mut result = Bitmap::new(bitmap.width(), height);
-        let inside = frame(bitmap);
+        let inside = bitmap.inside();
         // Sums of the row, of the two above and of the two below, in turn.
         let mut sums = vec![[[Lanes::NONE; 3]; 5]; chunks];
         for y in 0..height + 2 {
@@ -136,7 +123,7 @@ impl<const REACH: usize> NullaryFnOnce for Dilated<'_, REACH> {
         let bitmap = self.0;
         let (height, chunks) = (bitmap.height(), bitmap.chunks());
         let mut result = Bitmap::new(bitmap.width(), height);
-        let inside = frame(bitmap);
+        let inside = bitmap.inside();
         let mut wide = vec![[Lanes::NONE; 5]; chunks];
         for y in 0..height + REACH {
             for (chunk, wide) in wide.iter_mut().enumerate() {
@@ -168,7 +155,7 @@ impl NullaryFnOnce for Crowded<'_> {
     fn call(self) -> Bitmap {
         let (bitmap, height) = (self.0, self.0.height());
         let mut result = Bitmap::new(bitmap.width(), height);
-        let inside = frame(bitmap);
+        let inside = bitmap.inside();
         let blank = vec![0; bitmap.stride() + 1];
         for y in 0..height {
             let (rows, to) = (bitmap.around_row(y, &blank), result.row_mut(y));

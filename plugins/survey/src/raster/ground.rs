@@ -128,11 +128,6 @@ impl Grounds<'_> {
         }
         seen.keep(own);
         let seen = median5(&seen);
-        let without = |from: &Bitmap, what: &Bitmap| {
-            let mut left = from.clone();
-            left.remove(what);
-            left
-        };
         let opened = |area: &Bitmap| {
             let mut open = grown(&shrunk(area, steps), steps);
             open.keep(area);
@@ -140,13 +135,13 @@ impl Grounds<'_> {
         };
         // First what the ground is without bits and strips, then what the rest is; each lot too small goes to the other.
         let mut ground = opened(&seen);
-        let mut rest = opened(&without(own, &ground));
-        ground = without(own, &rest);
+        let mut rest = opened(&own.without(&ground));
+        ground = own.without(&rest);
         self.give_away(&mut ground, &mut rest);
         self.give_away(&mut rest, &mut ground);
         let all = own.count() as i64;
         let is_large = |area: &Bitmap| 100 * area.count() as i64 >= LEAST_PERCENT * all && area.count() as i64 > self.least;
-        let mut changed = without(&ground, &seen).count();
+        let mut changed = ground.without(&seen).count();
         changed += {
             let mut gone = seen.clone();
             gone.keep(&rest);

@@ -16,8 +16,7 @@ const DIRECTIONS: usize = 24;
 /// The `hidden` pixels that are street.
 #[must_use]
 pub(crate) fn seen_as_street(street: &Bitmap, hidden: &Bitmap) -> Bitmap {
-    let mut known = street.clone();
-    known.remove(hidden);
+    let known = street.without(hidden);
     let patches = Patches::of(hidden, &known);
     let seen = patches.sheet_by_sheet([&patches.shown(&known), &patches.parts()], |[street, hidden]| {
         let mut seen = Looking::at(&street, &hidden);
