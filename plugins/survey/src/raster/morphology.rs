@@ -64,19 +64,23 @@ pub(crate) fn swept_at(pixels: &Bitmap, bitmap: &Bitmap, sweeps: &[Sweep]) -> Bi
     // Words are taken as they are.
     let beside = reach.next_multiple_of(64);
     let mut result = Bitmap::new(width, height);
-    for (top, left) in (0..height).step_by(TILE_PX).flat_map(|y| (0..width).step_by(TILE_PX).map(move |x| (y, x))) {
-        let end = (top + TILE_PX).min(height);
-        let is_asked = |y: usize| pixels.has_between(y as i32, left as i32, (left + TILE_PX) as i32);
-        if !(top..end).any(is_asked) {
-            continue;
+    for left in (0..width).step_by(TILE_PX) {
+        let is_asked = |y: &usize| pixels.has_between(*y as i32, left as i32, (left + TILE_PX) as i32);
+        let mut rows = (0..height).filter(is_asked).peekable();
+        while let Some(top) = rows.next() {
+            // Rows that are asked for and no farther from one another than they are from what tells of them.
+            let mut end = top + 1;
+            while let Some(row) = rows.next_if(|&row| row <= end + 2 * reach && row < top + TILE_PX) {
+                end = row + 1;
+            }
+            let (low, high) = ((left.saturating_sub(beside), top.saturating_sub(reach)), (left + TILE_PX + beside, end + reach));
+            let (high_x, high_y) = (high.0.min(width), high.1.min(height));
+            let corner = USizeVec2::from(low).as_ivec2();
+            let mut tile = Bitmap::from_window(bitmap, corner, high_x - low.0, high_y - low.1);
+            sweep(&mut tile, sweeps);
+            let to = USizeVec2::new(left, top).as_ivec2();
+            result.add_from(&tile, to - corner, to, USizeVec2::new(TILE_PX, end - top).as_ivec2());
         }
-        let (low, high) = ((left.saturating_sub(beside), top.saturating_sub(reach)), (left + TILE_PX + beside, end + reach));
-        let (high_x, high_y) = (high.0.min(width), high.1.min(height));
-        let corner = USizeVec2::from(low).as_ivec2();
-        let mut tile = Bitmap::from_window(bitmap, corner, high_x - low.0, high_y - low.1);
-        sweep(&mut tile, sweeps);
-        let to = USizeVec2::new(left, top).as_ivec2();
-        result.add_from(&tile, to - corner, to, USizeVec2::new(TILE_PX, end - top).as_ivec2());
     }
     result.keep(pixels);
     result
