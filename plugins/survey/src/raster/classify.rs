@@ -165,9 +165,14 @@ fn exchanged(mut words: [u64; 8]) -> [u64; 8] {
 
 /// The table's entry for a colour in light of some gain.
 #[inline(always)]
-pub(super) fn entry_at(colour: [u8; 3], gain: u16) -> usize {
-    let step = |value: u8| (u32::from(value) * 2 * u32::from(gain) >> 16).min(255) >> 3;
-    (step(colour[0]) << 10 | step(colour[1]) << 5 | step(colour[2])) as usize
+pub(super) fn entry_at([red, green, blue]: [u8; 3], gain: u16) -> usize {
+    usize::from(step_at(red, gain) << 10 | step_at(green, gain) << 5 | step_at(blue, gain))
+}
+
+#[inline(always)]
+fn step_at(value: u8, gain: u16) -> u16 {
+    let evened = (u32::from(value) * 2 * u32::from(gain)) >> 16;
+    (if evened > 255 { 255 } else { evened as u16 }) >> 3
 }
 
 /// How bright a scan is from place to place.

@@ -67,13 +67,11 @@ impl Lanes {
     #[inline(always)]
     pub fn moved(self, by: i32, before: u64, after: u64) -> Self {
         let (right, left) = (u64::from(by > 0), u64::from(by < 0));
-        let mut lanes = [0; CHUNK];
-        for k in 0..CHUNK {
+        Self::each(|k| {
             let west = if k > 0 { self.0[k - 1] } else { before };
             let east = if k + 1 < CHUNK { self.0[k + 1] } else { after };
-            lanes[k] = self.0[k] << right >> left | west >> 63 & right | east << 63 & left << 63;
-        }
-        Self(lanes)
+            self.0[k] << right >> left | west >> 63 & right | east << 63 & left << 63
+        })
     }
 
     /// Whether any pixel is set.
@@ -142,15 +140,25 @@ impl BitOrAssign for Lanes {
     }
 }
 
+/// Bits side by side: of a word, or of a chunk of words.
+pub(crate) trait Bits:
+    Copy + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
+{
+}
+
+impl Bits for Lanes {}
+
+impl Bits for u64 {}
+
 /// Sum of two bits and a carry: (sum, carry).
 #[inline(always)]
-pub(crate) fn full_add(a: Lanes, b: Lanes, c: Lanes) -> (Lanes, Lanes) {
+pub(crate) fn full_add<B: Bits>(a: B, b: B, c: B) -> (B, B) {
     (a ^ b ^ c, (a & b) | (c & (a ^ b)))
 }
 
 /// How many of eight bits are set, as a sum of four bits.
 #[inline(always)]
-pub(crate) fn eight(ring: [Lanes; 8]) -> [Lanes; 4] {
+pub(crate) fn eight<B: Bits>(ring: [B; 8]) -> [B; 4] {
     let (s1, c1) = full_add(ring[0], ring[1], ring[2]);
     let (s2, c2) = full_add(ring[3], ring[4], ring[5]);
     let (s3, c3) = full_add(s1, s2, ring[6]);
@@ -184,6 +192,15 @@ pub(crate) struct Three<'a> {
 }
 
 impl Three<'_> {
+    /// The eight neighbours of one word's pixels, clockwise from those above.
+    #[inline(always)]
+    pub fn ring_of(self, word: usize) -> [u64; 8] {
+        let Self { above, at, below } = self;
+        let west = |row: &Beside| row[word + 1] << 1 | row[word] >> 63;
+        let east = |row: &Beside| row[word + 1] >> 1 | row[word + 2] << 63;
+        [above[word + 1], east(above), east(at), east(below), below[word + 1], west(below), west(at), west(above)]
+    }
+
     /// The eight neighbours, clockwise from the one above.
     #[inline(always)]
     pub fn ring(self) -> [Lanes; 8] {

@@ -18,15 +18,12 @@ pub(crate) fn ray(bitmap: &Bitmap, from: DVec2, direction: DVec2, reach: f64) ->
         if !bitmap.get(x, y) {
             return gone;
         }
-        if next.x < next.y {
-            gone = next.x;
-            next.x += per.x;
-            x += step.x as isize;
-        } else {
-            gone = next.y;
-            next.y += per.y;
-            y += step.y as isize;
-        }
+        // Chosen without a branch: which side of a pixel a slanting line leaves by is hard to foretell.
+        let across = next.x < next.y;
+        gone = if across { next.x } else { next.y };
+        next += DVec2::new(if across { per.x } else { 0.0 }, if across { 0.0 } else { per.y });
+        x += if across { step.x as isize } else { 0 };
+        y += if across { 0 } else { step.y as isize };
     }
     reach
 }

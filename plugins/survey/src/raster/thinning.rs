@@ -171,11 +171,14 @@ impl Band {
             rest &= rest - 1;
             let row = |i: usize| beside(&self.words[i * stride..], chunk);
             let three = Three { above: row(i - 1), at: row(i), below: row(i + 1) };
-            let gone = marked::<FIRST>(three) & self.loose[chunk];
-            if gone.any() {
-                found |= 1 << chunk;
-                marks[chunk] = gone;
+            // Word by word, with so much to do for each that this stays a loop: such a loop is made one of wide registers.
+            let (loose, mut gone, mut any) = (self.loose[chunk].0, Lanes::NONE, 0);
+            for (word, gone) in gone.0.iter_mut().enumerate() {
+                *gone = marked::<FIRST>(three.at[word + 1], three.ring_of(word)) & loose[word];
+                any |= *gone;
             }
+            marks[chunk] = gone;
+            found |= u64::from(any != 0) << chunk;
         }
         found
     }
@@ -192,21 +195,24 @@ impl Band {
     }
 }
 
-/// The pixels of a chunk that a step takes: those with two to six neighbours, all in one run around them, where the
-/// step's two triples of side neighbours are not full.
+/// The pixels that a step takes: those with two to six neighbours, all in one run around them, where the step's two triples
+/// of side neighbours are not full.
 #[inline(always)]
-fn marked<const FIRST: bool>(three: Three<'_>) -> Lanes {
-    let ring = three.ring();
+fn marked<const FIRST: bool>(here: u64, ring: [u64; 8]) -> u64 {
     let [n, ne, e, se, s, sw, w, nw] = ring;
-    // Around the pixel, from unset to set: once in so many pairs of places side by side, as it cannot be twice in one.
-    let rise = |a: Lanes, b: Lanes, c: Lanes| (!a & b) | (!b & c);
     let rises = [rise(n, ne, e), rise(e, se, s), rise(s, sw, w), rise(w, nw, n)];
     let (odd, two_of_three) = full_add(rises[0], rises[1], rises[2]);
     let one_run = (odd ^ rises[3]) & !two_of_three;
     let [ones, twos, fours, _] = eight(ring);
     let two_to_six = (twos | fours) & !(ones & twos & fours);
     let full = if FIRST { e & s & (n | w) } else { n & w & (e | s) };
-    Lanes::here(three.at) & one_run & two_to_six & !full
+    here & one_run & two_to_six & !full
+}
+
+/// Whether what is set begins at the second of three places side by side, or at the third: it cannot at both.
+#[inline(always)]
+fn rise(a: u64, b: u64, c: u64) -> u64 {
+    (!a & b) | (!b & c)
 }
 
 /// Gives every band its neighbours' border rows, and what changed there.
