@@ -553,4 +553,19 @@ mod tests {
         assert_eq!(bitmap.inverted().count(), 70 * 4 - 4);
         assert_eq!(bitmap.inverted().inverted(), bitmap);
     }
+
+    #[test]
+    fn what_one_has_without_another_and_what_neither_has_are_told_pixel_by_pixel() {
+        for width in [1, 63, 64, 65, 511, 512, 513] {
+            let [a, b] = [5, 3].map(|n| Bitmap::from_fn(width, 7, |x, y| (x * n + y * y) % 7 < 3));
+            let of = |is_set: fn(bool, bool) -> bool| {
+                Bitmap::from_fn(width, 7, |x, y| is_set(a.get(x as isize, y as isize), b.get(x as isize, y as isize)))
+            };
+            assert_eq!(a.without(&b), of(|a, b| a && !b), "width {width}");
+            assert_eq!(a.neither(&b), of(|a, b| !a && !b), "width {width}");
+            let mut inverse = a.clone();
+            inverse.invert();
+            assert_eq!(inverse, a.inverted(), "width {width}");
+        }
+    }
 }

@@ -217,3 +217,32 @@ impl Three<'_> {
         ]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn lanes_are_moved_a_pixel_to_either_side(words in prop::array::uniform8(any::<u64>()), before: u64, after: u64, by in -1i32..=1) {
+            let all: Vec<u64> = [before].into_iter().chain(words).chain([after]).collect();
+            let bit = |i: i32| all[i as usize / 64] >> (i % 64) & 1;
+            let moved = Lanes(words).moved(by, before, after);
+            for i in 0..512i32 {
+                prop_assert_eq!(moved.0[i as usize / 64] >> (i % 64) & 1, bit(64 + i - by), "bit {} moved by {}", i, by);
+            }
+        }
+
+        #[test]
+        fn eight_bits_are_counted(ring in prop::array::uniform8(any::<u64>())) {
+            let sum = eight(ring);
+            prop_assert_eq!(eight(ring.map(|word| Lanes([word; CHUNK]))).map(|lanes| lanes.0[3]), sum);
+            for i in 0..64 {
+                let count = ring.iter().filter(|word| **word >> i & 1 == 1).count() as u64;
+                let told = (0..4).map(|k| (sum[k] >> i & 1) << k).sum::<u64>();
+                prop_assert_eq!(told, count);
+            }
+        }
+    }
+}

@@ -156,4 +156,20 @@ mod tests {
             assert!(farthest < 4.0 + 4.0, "street seen {farthest} pixels from its middle at slope {slope}");
         }
     }
+
+    #[test]
+    fn a_name_wider_than_a_chunk_is_looked_through_as_any_other() {
+        // A bar of 700 pixels, slanting over the border between chunks, across a street; and its mirror image.
+        for slope in [-0.9, 0.0, 0.9] {
+            let middle = |y: usize| 620.0 + slope * (y as f64 - 40.0);
+            let street = Bitmap::from_fn(1200, 80, |x, y| (x as f64 - middle(y)).abs() < 6.0);
+            let name = Bitmap::from_fn(1200, 80, |x, y| (200..900).contains(&x) && (30..50).contains(&y));
+            let found = seen_as_street(&street.without(&name), &name);
+            let mut hidden = street.clone();
+            hidden.keep(&name);
+            assert!(hidden.without(&found).count() * 10 < hidden.count(), "most of it is seen at slope {slope}");
+            let farthest = found.pixels().map(|(x, y)| (x as f64 - middle(y)).abs()).fold(0.0, f64::max);
+            assert!(farthest < 12.0, "street seen {farthest} pixels from its middle at slope {slope}");
+        }
+    }
 }
