@@ -15,7 +15,7 @@ mod thinning;
 
 use std::path::PathBuf;
 
-use anstream::println;
+use anstream::{eprintln, println};
 use clap::Args;
 use serde_json::{Value, json};
 use veduta_city::file;
@@ -97,14 +97,43 @@ fn scored(bench: &SurveyBench, programs: &Programs) -> Result<Vec<Value>, Failur
         let seeds = bench.seed..bench.seed.saturating_add(bench.seeds);
         let maps: Vec<Map> = seeds.flat_map(|seed| STYLES.map(|style| Map { style, seed, size: bench.size, kind })).collect();
         for reader in Reader::ALL {
-            let scores = Programs::on_each(&maps, |map| programs.score(map, reader))?;
+            let (scores, unread) = scores(&maps, reader, programs)?;
             let pooled = Pooled::of(&scores)?;
-            println!("| {kind} | {reader} | {pooled} |");
-            rows.push(json!({ "maps": kind.to_string(), "reader": reader.to_string(), "figures": pooled.to_json() }));
+            let left_out = if unread.is_empty() { String::new() } else { format!(", {} of {} maps", scores.len(), maps.len()) };
+            println!("| {kind} | {reader}{left_out} | {pooled} |");
+            rows.push(json!({
+                "maps": kind.to_string(), "reader": reader.to_string(), "figures": pooled.to_json(), "unread": unread,
+            }));
         }
     }
     println!();
     Ok(rows)
+}
+
+/// A reader's scores of some maps, and the names of those that it cannot read, of which it is told why.
+///
+/// # Errors
+/// Ours cannot read one, or the peer none.
+fn scores(maps: &[Map], reader: Reader, programs: &Programs) -> Result<(Vec<Value>, Vec<String>), Failure> {
+    let score = |map: &Map| match programs.score(map, reader) {
+        Err(error) if reader == Reader::Peer => Ok(Err(error.to_string())),
+        score => score.map(Ok),
+    };
+    let (mut scores, mut unread, mut last) = (Vec::new(), Vec::new(), None);
+    for (map, score) in maps.iter().zip(Programs::on_each(maps, score)?) {
+        match score {
+            Ok(score) => scores.push(score),
+            Err(why) => {
+                eprintln!("{reader} cannot read {map} and is scored without it: {}", why.lines().last().unwrap_or_default());
+                unread.push(map.to_string());
+                last = Some(why);
+            }
+        }
+    }
+    match last {
+        Some(why) if scores.is_empty() => Err(why.into()),
+        _ => Ok((scores, unread)),
+    }
 }
 
 /// A map's seconds by step, for each reader.

@@ -23,6 +23,13 @@ pub(crate) struct Map {
     pub kind: Kind,
 }
 
+impl fmt::Display for Map {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { style, seed, size, kind } = self;
+        write!(f, "{}-{style}-{size}-{seed}", kind.to_string().replace(", ", "-"))
+    }
+}
+
 /// A reader of maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Reader {
@@ -92,7 +99,7 @@ impl Programs {
     /// The folder of a map, which is drawn if it is not there.
     fn folder(&self, map: &Map) -> Result<PathBuf, Failure> {
         let Map { style, seed, size, kind } = map;
-        let folder = self.work.join(format!("{}-{style}-{size}-{seed}", kind.to_string().replace(", ", "-")));
+        let folder = self.work.join(map.to_string());
         // What is written last.
         if folder.join("legend.json").is_file() && folder.join("truth.geojson").is_file() {
             return Ok(folder);
