@@ -186,7 +186,7 @@ pub(super) struct Light {
 }
 
 /// A gain that leaves values as they are.
-const EVEN: f32 = 32768.0;
+const EVEN: u16 = 1 << 15;
 
 /// Pixels of a tile's side.
 const TILE: usize = 128;
@@ -215,14 +215,18 @@ impl Light {
             let level = ((sum / n - 1.0) / LEVEL).round() as i32;
             (level.clamp(-LEVELS, LEVELS) + LEVELS) as u8
         });
-        let gains = (-LEVELS..=LEVELS).map(|level| (EVEN / (1.0 + level as f32 * LEVEL)).ceil() as u16);
-        Self { columns, level: level.collect(), gains: gains.collect() }
+        Self { columns, level: level.collect(), gains: (-LEVELS..=LEVELS).map(gain_of).collect() }
     }
 
     #[inline(always)]
     pub(super) fn gain_at(&self, x: usize, y: usize) -> u16 {
         self.gains[usize::from(self.level[y / TILE * self.columns + x / TILE])]
     }
+}
+
+/// The gain that evens light of so many steps of brightness more than even. Rounded up, values come out as by division.
+fn gain_of(level: i32) -> u16 {
+    (f32::from(EVEN) / (1.0 + level as f32 * LEVEL)).ceil() as u16
 }
 
 /// How much brighter the pixels of a tile are than the shades they are nearest to: the median.
@@ -232,7 +236,7 @@ fn brightness(picture: &Picture, shades: &[Shade], near: &[u32; TABLE], column: 
         let x = column * TILE + (i % LOOKS) * TILE / LOOKS + TILE / LOOKS / 2;
         let y = row * TILE + (i / LOOKS) * TILE / LOOKS + TILE / LOOKS / 2;
         let Some(pixel) = picture.at(x, y) else { continue };
-        let shade = shades.get(near[entry_of(pixel)] as usize);
+        let shade = shades.get(near[entry_at(pixel, EVEN)] as usize);
         let pixel = pixel.map(f32::from);
         if let Some(shade) = shade.filter(|shade| distance2(pixel, shade.colour) < SURE * SURE) {
             ratios.push(pixel.iter().sum::<f32>() / shade.colour.iter().sum::<f32>().max(1.0));
@@ -269,12 +273,6 @@ fn nearest(shades: &[Shade]) -> Box<[u32; TABLE]> {
         }
     }
     table
-}
-
-/// The table's entry for a colour.
-fn entry_of(colour: [u8; 3]) -> usize {
-    let [r, g, b] = colour;
-    (usize::from(r) >> 3) << 10 | (usize::from(g) >> 3) << 5 | usize::from(b) >> 3
 }
 
 #[inline(always)]
@@ -430,6 +428,18 @@ mod tests {
     use super::*;
     use crate::raster::LegendColour;
     use proptest::prelude::*;
+
+    #[test]
+    fn values_are_evened_as_by_division() {
+        for level in -LEVELS..=LEVELS {
+            let light = (100 + level) as usize;
+            let gain = gain_of(level);
+            for value in 0..=255 {
+                let evened = (usize::from(value) * 100 / light).min(255);
+                assert_eq!(usize::from(step_at(value, gain)), evened / 8, "{value} in light of {light} hundredths");
+            }
+        }
+    }
 
     proptest! {
         #[test]

@@ -21,8 +21,8 @@
 //! # How true
 //! On drawn maps of 2048 × 2048 pixels whose streets are known, eight seeds for each of four styles of towns; hard maps have
 //! labels, water, railways and parks, and are scanned. The peer is a chain of OpenCV, scikit-image, sknw and shapely.
-//! `veduta-bake bench survey --seed 201 --figure-ground` prints this table, and the seconds of every step beside the peer's;
-//! a map on which the peer fails is left out of its row.
+//! `veduta-bake bench survey --peers DIR --seed 201 --figure-ground` prints this table, and the seconds of every step beside
+//! the peer's; a map on which the peer fails is left out of its row.
 //!
 //! | maps | reader | crossroads F1 | blind alleys F1 | links F1 | topology | width error m | squares F1 | blocks F1 |
 //! |---|---|---|---|---|---|---|---|---|

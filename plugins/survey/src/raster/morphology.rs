@@ -68,7 +68,7 @@ pub(crate) fn swept_at(pixels: &Bitmap, bitmap: &Bitmap, sweeps: &[Sweep]) -> Bi
         let is_asked = |y: &usize| pixels.has_between(*y as i32, left as i32, (left + TILE_PX) as i32);
         let mut rows = (0..height).filter(is_asked).peekable();
         while let Some(top) = rows.next() {
-            // Rows that are asked for and no farther from one another than they are from what tells of them.
+            // Rows that are asked for and so near one another that what tells of them overlaps; no more than a tile's.
             let mut end = top + 1;
             while let Some(row) = rows.next_if(|&row| row <= end + 2 * reach && row < top + TILE_PX) {
                 end = row + 1;
