@@ -11,8 +11,8 @@ use super::Failure;
 /// A map, graph, plan or scene folder, and how a vector map is read.
 #[derive(clap::Args)]
 pub(crate) struct Source {
-    /// What to read: a map (OpenStreetMap extract, GeoJSON, Shapefile, .map.ron), graph, plan or scene folder; several
-    /// GeoJSON files or Shapefiles are the layers of one map.
+    /// What to read: a map (a picture, OpenStreetMap extract, GeoJSON, Shapefile, .map.ron), words, graph, plan or scene
+    /// folder; several GeoJSON files or Shapefiles are the layers of one map.
     #[arg(required = true)]
     input: Vec<PathBuf>,
     /// Which attributes of a vector map mean what (RON).

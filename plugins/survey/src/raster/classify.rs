@@ -447,7 +447,7 @@ mod tests {
             const COLOURS: [[u8; 3]; 8] =
                 [[250; 3], [220, 200, 170], [120, 190, 110], [90, 150, 220], [130, 60, 150], [20; 3], [190, 70, 50], [255, 225, 60]];
             let colours = MapClass::ALL.into_iter().zip(COLOURS).map(|(class, colour)| LegendColour { class, colour }).collect();
-            let legend = Legend { metres_per_pixel: None, colours };
+            let legend = Legend { colours, ..Legend::default() };
             let all: Vec<usize> = runs.iter().flat_map(|&(colour, length)| core::iter::repeat_n(colour, length)).collect();
             let height = all.len().div_ceil(width);
             let shade = |i: usize| COLOURS[all[i % all.len()]].map(|c| c.saturating_sub(noise * (i * 7 % 5) as u8));

@@ -23,20 +23,10 @@ use regions::{Shape, Sheet, Side, shared_edge};
 
 /// Longest side of the sheet that shapes are measured on; pixels.
 const SHEET_SIDE: usize = 2048;
+/// Ink differs from paper by more lightness than this.
+const STAINED: f32 = 0.12;
 /// A network of streets divides the rest of the map into so many blocks at the least.
 const LEAST_NETWORK: f64 = 4.0;
-
-/// A legend that was guessed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Guess {
-    /// The legend; without a scale.
-    pub legend: Legend,
-    /// What is not sure: to be shown, and written into the legend's file by [`Legend::to_ron_with`].
-    pub findings: Vec<Finding>,
-    /// Whether the map only outlines its blocks, so that streets and blocks are of one colour: that of paper. No legend can
-    /// tell them apart.
-    pub is_outlined: bool,
-}
 
 /// Guesses what the colours of a map stand for. `colours` says to how many the map is to be reduced; without it, they are its
 /// own most frequent ones ([`crate::raster::swatches`]).
@@ -55,13 +45,6 @@ pub struct Guess {
 /// ```
 #[must_use]
 pub fn guess_legend(picture: &Picture, colours: Option<usize>) -> (Legend, Vec<Finding>) {
-    let guess = guess(picture, colours);
-    (guess.legend, guess.findings)
-}
-
-/// As [`guess_legend`], and whether the map only outlines its blocks.
-#[must_use]
-pub fn guess(picture: &Picture, colours: Option<usize>) -> Guess {
     let (swatches, is_grainy) = reduced(picture, colours);
     let mut notes = Notes::default();
     if let Some(asked) = colours.filter(|&asked| asked > swatches.len()) {
@@ -69,7 +52,7 @@ pub fn guess(picture: &Picture, colours: Option<usize>) -> Guess {
     }
     let rgb: Vec<[u8; 3]> = swatches.iter().map(|s| s.colour).collect();
     if rgb.is_empty() {
-        return Guess { legend: Legend::default(), findings: notes.0, is_outlined: false };
+        return (Legend::default(), notes.0);
     }
     let sheet = sheet(picture, &rgb, is_grainy);
     let found: Vec<Colour> = (0..rgb.len()).map(|i| Colour::new(rgb[i], Shape::of(&sheet, &|c| usize::from(c) == i))).collect();
@@ -78,15 +61,17 @@ pub fn guess(picture: &Picture, colours: Option<usize>) -> Guess {
     let is_outlined = is_outlined(&found, &streets, &network);
     if is_outlined {
         notes.add(
-            "streets and blocks are both bare paper, parted by outlines alone, which no legend can tell apart: paint the blocks \
-             of a stage picture, and survey from that"
+            "streets and blocks are both bare paper, parted by outlines: what lines enclose is taken for blocks, and the paper \
+             around them for streets; cut the margin of the sheet off, and close in a stage picture what stands open"
                 .to_owned(),
         );
     }
     let paper = classes::paper(&found, &streets);
-    let mut legend = Legend::default();
+    let mut legend = Legend { is_outlined, ..Legend::default() };
     for (i, colour) in found.iter().enumerate() {
-        let class = if streets.contains(&i) {
+        let class = if is_outlined && (streets.contains(&i) || is_stain(colour, &found[streets[0]])) {
+            MapClass::Street(None)
+        } else if streets.contains(&i) {
             street_class(&found, &streets, i, &mut notes)
         } else if classes::is_fringe(&found, i) {
             notes.add(format!("{} is left out: it only shows where two other colours meet", colour.hex()));
@@ -102,7 +87,7 @@ pub fn guess(picture: &Picture, colours: Option<usize>) -> Guess {
         let hex = Rgb(entry.colour[0], entry.colour[1], entry.colour[2]);
         notes.add(format!("{hex} is taken for single houses: many of them lie within ground of another colour, off the streets"));
     }
-    Guess { legend, findings: notes.0, is_outlined }
+    (legend, notes.0)
 }
 
 /// The colours of single houses among those of built ground: they lie within a ground that is as wide as a block, and hardly
@@ -243,6 +228,12 @@ fn edge_with(sheet: &Sheet, found: &[Colour], colour: usize, set: &[usize]) -> f
 fn is_outlined(found: &[Colour], streets: &[usize], network: &Shape) -> bool {
     let is_wide = |c: &Colour| c.shape.share > 0.02 && c.shape.thickness > 0.3 * network.thickness;
     network.share > 0.6 && !found.iter().enumerate().any(|(i, c)| !streets.contains(&i) && is_wide(c))
+}
+
+/// Whether a colour is bare paper, darker or lighter than most of it.
+fn is_stain(colour: &Colour, paper: &Colour) -> bool {
+    let lighter = colour.lab[0] - paper.lab[0];
+    lighter.abs() < STAINED || lighter > 0.0 && paper.lab[0] > 0.5
 }
 
 /// Of several colours of streets the least coloured is the ordinary one.

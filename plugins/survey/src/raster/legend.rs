@@ -90,6 +90,7 @@ pub struct LegendColour {
 ///
 /// let text = r##"(
 ///     metres_per_pixel: 0.5,             // may be left out
+///     outlined: false,                   // may be left out; true where blocks are only outlined, on the streets' paper
 ///     colours: [
 ///         (colour: "#FFFEF8", class: Street),
 ///         (colour: "#FCDD80", class: Street, street: Main),
@@ -121,6 +122,9 @@ pub struct LegendColour {
 pub struct Legend {
     /// Metres that a pixel is wide, if the legend says so.
     pub metres_per_pixel: Option<f64>,
+    /// Whether blocks are only outlined, on the paper that streets are of too: that colour is the streets', and lines, letters
+    /// and hatching are labels. What lines enclose is a block.
+    pub is_outlined: bool,
     /// The colours, none twice.
     pub colours: Vec<LegendColour>,
 }
@@ -150,10 +154,10 @@ impl Legend {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let legend = if text.trim_start().starts_with('{') {
             let read: JsonFile = serde_json::from_str(text).map_err(|error| syntax_error(text, name, &error))?;
-            Self { metres_per_pixel: read.metres_per_pixel, colours: read.classes }
+            Self { metres_per_pixel: read.metres_per_pixel, is_outlined: read.outlined, colours: read.classes }
         } else {
             let read: RonFile = file::parse(text, name)?;
-            Self { metres_per_pixel: read.metres_per_pixel, colours: read.colours }
+            Self { metres_per_pixel: read.metres_per_pixel, is_outlined: read.outlined, colours: read.colours }
         };
         if !legend.colours.iter().any(|c| matches!(c.class, MapClass::Street(_))) {
             return Err(LegendError::NoStreet { name: name.to_owned() });
@@ -191,6 +195,9 @@ impl Legend {
                 text += "    // the scale is not known: write it here, or give two known points\n    // metres_per_pixel: 0.5,\n"
             }
         }
+        if self.is_outlined {
+            text += "    // blocks are only outlined: what lines enclose is one, and the paper around them is street\n    outlined: true,\n";
+        }
         text += "    colours: [\n";
         for colour in &self.colours {
             for finding in findings.iter().filter(|f| is_of(f, colour)) {
@@ -212,6 +219,8 @@ impl Legend {
 struct RonFile {
     #[serde(default, deserialize_with = "scale")]
     metres_per_pixel: Option<f64>,
+    #[serde(default)]
+    outlined: bool,
     #[serde(deserialize_with = "ron_colours")]
     colours: Vec<LegendColour>,
 }
@@ -221,6 +230,8 @@ struct RonFile {
 struct JsonFile {
     #[serde(default, deserialize_with = "scale")]
     metres_per_pixel: Option<f64>,
+    #[serde(default)]
+    outlined: bool,
     #[serde(deserialize_with = "json_colours")]
     classes: Vec<LegendColour>,
 }
@@ -465,6 +476,7 @@ mod tests {
     fn what_a_guess_was_not_sure_of_stands_beside_its_colour() {
         let legend = Legend {
             metres_per_pixel: None,
+            is_outlined: false,
             colours: vec![
                 LegendColour { class: MapClass::Street(None), colour: [255; 3] },
                 LegendColour { class: MapClass::Built, colour: [200, 0, 1] },
@@ -484,6 +496,7 @@ mod tests {
         #[test]
         fn what_is_written_is_read_again(
             metres in proptest::option::of(0.01f64..10.0),
+            is_outlined: bool,
             picks in proptest::collection::btree_map(any::<[u8; 3]>(), 0usize..15, 1..20),
         ) {
             use StreetClass::{Lane, Main, Motorway, Path, Service, Steps, Street};
@@ -491,7 +504,7 @@ mod tests {
             let class = |i: usize| MapClass::ALL.get(i).copied().unwrap_or_else(|| MapClass::Street(Some(streets[i - MapClass::ALL.len()])));
             let mut colours: Vec<_> = picks.into_iter().map(|(colour, i)| LegendColour { class: class(i), colour }).collect();
             colours[0].class = MapClass::Street(None);
-            let legend = Legend { metres_per_pixel: metres, colours };
+            let legend = Legend { metres_per_pixel: metres, is_outlined, colours };
             let text = legend.to_ron();
             prop_assert_eq!(Legend::parse(&text, "t").map_err(|e| TestCaseError::fail(e.to_string()))?, legend);
         }

@@ -5,7 +5,7 @@
 //!  (PNG, JPEG, TIFF, WebP)     │                                  or Legend::parse ◄──────────── (RON, or JSON)
 //!                              ▼                                            │
 //!    ┌──────────────────── classify ◄───────────────────────────────────────┘
-//!    │                     (a bitmap a class)
+//!    │                     (a bitmap a class; where blocks are only outlined, streets are what is not enclosed)
 //!    │
 //!    ├─► clean ─ yards ──► skeleton ─► trace ──► sketch ──┬─ squares  ─┐
 //!    │   (labels looked    (Zhang–     (nodes,   (pruned, ├─ crossing ─┼─► links, squares ─┐
@@ -36,8 +36,9 @@
 //! | hard, figure-ground | peer | 0.915 | 0.867 | 0.985 | 0.928 | 0.223 | 0.709 | 0.963 |
 //!
 //! # Limits
-//! Streets and squares are told by colour: a map of outlines alone, whose streets and blocks are both bare paper, is not
-//! read. Where most streets are one or two pixels wide the picture is read at twice or four times its size; where only some
+//! Of a map of outlines alone, whose streets and blocks are both bare paper ([`Legend::is_outlined`]), the lines must close
+//! around the blocks but for gaps narrower than a street, the margin of the sheet must be cut off, and streets full of rails,
+//! or with a house beside them that is drawn open, may be missed. Where most streets are one or two pixels wide the picture is read at twice or four times its size; where only some
 //! are, those are taken for noise. Squares of more than 160 pixels from the middle to the wall are not found, unless they
 //! have a colour of their own. A street has one class where colours tell classes, and one whose edge a label has eaten into
 //! may be told narrower there than it is. A courtyard about a house of its own is taken for a street about a block, and one
@@ -58,6 +59,7 @@ mod classify;
 mod clean;
 mod course;
 mod crossing;
+mod enclosed;
 mod ends;
 mod filter;
 mod graph;
@@ -88,7 +90,7 @@ mod trace;
 mod yard;
 
 pub use bitmap::Bitmap;
-pub use guess::{Guess, guess, guess_legend};
+pub use guess::guess_legend;
 pub use legend::{Legend, LegendColour, LegendError, MapClass};
 pub use limits::PictureLimits;
 pub use picture::{Picture, PictureError};

@@ -99,6 +99,23 @@ impl Parts {
         Self { runs, parts }
     }
 
+    /// For each part, how many pixels of each of some bitmaps lie above, below and beside its runs, so far from them at most.
+    pub fn touched<const N: usize>(&self, bitmaps: [&Bitmap; N], reach: usize) -> Vec<[usize; N]> {
+        let mut touched = vec![[0; N]; self.parts.len()];
+        for run in &self.runs {
+            for (bitmap, count) in bitmaps.iter().zip(&mut touched[run.part as usize]) {
+                let (width, height) = (bitmap.width(), bitmap.height() as i32);
+                let (from, to) = (run.from as usize, run.to as usize);
+                *count += bitmap.count_between(run.y as usize, from.saturating_sub(reach), from);
+                *count += bitmap.count_between(run.y as usize, to, (to + reach).min(width));
+                for y in (run.y - reach as i32).max(0)..(run.y + reach as i32 + 1).min(height) {
+                    *count += bitmap.count_between(y as usize, from, to);
+                }
+            }
+        }
+        touched
+    }
+
     /// The runs of the parts of less than so many pixels.
     pub fn smaller_than(&self, least_px: i64) -> impl Iterator<Item = &Run> {
         self.runs.iter().filter(move |run| self.parts[run.part as usize].area_px < least_px)

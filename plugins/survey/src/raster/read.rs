@@ -13,6 +13,7 @@ use super::classify::{Classes, classified};
 use super::clean::{Labels, MARGIN, cleaned, is_rare};
 use super::course::courses;
 use super::crossing;
+use super::enclosed::tell_streets;
 use super::ends::{clipped, run_on};
 use super::filter::median5;
 use super::house::{Footprint, houses};
@@ -102,7 +103,7 @@ pub(super) fn read_map(
     stages: &mut Stages<'_>,
     done: &mut dyn FnMut(&'static str),
 ) -> MapReading {
-    let mut classes = stages.given(Stage::Classes).map_or_else(|| classified(picture, legend), stage::classes);
+    let mut classes = stages.given(Stage::Classes).map_or_else(|| told_apart(picture, legend), stage::classes);
     stages.show(Stage::Classes, || stage::of_classes(&classes));
     let times = enlarged(&mut classes);
     let mpp = mpp / times as f64;
@@ -186,6 +187,15 @@ pub(super) fn read_map(
     done("blocks");
     let squares = found.iter().map(|s| s.outline.iter().rev().map(|&p| plan(p)).collect()).collect();
     MapReading { streets, courses: courses_found, squares, blocks, houses }
+}
+
+/// The classes of a map's pixels.
+fn told_apart(picture: &Picture, legend: &Legend) -> Classes {
+    let mut classes = classified(picture, legend);
+    if legend.is_outlined {
+        tell_streets(&mut classes);
+    }
+    classes
 }
 
 /// The streets of a sketch, as far as they lie on the map; in its pixels. `paved` and what labels may hide of it have a margin.
