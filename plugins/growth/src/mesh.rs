@@ -44,7 +44,6 @@ mod outline;
 mod roof;
 mod roof_detail;
 mod shape;
-mod skeleton;
 mod wall;
 
 #[cfg(test)]

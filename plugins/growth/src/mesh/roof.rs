@@ -7,6 +7,7 @@ use super::hip::{Pieces, clip, hip};
 use super::lathe::lathe;
 use super::outline::{GroundHeights, Rings, Triangulator, centre_of, contains, engine, middle, rings, wall_edge};
 use super::roof_detail;
+use crate::skeleton::Skeletons;
 
 /// How far above the cell's lowest ground a volume must begin for its underside to be seen; metres.
 const HANGING_M: f64 = 1.5;
@@ -50,6 +51,7 @@ pub(super) struct Roofer {
     pub(super) rings: Rings,
     pub(super) pieces: Pieces,
     pub(super) triangulator: Triangulator,
+    pub(super) skeletons: Skeletons,
     pub(super) along: Vec<(f64, f64)>,
     buffers: [Vec<DVec3>; 3],
 }
@@ -111,7 +113,7 @@ impl Roofer {
             Form::Ridge(ridge) => ridge_pieces(form.volume, &ridge, &mut self.pieces),
             Form::Planes(planes, n) => self.plane_pieces(&planes[..n.min(4)]),
             Form::Saw(steps, n) => self.teeth(form, steps, n, mesh, paint),
-            Form::Hip => hip(&self.rings, &mut self.pieces, form.height, &mut self.triangulator),
+            Form::Hip => hip(&self.rings, &mut self.pieces, &mut self.skeletons, &mut self.triangulator),
             Form::Flat | Form::Lathe => {}
         }
     }
@@ -157,7 +159,7 @@ impl Roofer {
 
     /// Lays the covering over the pieces, cut where the profile breaks.
     fn lay(&mut self, form: &RoofForm<'_>, mesh: &mut MeshData, paint: Paint) {
-        let height = form.height * self.pieces.reach;
+        let height = form.height;
         let raise = |p: DVec3| engine(p.truncate(), form.eaves + height * form.bend(p.z));
         let [band, cut, raised] = &mut self.buffers;
         for piece in self.pieces.iter() {

@@ -87,8 +87,8 @@ fn overhang(
     }
 }
 
-fn parapet(form: &RoofForm<'_>, roofer: &Roofer, mesh: &mut MeshData) {
-    let Some(inner) = inset(&roofer.rings, PARAPET_WIDTH_M) else { return };
+fn parapet(form: &RoofForm<'_>, roofer: &mut Roofer, mesh: &mut MeshData) {
+    let Some(inner) = inset(&roofer.rings, PARAPET_WIDTH_M, &mut roofer.skeletons) else { return };
     let centre = covering(form.volume).centre;
     let wall = Paint::new(centre, form.volume.colour, Tile::Plaster);
     let coping = Paint::new(centre, form.volume.trim, Tile::Stone);
@@ -106,7 +106,7 @@ fn parapet(form: &RoofForm<'_>, roofer: &Roofer, mesh: &mut MeshData) {
 
 /// Height of the roof over a plan position, metres above the eaves.
 fn rise(form: &RoofForm<'_>, roofer: &Roofer, p: DVec2) -> Option<f64> {
-    roofer.pieces.at(p).map(|t| form.bend(t) * form.height * roofer.pieces.reach)
+    roofer.pieces.at(p).map(|t| form.bend(t) * form.height)
 }
 
 const BRICK: Rgb = Rgb(0x8E, 0x62, 0x50);
@@ -139,7 +139,7 @@ fn chimneys(draw: Draw, form: &RoofForm<'_>, roofer: &Roofer, mesh: &mut MeshDat
         let corners = block.corners();
         let mut rises = corners.iter().map(|&p| rise(form, roofer, p));
         let Some(lowest) = rises.try_fold(f64::INFINITY, |low, r| r.map(|r| low.min(r))) else { continue };
-        let top = form.eaves + (form.height * roofer.pieces.reach + part.between("chimney above", 0.2, 0.7)).min(lowest + 2.4);
+        let top = form.eaves + (form.height + part.between("chimney above", 0.2, 0.7)).min(lowest + 2.4);
         block.walls(mesh, form.eaves + (lowest - 0.3).max(0.0), top, paint);
         let cap = Block { half: block.half + 0.07, ..block };
         cap.walls(mesh, top, top + 0.14, paint.with_tile(Tile::Stone));
