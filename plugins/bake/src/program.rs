@@ -130,6 +130,8 @@ enum Bench {
     Survey(bench::SurveyBench),
     /// Thin maps and random bitmaps: whether each pixel is as OpenCV has it, and how fast.
     Thinning(bench::ThinningBench),
+    /// Find the straight skeletons of footprints: how fast, and whether each has one.
+    Roofs(bench::RoofsBench),
 }
 
 /// Runs the program: 0 done, 1 failed with a message, 2 wrong usage.
@@ -209,6 +211,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
         }
         Command::Bench(Bench::Survey(survey)) => bench::survey(&survey)?,
         Command::Bench(Bench::Thinning(thinning)) => bench::thinning(&thinning)?,
+        Command::Bench(Bench::Roofs(roofs)) => bench::roofs(&roofs)?,
         Command::Serve { city, port } => serve::serve(&city, port)?,
     }
     Ok(())

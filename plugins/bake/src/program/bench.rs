@@ -8,9 +8,11 @@
 //!
 //! Both are run as programs, each as a person would run it, and timed by their own `--timings`.
 
+mod figure;
 mod figures;
 mod plot;
 mod programs;
+mod roofs;
 mod thinning;
 
 use std::path::PathBuf;
@@ -23,6 +25,7 @@ use veduta_city::file;
 use super::Failure;
 use figures::{Kind, Pooled, median_seconds};
 use programs::{Map, Programs, Reader, STYLES};
+pub(crate) use roofs::{RoofsBench, roofs};
 pub(crate) use thinning::{ThinningBench, thinning};
 
 /// What to measure, and with what.

@@ -1,0 +1,51 @@
+//! One measured figure, beside a peer's.
+
+use core::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// A figure, as it is printed: a line of JSON or a row of a table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Figure {
+    pub name: String,
+    pub value: f64,
+    pub unit: &'static str,
+    /// What the peer is, and its figure in the same unit; left out where it was not measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peer: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peer_value: Option<f64>,
+}
+
+impl Figure {
+    pub fn new(name: impl Into<String>, value: f64, unit: &'static str) -> Self {
+        Self { name: name.into(), value, unit, peer: None, peer_value: None }
+    }
+
+    /// Beside a peer's figure, if there is one.
+    pub fn beside(self, peer: &'static str, value: Option<f64>) -> Self {
+        Self { peer: value.map(|_| peer), peer_value: value, ..self }
+    }
+
+    /// The head of a table.
+    pub const HEAD: &'static str = "| figure | ours | unit | peer | peer's | ratio |\n|---|---|---|---|---|---|";
+}
+
+impl fmt::Display for Figure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, value, unit, peer, peer_value } = self;
+        let digits = if *value < 10.0 && *unit != "1" { 4 } else { 0 };
+        write!(f, "| {name} | {value:.digits$} | {unit} | ")?;
+        match (peer, peer_value) {
+            (Some(peer), Some(theirs)) => write!(f, "{peer} | {theirs:.0} | {:.0} |", value / theirs),
+            _ => write!(f, "– | – | – |"),
+        }
+    }
+}
+
+/// A figure as a peer prints it.
+#[derive(Debug, Clone, Deserialize)]
+pub(super) struct PeerFigure {
+    pub name: String,
+    pub value: f64,
+}
