@@ -130,6 +130,8 @@ enum Bench {
     Survey(bench::SurveyBench),
     /// Thin maps and random bitmaps: whether each pixel is as OpenCV has it, and how fast.
     Thinning(bench::ThinningBench),
+    /// Grow a city and make its meshes: how fast.
+    Growth(bench::GrowthBench),
     /// Find the straight skeletons of footprints: how fast, and whether each has one.
     Roofs(bench::RoofsBench),
 }
@@ -211,6 +213,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
         }
         Command::Bench(Bench::Survey(survey)) => bench::survey(&survey)?,
         Command::Bench(Bench::Thinning(thinning)) => bench::thinning(&thinning)?,
+        Command::Bench(Bench::Growth(growth)) => bench::growth(&growth)?,
         Command::Bench(Bench::Roofs(roofs)) => bench::roofs(&roofs)?,
         Command::Serve { city, port } => serve::serve(&city, port)?,
     }

@@ -10,6 +10,7 @@
 
 mod figure;
 mod figures;
+mod growth;
 mod plot;
 mod programs;
 mod roofs;
@@ -24,6 +25,7 @@ use veduta_city::file;
 
 use super::Failure;
 use figures::{Kind, Pooled, median_seconds};
+pub(crate) use growth::{GrowthBench, growth};
 use programs::{Map, Programs, Reader, STYLES};
 pub(crate) use roofs::{RoofsBench, roofs};
 pub(crate) use thinning::{ThinningBench, thinning};

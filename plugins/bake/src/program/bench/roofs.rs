@@ -49,8 +49,8 @@ pub(crate) struct RoofsBench {
 
 /// The peer's file of footprints.
 #[derive(Deserialize)]
-struct Footprints {
-    footprints: Vec<Vec<[f64; 2]>>,
+pub(super) struct Footprints {
+    pub footprints: Vec<Vec<[f64; 2]>>,
     /// By their number of corners.
     stars: BTreeMap<String, Vec<[f64; 2]>>,
 }
