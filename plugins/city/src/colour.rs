@@ -1,5 +1,6 @@
 use core::fmt;
 use core::str::FromStr;
+use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
@@ -25,12 +26,17 @@ impl Rgb {
     /// The three channels in linear light, 0 to 1.
     #[must_use]
     pub fn to_linear(self) -> [f32; 3] {
-        [self.0, self.1, self.2].map(|c| {
-            let c = f32::from(c) / 255.0;
-            if c <= 0.040_45 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) }
-        })
+        [self.0, self.1, self.2].map(|c| LINEAR[usize::from(c)])
     }
 }
+
+/// The linear light of each step of sRGB.
+static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    core::array::from_fn(|c| {
+        let c = c as f32 / 255.0;
+        if c <= 0.040_45 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) }
+    })
+});
 
 impl fmt::Display for Rgb {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
