@@ -3,10 +3,9 @@
 mod sample;
 
 use std::collections::BTreeMap;
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
 
 use sample::{TempDir, city, files};
 use veduta_city::Level::{One, Two};
@@ -17,7 +16,7 @@ use veduta_store::*;
 enum Answer {
     /// Exactly these bytes of HTTP, then the line is closed.
     Raw(Vec<u8>),
-    /// These bytes, then nothing for a while.
+    /// These bytes, then nothing.
     Stall(&'static [u8]),
 }
 
@@ -52,8 +51,15 @@ impl Server {
         self.answers.lock().expect("no panic").insert(format!("/prague.city/{path}"), answer);
     }
 
+    /// A reader that waits for whatever comes, however busy the machine.
     fn reader(&self) -> HttpReader {
-        HttpReader::with_settings(&self.base, HttpSettings { connect_s: 2.0, response_s: 0.3, body_s: 0.5 }).expect("an address")
+        self.reader_with(60.0)
+    }
+
+    /// A reader that waits so long for an answer, and for what it holds.
+    fn reader_with(&self, seconds: f64) -> HttpReader {
+        let settings = HttpSettings { connect_s: 60.0, response_s: seconds, body_s: seconds };
+        HttpReader::with_settings(&self.base, settings).expect("an address")
     }
 }
 
@@ -68,7 +74,8 @@ fn serve(mut stream: TcpStream, answers: &Mutex<BTreeMap<String, Answer>>) {
         Answer::Raw(bytes) => _ = stream.write_all(&bytes),
         Answer::Stall(bytes) => {
             let _ = stream.write_all(bytes);
-            std::thread::sleep(Duration::from_secs(2));
+            // Until the reader hangs up.
+            let _ = stream.read_to_end(&mut Vec::new());
         }
     }
 }
@@ -100,9 +107,10 @@ fn failures_are_told_apart() {
     assert!(matches!(error, ReadError::Failed { .. }), "{error:?}");
     server.put("noise.bin", Answer::Raw(b"\x00\x01\x02 what?\r\n\r\n".to_vec()));
     assert!(matches!(reader.read("noise.bin", 9), Err(ReadError::Failed { .. })));
+    let hasty = server.reader_with(0.3);
     for begun in [&b""[..], b"HTTP/1.1 200 OK\r\nContent-Length: 9\r\n\r\nhello"] {
         server.put("slow.bin", Answer::Stall(begun));
-        let error = reader.read("slow.bin", 9).expect_err("nothing more comes");
+        let error = hasty.read("slow.bin", 9).expect_err("nothing more comes");
         assert!(matches!(error, ReadError::Timeout { .. }), "{error:?}");
     }
     server.put(
