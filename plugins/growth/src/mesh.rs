@@ -10,8 +10,7 @@
 //!
 //! A roof is a parameter `t` over the footprint, 0 at the eaves and 1 at the ridge, bent by a profile (straight, broken,
 //! round): [`RoofForm`] decides it once a volume, and the roof's faces as well as the gables above the walls follow it, so
-//! that they meet. Hips come from the straight skeleton of the footprint (Aichholzer, Aurenhammer 1996), found by moving all
-//! edges inwards at once; where that fails, the hip is cut off flat below the first event.
+//! that they meet. Hips come from the footprint's straight skeleton ([`crate::skeleton`]); where it has none, the roof is flat.
 //!
 //! ```
 //! use veduta_city::{CellShell, GridPolygon, GridPos, GroundPatch, SurfaceKind};

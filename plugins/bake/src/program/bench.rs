@@ -10,6 +10,7 @@
 
 mod figure;
 mod figures;
+mod footprints;
 mod growth;
 mod plot;
 mod programs;

@@ -159,8 +159,7 @@ impl Roofer {
 
     /// Lays the covering over the pieces, cut where the profile breaks.
     fn lay(&mut self, form: &RoofForm<'_>, mesh: &mut MeshData, paint: Paint) {
-        let height = form.height;
-        let raise = |p: DVec3| engine(p.truncate(), form.eaves + height * form.bend(p.z));
+        let raise = |p: DVec3| engine(p.truncate(), form.eaves + form.height * form.bend(p.z));
         let [band, cut, raised] = &mut self.buffers;
         for piece in self.pieces.iter() {
             if form.profile.len() == 2 {

@@ -2,7 +2,10 @@
 
 use core::fmt;
 
-use serde::{Deserialize, Serialize};
+use anstream::println;
+use serde::Serialize;
+
+use crate::program::Failure;
 
 /// A figure, as it is printed: a line of JSON or a row of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -26,9 +29,6 @@ impl Figure {
     pub fn beside(self, peer: &'static str, value: Option<f64>) -> Self {
         Self { peer: value.map(|_| peer), peer_value: value, ..self }
     }
-
-    /// The head of a table.
-    pub const HEAD: &'static str = "| figure | ours | unit | peer | peer's | ratio |\n|---|---|---|---|---|---|";
 }
 
 impl fmt::Display for Figure {
@@ -43,9 +43,13 @@ impl fmt::Display for Figure {
     }
 }
 
-/// A figure as a peer prints it.
-#[derive(Debug, Clone, Deserialize)]
-pub(super) struct PeerFigure {
-    pub name: String,
-    pub value: f64,
+/// Prints figures: a line of JSON each, or a table.
+pub(super) fn print(figures: &[Figure], json: bool) -> Result<(), Failure> {
+    if !json {
+        println!("| figure | ours | unit | peer | peer's | ratio |\n|---|---|---|---|---|---|");
+    }
+    for figure in figures {
+        if json { println!("{}", serde_json::to_string(figure)?) } else { println!("{figure}") }
+    }
+    Ok(())
 }
