@@ -31,6 +31,8 @@ pub struct RasterMap {
     pub from: Option<PathBuf>,
     /// To how few colours the map is reduced before its legend is guessed; its own most frequent ones if not given.
     pub colours: Option<usize>,
+    /// Whether the margin of a scanned sheet is read too; else nothing outside of its neatline is.
+    pub keeps_margin: bool,
 }
 
 /// A raster map as read.
@@ -93,7 +95,7 @@ impl RasterMap {
         findings.extend(of_scale);
         let metres = georeference.metres_per_pixel();
         let extent_m = (!georeference.is_placed()).then(|| [picture.width, picture.height].map(|n| n as f64 * metres));
-        let settings = RasterSettings { georeference, threads: 1 };
+        let settings = RasterSettings { georeference, threads: 1, keeps_margin: self.keeps_margin };
         let given = self.from.as_deref().map(read_stage).transpose()?;
         let mut failed = None;
         let mut write = |stage: Stage, picture: &Picture| {

@@ -42,7 +42,7 @@ fn surveyed_by(picture: &Picture, legend: &str) -> CityGraph {
     let legend = Legend::parse(legend, "legend.json").unwrap_or_else(|e| panic!("{e}"));
     let place =
         Georeference::from_metres_per_pixel("town.png", (SIZE as u32, SIZE as u32), METRES).unwrap_or_else(|e| panic!("{e}"));
-    let settings = RasterSettings { georeference: place, threads: 1 };
+    let settings = RasterSettings { georeference: place, threads: 1, keeps_margin: false };
     let survey = survey_raster(picture, &legend, &settings, "town.png", &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(survey.findings, [], "nothing had to be mended");
     survey.graph

@@ -72,7 +72,7 @@ fn write_over(picture: &mut Picture, low: [usize; 2], high: [usize; 2]) {
 
 fn surveyed(picture: &Picture, threads: usize) -> CityGraph {
     let legend = Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}"));
-    let settings = RasterSettings { georeference: scale(picture, METRES), threads };
+    let settings = RasterSettings { georeference: scale(picture, METRES), threads, keeps_margin: false };
     survey_raster(picture, &legend, &settings, "town.png", &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).graph
 }
 
@@ -176,7 +176,7 @@ fn a_placed_picture_gives_the_same_streets_where_it_lies() {
     };
     let place = Georeference::from_known_points("town.png", size, [known(0.0), known(f64::from(size.0))]);
     let place = place.unwrap_or_else(|e| panic!("{e}"));
-    let settings = RasterSettings { georeference: place.clone(), threads: 1 };
+    let settings = RasterSettings { georeference: place.clone(), threads: 1, keeps_margin: false };
     let placed = survey_raster(&town, &legend, &settings, "town.png", &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).graph;
     let bare = surveyed(&town, 1);
     assert_eq!((placed.nodes.len(), placed.links.len()), (bare.nodes.len(), bare.links.len()));
@@ -194,7 +194,7 @@ fn a_placed_picture_gives_the_same_streets_where_it_lies() {
 fn a_place_of_another_picture_is_an_error() {
     let legend = Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}"));
     let georeference = Georeference::from_metres_per_pixel("town.png", (10, 10), METRES).unwrap_or_else(|e| panic!("{e}"));
-    let settings = RasterSettings { georeference, threads: 1 };
+    let settings = RasterSettings { georeference, threads: 1, keeps_margin: false };
     let refused = survey_raster(&town(), &legend, &settings, "town.png", &mut |_| ());
     assert!(refused.is_err_and(|e| e.to_string().contains("10 × 10")));
 }
@@ -203,7 +203,7 @@ fn a_place_of_another_picture_is_an_error() {
 fn a_blank_picture_is_an_error() {
     let blank = Picture { width: 64, height: 64, pixels: BUILT.repeat(64 * 64) };
     let legend = Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}"));
-    let settings = RasterSettings { georeference: scale(&blank, METRES), threads: 1 };
+    let settings = RasterSettings { georeference: scale(&blank, METRES), threads: 1, keeps_margin: false };
     let refused = survey_raster(&blank, &legend, &settings, "blank.png", &mut |_| ());
     assert!(refused.is_err_and(|e| e.to_string().contains("blank.png")));
 }
@@ -214,7 +214,7 @@ fn a_picture_that_is_none_and_a_scale_that_is_none_are_errors() {
     let refused = |picture: &Picture, metres_per_pixel: f64| {
         let size = (picture.width as u32, picture.height as u32);
         let survey = Georeference::from_metres_per_pixel("odd.png", size, metres_per_pixel).and_then(|georeference| {
-            let settings = RasterSettings { georeference, threads: 1 };
+            let settings = RasterSettings { georeference, threads: 1, keeps_margin: false };
             survey_raster(picture, &legend, &settings, "odd.png", &mut |_| ())
         });
         survey.is_err_and(|e| e.to_string().contains("odd.png"))
@@ -244,7 +244,7 @@ fn streets_of_a_few_pixels_are_read() {
     for width in [1, 2, 3] {
         let picture = fine_grid(width);
         let legend = Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}"));
-        let settings = RasterSettings { georeference: scale(&picture, COARSE), threads: 1 };
+        let settings = RasterSettings { georeference: scale(&picture, COARSE), threads: 1, keeps_margin: false };
         let read = survey_raster(&picture, &legend, &settings, "fine.png", &mut |_| ());
         let graph = read.unwrap_or_else(|e| panic!("{width}: {e}")).graph;
         let at = graph.node_positions();
@@ -272,6 +272,10 @@ const REAL: &[(&str, usize)] = &[
     // Its streets are two pixels wide.
     ("raster_figure_ground/port_au_prince_figure_ground.png", 300),
     ("raster_prettymaps/palmanova.png", 100),
+    // Outlines alone; the first in a frame with a margin, and under a grid.
+    ("raster_paris_1836/jacoubet_1836_champs_elysees.jpg", 45),
+    ("raster_paris_1925/paris_1925_invalides.jpg", 45),
+    ("raster_paris_1925/paris_1925_saint_germain.jpg", 150),
 ];
 
 fn data() -> PathBuf {
@@ -289,10 +293,55 @@ fn real_maps_give_valid_graphs() {
         let picture = Picture::decode(&bytes, file, &PictureLimits::default()).unwrap_or_else(|e| panic!("{e}"));
         let (legend, _) = guess_legend(&picture, None);
         let metres_per_pixel = scale_by_streets(&picture, &legend).unwrap_or_else(|| panic!("{file} shows streets"));
-        assert!((0.3..6.0).contains(&metres_per_pixel), "{file}: {metres_per_pixel} metres a pixel");
-        let settings = RasterSettings { georeference: scale(&picture, metres_per_pixel), threads: 1 };
+        assert!((0.15..6.0).contains(&metres_per_pixel), "{file}: {metres_per_pixel} metres a pixel");
+        let settings = RasterSettings { georeference: scale(&picture, metres_per_pixel), threads: 1, keeps_margin: false };
         let survey = survey_raster(&picture, &legend, &settings, file, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
         assert!(survey.graph.links.len() >= *least, "{file}: {} links", survey.graph.links.len());
         assert!(!survey.graph.blocks.is_empty(), "{file} has blocks");
     }
+}
+
+/// The town in a frame on a sheet with a margin: the frame begins so far from the sheet's lower left corner.
+fn town_on_sheet() -> (Picture, DVec2) {
+    const MARGIN: usize = 90;
+    const FRAME: usize = 3;
+    let (town, side) = (town(), SIZE + 2 * MARGIN);
+    let mut pixels = Vec::with_capacity(side * side * 3);
+    for y in 0..side {
+        for x in 0..side {
+            let [u, v] = [x, y].map(|at| at.checked_sub(MARGIN));
+            let is_line = |at: usize| at + FRAME >= MARGIN && at < MARGIN + SIZE + FRAME;
+            let of_town = u.zip(v).and_then(|(u, v)| town.at(u, v));
+            pixels.extend(of_town.unwrap_or(if is_line(x) && is_line(y) { INK } else { STREET }));
+        }
+    }
+    (Picture { width: side, height: side, pixels }, DVec2::splat(MARGIN as f64))
+}
+
+#[test]
+fn the_margin_of_a_sheet_is_left_out_unless_it_is_asked_for() {
+    let (sheet, margin) = town_on_sheet();
+    let legend = Legend::parse(LEGEND, "legend.json").unwrap_or_else(|e| panic!("{e}"));
+    let read = |keeps_margin: bool| {
+        let settings = RasterSettings { georeference: scale(&sheet, METRES), threads: 1, keeps_margin };
+        survey_raster(&sheet, &legend, &settings, "sheet.png", &mut |_| ()).unwrap_or_else(|e| panic!("{e}"))
+    };
+    let (within, town) = (read(false), surveyed(&town(), 1));
+    assert!(within.findings.iter().any(|f| f.message.contains("neatline")), "{:?}", within.findings);
+    assert_eq!(within.graph.links.len(), town.links.len());
+    assert_eq!(within.graph.blocks.len(), town.blocks.len());
+    for kind in [NodeKind::Crossroads, NodeKind::BlindAlley] {
+        let [found, drawn] = [nodes(&within.graph, kind), nodes(&town, kind)];
+        assert_eq!(found.len(), drawn.len(), "{kind:?}");
+        for place in drawn {
+            // `nodes` measures from the top of a town without a margin.
+            let place = DVec2::new(place.x + margin.x, place.y - margin.y);
+            assert!(found.iter().any(|node| node.distance(place) < 3.0), "{kind:?} at {place}: {found:?}");
+        }
+    }
+    let whole = read(true);
+    assert!(!whole.findings.iter().any(|f| f.message.contains("neatline")), "{:?}", whole.findings);
+    let is_outside = |p: DVec2| (p / METRES - margin).min_element() < -10.0;
+    let has_outside = |graph: &CityGraph| graph.nodes.iter().any(|node| is_outside(node.pos));
+    assert_eq!([has_outside(&within.graph), has_outside(&whole.graph)], [false, true], "the margin is as light as streets");
 }

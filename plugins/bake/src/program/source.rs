@@ -41,6 +41,9 @@ pub(crate) struct Source {
     /// Reduce a picture to so many colours before its legend is guessed.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=64))]
     colours: Option<u16>,
+    /// Read the margin of a scanned sheet too: what lies outside of its neatline, the frame that its map ends at.
+    #[arg(long)]
+    keep_margin: bool,
     /// When to show a vector map whose features have dates: 1876, 1876-05 or 1876-05-12.
     #[arg(long)]
     date: Option<Date>,
@@ -77,7 +80,7 @@ impl Source {
         };
         let is_placed = known_points.is_some() || self.metres_per_pixel.is_some() || self.crs.is_some();
         let by_stages = self.stages.is_some() || self.from.is_some();
-        if is_placed || by_stages || self.legend.is_some() || self.colours.is_some() {
+        if is_placed || by_stages || self.keep_margin || self.legend.is_some() || self.colours.is_some() {
             let raster = input.raster_mut()?;
             raster.legend.clone_from(&self.legend);
             raster.metres_per_pixel = self.metres_per_pixel;
@@ -86,6 +89,7 @@ impl Source {
             raster.stages.clone_from(&self.stages);
             raster.from.clone_from(&self.from);
             raster.colours = self.colours.map(usize::from);
+            raster.keeps_margin = self.keep_margin;
         }
         Ok(input)
     }

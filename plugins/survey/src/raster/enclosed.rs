@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!  ink ──► lines (dots and letters left out) ──► paper between them ──► wide parts: blocks, also those that lie open a little
+//!                                                                  ├──► wide parts that streets lead on from: squares, parks
 //!                                                                  └──► long parts: the network, and pieces of it ──┐
 //!  streets ◄── what lines, names and rails cover is filled from around, but hatching is a block's ◄─────────────────┘
 //! ```
@@ -36,6 +37,12 @@ const THICK: f64 = 0.6;
 const WIDE: f64 = 1.6;
 /// … and pieces of them at least so many.
 const NARROW: f64 = 0.35;
+/// A wide part that streets of so many times half a street's width lead on from is no block: …
+const LEADS_ON: f64 = 60.0;
+/// … a place is so many times as wide as streets, …
+const SQUARE: f64 = 3.0;
+/// … and it is open grounds, not a square, if it is so many times as wide.
+const GROUNDS: f64 = 8.0;
 /// A part so many times as long as half its width is a piece of street if it touches one, …
 const LONG: f64 = 15.0;
 /// … and one half that long if most of it lies along one: a lane between rails or rows of trees.
@@ -53,58 +60,39 @@ const AROUND: f64 = 0.5;
 /// Strokes that cover more than so many squares of a street's width are hatching, and that is of buildings.
 const HATCHING: f64 = 8.0;
 
-/// Makes streets of the paper that outlines do not enclose, and nothing of outlines, letters and all else that is drawn in
-/// ink. If nothing leads anywhere, nothing is street.
+/// Makes streets of the paper that outlines do not enclose, squares and parks of what is wide of it, and nothing of outlines,
+/// letters and all else that is drawn in ink. If nothing leads anywhere, nothing is street.
 pub(super) fn tell_streets(classes: &mut Classes) {
     let (width, height) = (classes.street.width(), classes.street.height());
     classes.street = Bitmap::new(width, height);
     let mut ink = core::mem::replace(&mut classes.ink, Bitmap::new(width, height));
-    // Letters hide how wide streets are, and that tells letters from lines: by and by.
-    let mut half = 0.0;
-    for _ in 0..ROUNDS {
-        let Some(seen) = Shapes::of(&ink.inverted(), 1).streets() else { return };
-        half = seen.half;
-        for run in Parts::of(&ink, Corners::Join).only(|part| f64::from((part.high - part.low).max_element()) < MARK * half).runs {
-            ink.set_between(run.y as usize, run.from as usize, run.to as usize, false);
-        }
-    }
+    let Some(half) = without_marks(&mut ink) else { return };
     // What is neither ink nor paper has a class of its own, and parts streets as ink does.
     [&classes.park, &classes.water, &classes.railway, &classes.house].into_iter().for_each(|other| ink.add(other));
-    // Wide parts are blocks, also those that open to streets a little.
-    let mut blocks = Bitmap::new(width, height);
     let mut closed = ink.inverted();
-    for mouth in MOUTHS.map(|share| rounded(share * half).max(1)) {
-        let is_block = |shape: Shape| {
-            let wide = shape.half / (WIDE * half);
-            wide > 1.0 && shape.slenderness() < LONG * wide * wide && shape.area > BLOCK * (2.0 * half).powi(2)
-        };
-        blocks.add(&reached(&Shapes::of(&closed, mouth).painted(is_block), mouth, &closed));
-        closed.remove(&blocks);
-    }
+    let mut blocks = taken_blocks(&mut closed, half);
     let cut = rounded(GAP * half).max(1);
+    let [squares, grounds] = open_places(&closed, cut, half);
+    let mut places = squares.clone();
+    places.add(&grounds);
+    closed.remove(&places);
     let shapes = Shapes::of(&closed, cut);
     let Some(network) = shapes.streets() else { return };
-    let core = with_pieces(&shapes, network, cut);
+    let core = with_pieces(&shapes, network, cut, &places);
     let mut streets = reached(&core, cut, &closed);
     blocks.add(&reached(&shapes.core.without(&core), cut, &closed));
     closed.remove(&streets);
     closed.remove(&blocks);
+    streets.add(&squares);
+    blocks.add(&grounds);
+    classes.square = squares;
+    classes.park.add(&grounds);
     // Between rails it is as narrow as between the strokes of hatching, but long.
     let is_railed =
         |shape: Shape| shape.half > SLIT * half && shape.slenderness() > FAR && shape.area > 2.0 * RAIL * half * shape.half;
     streets.add(&Shapes::of(&closed, 0).painted(is_railed));
     let mut doubt = streets.neither(&blocks);
-    // What is drawn over closely is hatched, and that is a block; but not between two lanes of one street.
-    let thick = swept(&doubt, &[Shrink(rounded(THICK * half)), Grow(rounded(THICK * half))]);
-    let thick = Parts::of(&thick, Corners::Join);
-    let hatched = thick.only(|part| part.area_px as f64 > HATCHING * (2.0 * half).powi(2));
-    let touched = hatched.touched([&streets, &blocks], cut + 2);
-    for run in hatched.runs {
-        let [street, block] = touched[run.part as usize];
-        if street as f64 <= AROUND * (street + block) as f64 {
-            doubt.set_between(run.y as usize, run.from as usize, run.to as usize, false);
-        }
-    }
+    doubt.remove(&hatching(&doubt, [&streets, &blocks], cut, half));
     // A name may fill a street from side to side; lines are too thin for names.
     let mut names = swept(&doubt, &[Shrink(cut.max(2)), Grow(cut.max(2) + 1)]);
     names.keep(&doubt);
@@ -114,6 +102,54 @@ pub(super) fn tell_streets(classes: &mut Classes) {
     classes.street = filled(&known, &doubt);
 }
 
+/// Takes dots, letters and symbols out of the ink, and tells half of a street's width, if there are streets.
+fn without_marks(ink: &mut Bitmap) -> Option<f64> {
+    // Letters hide how wide streets are, and that tells letters from lines: by and by.
+    let mut half = 0.0;
+    for _ in 0..ROUNDS {
+        half = Shapes::of(&ink.inverted(), 1).streets()?.half;
+        let marks = Parts::of(ink, Corners::Join).only(|part| f64::from((part.high - part.low).max_element()) < MARK * half);
+        for run in marks.runs {
+            ink.set_between(run.y as usize, run.from as usize, run.to as usize, false);
+        }
+    }
+    Some(half)
+}
+
+/// Takes what is wide out of what is closed: blocks, also those that open to streets a little.
+fn taken_blocks(closed: &mut Bitmap, half: f64) -> Bitmap {
+    let mut blocks = Bitmap::new(closed.width(), closed.height());
+    for mouth in MOUTHS.map(|share| rounded(share * half).max(1)) {
+        let shapes = Shapes::of(closed, mouth);
+        let is_block = |shape: Shape| {
+            let wide = shape.half / (WIDE * half);
+            wide > 1.0
+                && shape.slenderness() < LONG * wide * wide
+                && shape.area > BLOCK * (2.0 * half).powi(2)
+                && !leads_on(&shapes.painted(|other| other.part == shape.part), half)
+        };
+        blocks.add(&reached(&shapes.painted(is_block), mouth, closed));
+        closed.remove(&blocks);
+    }
+    blocks
+}
+
+/// Of what is in doubt, what is drawn over closely: that is a block; but not between two lanes of one street.
+fn hatching(doubt: &Bitmap, told: [&Bitmap; 2], cut: usize, half: f64) -> Bitmap {
+    let thick = rounded(THICK * half);
+    let thick = Parts::of(&swept(doubt, &[Shrink(thick), Grow(thick)]), Corners::Join);
+    let hatched = thick.only(|part| part.area_px as f64 > HATCHING * (2.0 * half).powi(2));
+    let touched = hatched.touched(told, cut + 2);
+    let mut hatching = Bitmap::new(doubt.width(), doubt.height());
+    for run in hatched.runs {
+        let [street, block] = touched[run.part as usize];
+        if street as f64 <= AROUND * (street + block) as f64 {
+            hatching.set_between(run.y as usize, run.from as usize, run.to as usize, true);
+        }
+    }
+    hatching
+}
+
 /// What is so near to what was so far inside.
 fn reached(core: &Bitmap, reach: usize, within: &Bitmap) -> Bitmap {
     let mut reached = grown(core, reach);
@@ -121,8 +157,38 @@ fn reached(core: &Bitmap, reach: usize, within: &Bitmap) -> Bitmap {
     reached
 }
 
+/// What is much wider than a street.
+fn wide_part(of: &Bitmap, half: f64) -> Bitmap {
+    let reach = rounded(WIDE * half);
+    let mut wide = swept(of, &[Shrink(reach), Grow(reach)]);
+    wide.keep(of);
+    wide
+}
+
+/// Whether streets lead from a part that is wider than they are.
+fn leads_on(part: &Bitmap, half: f64) -> bool {
+    let strips = part.without(&wide_part(part, half)).count();
+    strips as f64 > LEADS_ON * 2.0 * half * half
+}
+
+/// What is wide of the streets' network: squares, and the grounds that lie open to streets, gardens and promenades.
+fn open_places(closed: &Bitmap, cut: usize, half: f64) -> [Bitmap; 2] {
+    let shapes = Shapes::of(closed, cut);
+    let network = shapes.streets().map(|network| network.part);
+    let is_open = |shape: Shape| {
+        let is_large = shape.area > BLOCK * (2.0 * half).powi(2);
+        Some(shape.part) == network || is_large && leads_on(&shapes.painted(|other| other.part == shape.part), half)
+    };
+    let wide = Shapes::of(&wide_part(&shapes.painted(is_open), half), 0);
+    let is_place = |shape: &Shape| shape.half > SQUARE * half && shape.slenderness() < LONG * shape.half / (WIDE * half);
+    [false, true].map(|is_large| {
+        let places = wide.painted(|shape| is_place(&shape) && (shape.half > GROUNDS * half) == is_large);
+        reached(&places, cut, closed)
+    })
+}
+
 /// The network, and the parts that are pieces of it, parted from it by rails, rows of trees, letters or folds of the sheet.
-fn with_pieces(shapes: &Shapes, network: Shape, cut: usize) -> Bitmap {
+fn with_pieces(shapes: &Shapes, network: Shape, cut: usize, places: &Bitmap) -> Bitmap {
     let is_piece = |shape: &Shape| {
         let is_wide = shape.half > WIDE * network.half && shape.slenderness() < FAR;
         !is_wide
@@ -134,7 +200,8 @@ fn with_pieces(shapes: &Shapes, network: Shape, cut: usize) -> Bitmap {
     let mut pieces: Vec<Shape> = others.map(|i| shapes.shape(i)).filter(is_piece).collect();
     let mut streets = shapes.painted(|shape| shape.part == network.part);
     loop {
-        let beside = grown(&streets, 2 * cut + rounded(network.half));
+        let mut beside = grown(&streets, 2 * cut + rounded(network.half));
+        beside.add(&grown(places, 2 * cut + rounded(network.half)));
         let before = pieces.len();
         pieces.retain(|piece| {
             let of_piece = shapes.parts.runs.iter().filter(|run| run.part as usize == piece.part);
@@ -283,14 +350,18 @@ mod tests {
         !is_street(x, y) && (0..5).any(|dx| (0..5).any(|dy| beside(dx, dy)))
     }
 
-    fn told(mut is_ink: impl FnMut(usize, usize) -> bool) -> Bitmap {
+    fn told(is_ink: impl FnMut(usize, usize) -> bool) -> Bitmap {
+        told_apart(is_ink).street
+    }
+
+    fn told_apart(mut is_ink: impl FnMut(usize, usize) -> bool) -> Classes {
         let ink = Bitmap::from_fn(SIDE, SIDE, |x, y| is_ink(x + CORNER, y + CORNER));
         let blank = Bitmap::new(SIDE, SIDE);
         let [park, water, railway, house, square] = [(); 5].map(|()| blank.clone());
         let mut classes = Classes { street: ink.inverted(), park, water, railway, ink, house, square };
         tell_streets(&mut classes);
         assert!(classes.ink.is_blank(), "nothing is left in doubt");
-        classes.street
+        classes
     }
 
     /// Share of the pixels that are told wrongly, of those that are not of a line or beside one.
@@ -309,6 +380,21 @@ mod tests {
     #[test]
     fn what_lines_enclose_is_no_street() {
         assert!(wrong(&told(is_line)) < 0.001);
+    }
+
+    #[test]
+    fn what_lies_open_to_streets_is_a_square_or_a_park() {
+        // So many blocks each way have no outlines: their ground is that wide, with the streets around it.
+        for (blocks, is_square, is_park) in [(0, false, false), (2, true, false), (3, false, true)] {
+            let is_open = |v: usize| (PITCH..PITCH + blocks * PITCH + STREET).contains(&v);
+            let classes = told_apart(|x, y| is_line(x, y) && !(is_open(x) && is_open(y)));
+            let middle = ((PITCH + blocks * PITCH / 2 + STREET / 2) - CORNER) as isize;
+            let is_in = |class: &Bitmap| blocks > 0 && class.get(middle, middle);
+            assert_eq!((is_in(&classes.square), is_in(&classes.park)), (is_square, is_park), "{blocks}");
+            assert_eq!((classes.square.is_blank(), classes.park.is_blank()), (!is_square, !is_park), "{blocks}");
+            assert_eq!(is_in(&classes.street), is_square, "{blocks}: squares are streets, parks are not");
+            assert!(classes.street.get((5 * PITCH + 10 - CORNER) as isize, 300), "{blocks}: a street beside it");
+        }
     }
 
     #[test]

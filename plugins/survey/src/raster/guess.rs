@@ -62,7 +62,7 @@ pub fn guess_legend(picture: &Picture, colours: Option<usize>) -> (Legend, Vec<F
     if is_outlined {
         notes.add(
             "streets and blocks are both bare paper, parted by outlines: what lines enclose is taken for blocks, and the paper \
-             around them for streets; cut the margin of the sheet off, and close in a stage picture what stands open"
+             around them for streets, squares and parks; close in a stage picture what stands open"
                 .to_owned(),
         );
     }

@@ -5,7 +5,8 @@
 //!  (PNG, JPEG, TIFF, WebP)     │                                  or Legend::parse ◄──────────── (RON, or JSON)
 //!                              ▼                                            │
 //!    ┌──────────────────── classify ◄───────────────────────────────────────┘
-//!    │                     (a bitmap a class; where blocks are only outlined, streets are what is not enclosed)
+//!    │                     (a bitmap a class; of a sheet what is within its neatline; where blocks are only outlined, streets
+//!    │                     are what is not enclosed)
 //!    │
 //!    ├─► clean ─ yards ──► skeleton ─► trace ──► sketch ──┬─ squares  ─┐
 //!    │   (labels looked    (Zhang–     (nodes,   (pruned, ├─ crossing ─┼─► links, squares ─┐
@@ -37,8 +38,10 @@
 //!
 //! # Limits
 //! Of a map of outlines alone, whose streets and blocks are both bare paper ([`Legend::is_outlined`]), the lines must close
-//! around the blocks but for gaps narrower than a street, the margin of the sheet must be cut off, and streets full of rails,
-//! or with a house beside them that is drawn open, may be missed. Where most streets are one or two pixels wide the picture is read at twice or four times its size; where only some
+//! around the blocks but for gaps narrower than a street, and streets full of rails, or with a house beside them that is drawn
+//! open, may be missed; what is wide and lies open to streets is a square or, if it is large, a park, also where it is a river
+//! or gardens. The margin of a sheet is left out where a frame ends the map on all four sides; otherwise it must be cut off.
+//! Where most streets are one or two pixels wide the picture is read at twice or four times its size; where only some
 //! are, those are taken for noise. Squares of more than 160 pixels from the middle to the wall are not found, unless they
 //! have a colour of their own. A street has one class where colours tell classes, and one whose edge a label has eaten into
 //! may be told narrower there than it is. A courtyard about a house of its own is taken for a street about a block, and one
@@ -71,6 +74,7 @@ mod legend;
 mod limits;
 mod measure;
 mod morphology;
+mod neatline;
 mod outline;
 mod over;
 mod parts;
@@ -99,6 +103,7 @@ pub use stage::{Stage, Stages};
 pub use thinning::{thinned, thinned_portably};
 
 use crate::log::Log;
+use crate::raster::neatline::Neatline;
 use crate::{Georeference, Survey, SurveyError};
 use veduta_city::Id;
 
@@ -115,6 +120,8 @@ pub struct RasterSettings {
     pub georeference: Georeference,
     /// Threads for thinning; the result is the same for any number.
     pub threads: usize,
+    /// Reads what lies outside of the neatline of a scanned sheet too, the frame that its map ends at.
+    pub keeps_margin: bool,
 }
 
 /// The metres a pixel by which a map's streets are as wide as streets are: half of their length at least 9 m. Nothing
@@ -126,7 +133,8 @@ pub fn scale_by_streets(picture: &Picture, legend: &Legend) -> Option<f64> {
     if picture.width.max(picture.height) > SIDE_PX {
         return None;
     }
-    let reading = read::read_map(picture, legend, FIRST_GUESS, 1, &mut Stages::default(), &mut |_| ());
+    let neatline = Neatline::of(picture, legend);
+    let reading = read::read_within(neatline.as_ref(), picture, legend, FIRST_GUESS, 1, &mut Stages::default(), &mut |_| ());
     let mut streets: Vec<(f64, f64)> = reading.streets.iter().map(|street| (street.width, sketch::length(&street.line))).collect();
     streets.sort_by(|a, b| a.0.total_cmp(&b.0));
     let half = streets.iter().map(|s| s.1).sum::<f64>() / 2.0;
@@ -197,7 +205,21 @@ pub fn survey_raster_by_stages(
         );
         log.note(Id::NONE, None, message);
     }
-    let reading = read::read_map(picture, legend, mpp, settings.threads, stages, done);
+    let neatline = if settings.keeps_margin { None } else { Neatline::of(picture, legend) };
+    if let Some(neatline) = &neatline {
+        let [low, high] = neatline.extent();
+        let message = format!(
+            "the map is read within its neatline, columns {} to {} and rows {} to {} of {}; `--keep-margin` reads the margin too",
+            low.x,
+            high.x,
+            low.y,
+            high.y,
+            holds()
+        );
+        log.note(Id::NONE, None, message);
+        done("neatline");
+    }
+    let reading = read::read_within(neatline.as_ref(), picture, legend, mpp, settings.threads, stages, done);
     let reading = if place.is_placed() { reading.placed(place) } else { reading };
     let mut graph = graph::graph_of(reading, &mut log);
     done("graph");

@@ -18,6 +18,7 @@ use super::ends::{clipped, run_on};
 use super::filter::median5;
 use super::house::{Footprint, houses};
 use super::legend::Legend;
+use super::neatline::Neatline;
 use super::outline::{Corners, simplified};
 use super::over::{over_rails, over_water};
 use super::parts::Parts;
@@ -70,20 +71,20 @@ pub(super) struct ReadStreet {
 
 impl MapReading {
     /// The same, where the picture lies.
-    pub fn placed(mut self, place: &Georeference) -> Self {
+    pub fn placed(self, place: &Georeference) -> Self {
         let (mpp, height) = (place.metres_per_pixel(), f64::from(place.size().1));
-        let move_all = |line: &mut Vec<DVec2>| {
-            for p in line {
-                *p = place.plan_pos(DVec2::new(p.x / mpp, height - p.y / mpp));
-            }
-        };
+        self.moved(|p| place.plan_pos(DVec2::new(p.x / mpp, height - p.y / mpp)))
+    }
+
+    /// The same elsewhere.
+    fn moved(mut self, to: impl Fn(DVec2) -> DVec2) -> Self {
+        let move_all = |line: &mut Vec<DVec2>| line.iter_mut().for_each(|p| *p = to(*p));
         self.streets.iter_mut().for_each(|street| move_all(&mut street.line));
         self.courses.iter_mut().for_each(|(_, line, _)| move_all(line));
         self.squares.iter_mut().for_each(move_all);
         self.blocks.iter_mut().flat_map(FoundBlock::rings_mut).for_each(move_all);
         self.houses.iter_mut().flat_map(Footprint::rings_mut).for_each(move_all);
-        let [origin, east, north] =
-            [(0.0, height), (1.0, height), (0.0, height - 1.0)].map(|(x, y)| place.plan_pos(DVec2::new(x, y)));
+        let [origin, east, north] = [DVec2::ZERO, DVec2::X, DVec2::Y].map(&to);
         if (east - origin).perp_dot(north - origin) < 0.0 {
             // A picture that lies mirrored: what ran counter-clockwise runs clockwise there.
             let of_blocks = self.blocks.iter_mut().flat_map(FoundBlock::rings_mut);
@@ -94,8 +95,31 @@ impl MapReading {
     }
 }
 
+/// Reads a map within its neatline, if it has one. `done` is told the name of each step as it ends.
+pub(super) fn read_within(
+    neatline: Option<&Neatline>,
+    picture: &Picture,
+    legend: &Legend,
+    mpp: f64,
+    threads: usize,
+    stages: &mut Stages<'_>,
+    done: &mut dyn FnMut(&'static str),
+) -> MapReading {
+    let Some(neatline) = neatline else { return read_map(picture, legend, mpp, threads, stages, done) };
+    let inside = neatline.map_of(picture);
+    let given = stages.given.map(|(stage, picture)| (stage, neatline.cropped(picture)));
+    let is_shown = stages.show.is_some();
+    let mut show = |stage: Stage, shown: &Picture| stages.show(stage, || neatline.pasted(shown));
+    let mut of_inside = Stages { given: given.as_ref().map(|(stage, picture)| (*stage, picture)), ..Stages::default() };
+    if is_shown {
+        of_inside.show = Some(&mut show);
+    }
+    let reading = read_map(&inside, legend, mpp, threads, &mut of_inside, done);
+    reading.moved(|p| p + neatline.corner() * mpp)
+}
+
 /// Reads a map of so many metres a pixel. `done` is told the name of each step as it ends.
-pub(super) fn read_map(
+fn read_map(
     picture: &Picture,
     legend: &Legend,
     mpp: f64,

@@ -16,13 +16,13 @@ use crate::program::Failure;
 
 /// What the peers run.
 const SCRIPT: &str = include_str!("thinning.py");
-/// Channels' sum from which a pixel counts as set.
-const BRIGHT: u32 = 3 * 128;
+/// Values that the sum of a pixel's channels may have.
+const SUMS: usize = 3 * 255 + 1;
 
 /// What to thin, and with what beside.
 #[derive(Args)]
 pub(crate) struct ThinningBench {
-    /// Pictures of maps; bright pixels are thinned, and dark ones.
+    /// Pictures of maps; their bright pixels are thinned, and their dark ones.
     #[arg(value_name = "PICTURE")]
     pictures: Vec<PathBuf>,
     /// Random bitmaps that are thinned too.
@@ -55,9 +55,9 @@ pub(crate) fn thinning(bench: &ThinningBench) -> Result<(), Failure> {
     for path in &bench.pictures {
         let name = path.to_string_lossy();
         let picture = Picture::decode(&fs::read(path)?, &name, &PictureLimits::default())?;
-        let bright = Bitmap::from_fn(picture.width, picture.height, |x, y| {
-            picture.at(x, y).is_some_and(|colour| colour.iter().map(|&c| u32::from(c)).sum::<u32>() >= BRIGHT)
-        });
+        let least = threshold(&picture);
+        let bright =
+            Bitmap::from_fn(picture.width, picture.height, |x, y| picture.at(x, y).is_some_and(|colour| sum(&colour) >= least));
         let dark = Bitmap::from_fn(picture.width, picture.height, |x, y| !bright.get(x as isize, y as isize));
         bitmaps.extend([bright, dark]);
     }
@@ -93,6 +93,38 @@ pub(crate) fn thinning(bench: &ThinningBench) -> Result<(), Failure> {
     let (pixels, differ) = compare(&bitmaps, &made)?;
     println!("{} bitmaps, {pixels} pixels of skeletons, thinned in three ways: {differ} differ from OpenCV's", bitmaps.len());
     if differ > 0 { Err(format!("{differ} pixels differ from OpenCV's skeletons").into()) } else { Ok(()) }
+}
+
+/// How bright a pixel is.
+fn sum(colour: &[u8]) -> usize {
+    colour.iter().map(|&c| usize::from(c)).sum()
+}
+
+/// The brightness from which on pixels count as bright: by it the dark and the bright ones differ most from each other
+/// (Otsu, *A threshold selection method from gray-level histograms*, IEEE Transactions on Systems, Man, and Cybernetics 9(1),
+/// 1979).
+fn threshold(picture: &Picture) -> usize {
+    let mut counts = vec![0.0; SUMS];
+    for colour in picture.pixels.chunks_exact(3) {
+        counts[sum(colour)] += 1.0;
+    }
+    let (all, bright) =
+        counts.iter().enumerate().fold((0.0, 0.0), |(n, of), (value, count)| (n + count, of + value as f64 * count));
+    let (mut below, mut of_below) = (0.0, 0.0);
+    let mut best = (0.0, 0);
+    for (value, count) in counts.iter().enumerate() {
+        let above = all - below;
+        if below > 0.0 && above > 0.0 {
+            let apart: f64 = of_below / below - (bright - of_below) / above;
+            let between = below * above * apart * apart;
+            if between > best.0 {
+                best = (between, value);
+            }
+        }
+        below += count;
+        of_below += value as f64 * count;
+    }
+    best.1
 }
 
 /// The seconds of the best of three runs.
