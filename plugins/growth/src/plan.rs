@@ -43,6 +43,7 @@ mod extent;
 mod facing;
 mod ground;
 mod houses;
+mod index;
 mod lots;
 mod massing;
 mod objects;
@@ -137,7 +138,7 @@ pub fn grow(graph: &CityGraph, styles: &Styles) -> Result<Growth, GrowthError> {
     let houses = walls::houses(&drafts, &facing, &masses, &looks, &book);
 
     let doors = walls::doorsteps(&houses).into_iter().map(|d| (GridPolygon::simple(vec![GridPos::from_metres(d)]), ()));
-    let doorsteps = ground::Index::new(doors.collect());
+    let doorsteps = index::Index::new(doors.collect());
     let site = objects::Site { ground: &on_ground, standing: &standing, doorsteps: &doorsteps };
     let objects = objects::objects(graph, &areas, &site, &mut findings);
     let start = places::start(graph, &extent, &site, &mut findings);

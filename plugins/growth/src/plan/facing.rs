@@ -1,15 +1,12 @@
 //! What every edge of every footprint faces: neighbours, streets, yards.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use glam::DVec2;
 use rayon::prelude::*;
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree};
 use veduta_city::{GridPos, SurfaceKind};
 
-use super::ground::{Ground, Index};
+use super::ground::Ground;
 use super::houses::Draft;
+use super::index::{Cells, Gathering, Index, joined};
 use super::outline;
 
 /// Walls closer than this, side by side, are party walls; metres.
@@ -55,7 +52,30 @@ pub(super) struct Facing {
     pub neighbours: Vec<Vec<usize>>,
 }
 
-type EdgeTree = RTree<GeomWithData<Rectangle<[f64; 2]>, (BodyRef, [f64; 4])>>;
+/// The edges of all footprints, and which run where.
+struct Edges {
+    all: Vec<(BodyRef, DVec2, DVec2)>,
+    cells: Cells,
+}
+
+impl Edges {
+    fn of(drafts: &[Draft]) -> Self {
+        let bodies = || {
+            drafts.iter().enumerate().flat_map(|(h, draft)| draft.bodies.iter().enumerate().map(move |(b, body)| ((h, b), body)))
+        };
+        let boxes = bodies().filter_map(|(_, body)| body.footprint.bounds());
+        let Some(bounds) = boxes.reduce(joined) else { return Self { all: Vec::new(), cells: Cells::default() } };
+        let mut all = Vec::new();
+        let mut gathering = Gathering::new(bounds, drafts.len());
+        for (at, body) in bodies() {
+            for (p, q) in body.footprint.rings().flat_map(|r| outline::edges(r)) {
+                gathering.edge(p, q, all.len() as u32);
+                all.push((at, p.to_metres(), q.to_metres()));
+            }
+        }
+        Self { all, cells: gathering.sorted() }
+    }
+}
 
 /// An index of the bodies that stand on the ground, for questions about places.
 pub(super) fn bodies(drafts: &[Draft]) -> Index<(BodyRef, f64)> {
@@ -65,70 +85,73 @@ pub(super) fn bodies(drafts: &[Draft]) -> Index<(BodyRef, f64)> {
 
 /// Looks out of every wall.
 pub(super) fn facing(drafts: &[Draft], standing: &Index<(BodyRef, f64)>, ground: &Ground) -> Facing {
-    let tree = edge_tree(drafts);
+    let walls = Edges::of(drafts);
     let of_house = |(h, draft): (usize, &Draft)| {
-        let mut near = BTreeSet::new();
-        let of_body = |b: usize| -> Vec<Edge> {
+        let mut view = View { walls: &walls, standing, ground, found: Vec::new(), near: Vec::new() };
+        let mut of_body = |b: usize| -> Vec<Edge> {
             let rings = draft.bodies[b].footprint.rings();
-            rings.flat_map(|r| outline::edges(r)).map(|(a, c)| edge((h, b), a, c, &tree, standing, ground, &mut near)).collect()
+            rings.flat_map(|r| outline::edges(r)).map(|(a, c)| view.edge((h, b), a, c)).collect()
         };
-        let edges: Vec<Vec<Edge>> = (0..draft.bodies.len()).map(of_body).collect();
-        (edges, near.into_iter().collect::<Vec<usize>>())
+        let edges: Vec<Vec<Edge>> = (0..draft.bodies.len()).map(&mut of_body).collect();
+        view.near.sort_unstable();
+        view.near.dedup();
+        (edges, view.near)
     };
     let (edges, neighbours) = drafts.par_iter().enumerate().map(of_house).unzip();
     Facing { edges, neighbours }
 }
 
-fn edge_tree(drafts: &[Draft]) -> EdgeTree {
-    let mut boxes = Vec::new();
-    for (h, draft) in drafts.iter().enumerate() {
-        for (b, body) in draft.bodies.iter().enumerate() {
-            for (p, q) in body.footprint.rings().flat_map(|r| outline::edges(r)) {
-                let (p, q) = (p.to_metres(), q.to_metres());
-                boxes.push(GeomWithData::new(Rectangle::from_corners([p.x, p.y], [q.x, q.y]), ((h, b), [p.x, p.y, q.x, q.y])));
-            }
-        }
-    }
-    RTree::bulk_load(boxes)
+/// What can be seen from a house's walls.
+struct View<'a> {
+    walls: &'a Edges,
+    standing: &'a Index<(BodyRef, f64)>,
+    ground: &'a Ground,
+    /// Numbers of edges near the one that is looked at.
+    found: Vec<u32>,
+    /// Houses near any of them.
+    near: Vec<usize>,
 }
 
-fn edge(
-    me: BodyRef,
-    a: GridPos,
-    b: GridPos,
-    tree: &EdgeTree,
-    standing: &Index<(BodyRef, f64)>,
-    ground: &Ground,
-    near: &mut BTreeSet<usize>,
-) -> Edge {
-    let (a, b) = (a.to_metres(), b.to_metres());
-    let mut spans: BTreeMap<BodyRef, Vec<(f64, f64)>> = BTreeMap::new();
-    let (lo, hi) = (a.min(b) - NEAR_M, a.max(b) + NEAR_M);
-    for other in tree.locate_in_envelope_intersecting(&AABB::from_corners([lo.x, lo.y], [hi.x, hi.y])) {
-        let (body, [px, py, qx, qy]) = other.data;
-        if body == me {
-            continue;
+impl View<'_> {
+    fn edge(&mut self, me: BodyRef, a: GridPos, b: GridPos) -> Edge {
+        let reach = GridPos::steps(NEAR_M) + 1;
+        let low = GridPos(a.0.min(b.0).saturating_sub(reach), a.1.min(b.1).saturating_sub(reach));
+        let high = GridPos(a.0.max(b.0).saturating_add(reach), a.1.max(b.1).saturating_add(reach));
+        self.walls.cells.within(low, high, |note| note, &mut self.found);
+        let (a, b) = (a.to_metres(), b.to_metres());
+        let mut spans: Vec<(BodyRef, f64, f64)> = Vec::new();
+        for &number in &self.found {
+            let (body, p, q) = self.walls.all[number as usize];
+            if body == me {
+                continue;
+            }
+            if body.0 != me.0 && gap_m(a, b, p, q) <= NEAR_M {
+                self.near.push(body.0);
+            }
+            if let Some((from, to)) = covered(a, b, p, q) {
+                spans.push((body, from, to));
+            }
         }
-        let (p, q) = (DVec2::new(px, py), DVec2::new(qx, qy));
-        if body.0 != me.0 && gap_m(a, b, p, q) <= NEAR_M {
-            near.insert(body.0);
+        spans.sort_unstable_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
+        let mut party: Vec<(BodyRef, f64)> =
+            spans.chunk_by(|x, y| x.0 == y.0).map(|of_body| (of_body[0].0, share(of_body))).collect();
+        let edge = Edge { a, b, party: Vec::new(), is_public: false };
+        let out = edge.outward();
+        for t in [0.17, 0.5, 0.83] {
+            let before = GridPos::from_metres(a.lerp(b, t) + out * 0.1);
+            for &(body, _) in self.standing.at(before).filter(|(body, _)| *body != me) {
+                let at = party.partition_point(|(other, _)| *other < body);
+                if party.get(at).is_none_or(|(other, _)| *other != body) {
+                    party.insert(at, (body, 0.0));
+                }
+                let known = &mut party[at].1;
+                *known += if *known < 0.99 { 1.0 / 3.0 } else { 0.0 };
+            }
         }
-        if let Some(span) = covered(a, b, p, q) {
-            spans.entry(body).or_default().push(span);
-        }
+        party.iter_mut().for_each(|(_, share)| *share = share.min(1.0));
+        party.retain(|&(_, share)| share > 0.05);
+        Edge { is_public: is_public(&edge, self.standing, self.ground), party, ..edge }
     }
-    let mut party: BTreeMap<BodyRef, f64> = spans.into_iter().map(|(body, spans)| (body, share(spans))).collect();
-    let edge = Edge { a, b, party: Vec::new(), is_public: false };
-    let out = edge.outward();
-    for t in [0.17, 0.5, 0.83] {
-        let before = GridPos::from_metres(a.lerp(b, t) + out * 0.1);
-        for (body, _) in standing.at(before).into_iter().filter(|(body, _)| *body != me) {
-            let known = party.entry(*body).or_default();
-            *known = (*known).max(0.0) + if *known < 0.99 { 1.0 / 3.0 } else { 0.0 };
-        }
-    }
-    let party = party.into_iter().map(|(body, s)| (body, s.min(1.0))).filter(|&(_, s)| s > 0.05).collect();
-    Edge { is_public: is_public(&edge, standing, ground), party, ..edge }
 }
 
 /// Least distance between two edges that do not cross, metres.
@@ -155,11 +178,10 @@ fn covered(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> Option<(f64, f64)> {
     (t > s).then_some((s, t))
 }
 
-/// Length of the union of spans.
-fn share(mut spans: Vec<(f64, f64)>) -> f64 {
-    spans.sort_by(|x, y| x.0.total_cmp(&y.0));
+/// Length of the union of a body's spans, which are in order of where they begin.
+fn share(spans: &[(BodyRef, f64, f64)]) -> f64 {
     let (mut sum, mut end) = (0.0, 0.0_f64);
-    for (s, t) in spans {
+    for &(_, s, t) in spans {
         sum += (t - s.max(end)).max(0.0);
         end = end.max(t);
     }
@@ -177,10 +199,10 @@ fn sees_public(from: DVec2, out: DVec2, standing: &Index<(BodyRef, f64)>, ground
     let mut step = 0.3;
     while step <= REACH_M {
         let pos = GridPos::from_metres(from + out * step);
-        if standing.at(pos).iter().any(|(_, bottom)| *bottom < HEADROOM_M) {
+        if standing.at(pos).any(|(_, bottom)| *bottom < HEADROOM_M) {
             return false;
         }
-        if ground.at(pos).first().is_some_and(|(surface, _)| is_faced(*surface)) {
+        if ground.at(pos).next().is_some_and(|(surface, _)| is_faced(*surface)) {
             return true;
         }
         step += if step < 1.0 { 0.7 } else { 1.0 };
@@ -210,6 +232,7 @@ mod tests {
 
     #[test]
     fn overlapping_spans_count_once() {
-        assert!((share(vec![(0.5, 0.8), (0.0, 0.2), (0.1, 0.6)]) - 0.8).abs() < 1e-12);
+        let spans = [(0.0, 0.2), (0.1, 0.6), (0.5, 0.8)].map(|(from, to)| ((0, 0), from, to));
+        assert!((share(&spans) - 0.8).abs() < 1e-12);
     }
 }

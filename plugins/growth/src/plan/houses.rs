@@ -9,7 +9,7 @@ use veduta_city::{
 };
 
 use super::extent::Extent;
-use super::ground::Index;
+use super::index::Index;
 use super::{Area, boolean, outline};
 
 /// Smaller footprints are left out; square metres.
@@ -85,7 +85,7 @@ impl<'a> StyleBook<'a> {
             }
         }
         let inside = veduta_city::GridPos::from_metres(footprint.centroid());
-        if let Some(&&style) = self.districts.at(inside).first() {
+        if let Some(&style) = self.districts.at(inside).next() {
             return style;
         }
         if footprint.area_m2() > LARGE_M2 { self.large } else { 0 }

@@ -9,8 +9,9 @@ use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, GroundPat
 
 use super::band::{pieces, quad, stations};
 use super::extent::Extent;
-use super::ground::{self, Index};
+use super::ground;
 use super::houses::{Body, Draft, Grown, StyleBook};
+use super::index::Index;
 use super::perimeter::{self, Site};
 use super::streets::{self, Layer, Rank};
 use super::{Area, boolean, massing, outline};
@@ -161,7 +162,10 @@ fn grow_plot(
     for outline in &plot.outline {
         let houses: Vec<&GridPolygon> = obstacles.houses.near(outline, 0.0).into_iter().map(|(p, ())| p).collect();
         // Parts of one building overlap one another: what they cover together counts.
-        let covered = boolean::intersection(&boolean::rings([outline]), &boolean::rings(houses.iter().copied()));
+        let covered = match houses[..] {
+            [] => Vec::new(),
+            _ => boolean::intersection(&boolean::rings([outline]), &boolean::rings(houses.iter().copied())),
+        };
         if covered.iter().map(GridPolygon::area_m2).sum::<f64>() > outline.area_m2() * MOST_COVERED {
             continue;
         }
@@ -203,10 +207,14 @@ fn grow_site(site: &GridPolygon, houses: &[&GridPolygon], style: &Style, draw: D
 fn trimmed(lot: GridPolygon, site: &GridPolygon, earlier: &[GridPolygon]) -> Option<GridPolygon> {
     let largest = |pieces: Vec<GridPolygon>| pieces.into_iter().max_by(|a, b| a.area_m2().total_cmp(&b.area_m2()));
     let lot = if outline::is_simple(&lot.outer) { lot } else { largest(boolean::union(&boolean::rings([&lot])))? };
-    let area = lot.area_m2();
-    let within = largest(boolean::intersection(&boolean::rings([&lot]), &boolean::rings([site])))?;
     // Kept as it was drawn if it lies within its site, so that party walls share their vertices.
-    let mut lot = if within.area_m2() > area - TOLERATED_M2 && area > 0.0 { lot } else { within };
+    let mut lot = if outline::is_within(&lot, site, TOLERATED_M2) {
+        lot
+    } else {
+        let area = lot.area_m2();
+        let within = largest(boolean::intersection(&boolean::rings([&lot]), &boolean::rings([site])))?;
+        if within.area_m2() > area - TOLERATED_M2 && area > 0.0 { lot } else { within }
+    };
     let meets = |a: &GridPolygon, b: &GridPolygon| match (a.bounds(), b.bounds()) {
         (Some((alo, ahi)), Some((blo, bhi))) => alo.0 < bhi.0 && blo.0 < ahi.0 && alo.1 < bhi.1 && blo.1 < ahi.1,
         _ => false,
@@ -219,7 +227,7 @@ fn trimmed(lot: GridPolygon, site: &GridPolygon, earlier: &[GridPolygon]) -> Opt
     }
     // Straight walls, unless they would push into a neighbour.
     let straight = largest(outline::straightened(&lot))?;
-    Some(if earlier.iter().any(|other| overlaps(&straight, other)) { lot } else { straight })
+    Some(if straight != lot && earlier.iter().any(|other| overlaps(&straight, other)) { lot } else { straight })
 }
 
 fn is_buildable(footprint: &GridPolygon) -> bool {

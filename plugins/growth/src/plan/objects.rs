@@ -8,7 +8,8 @@ use veduta_city::{
 };
 
 use super::facing::{BodyRef, HEADROOM_M};
-use super::ground::{Ground, Index};
+use super::ground::Ground;
+use super::index::Index;
 use super::{Area, streets};
 
 /// Farthest that an object is moved out of a house; metres.
@@ -36,7 +37,7 @@ pub(super) struct Site<'a> {
 impl Site<'_> {
     /// Whether a position is outside of all houses.
     pub fn is_free(&self, pos: DVec2) -> bool {
-        self.standing.at(GridPos::from_metres(pos)).iter().all(|(_, bottom)| *bottom >= HEADROOM_M)
+        self.standing.at(GridPos::from_metres(pos)).all(|(_, bottom)| *bottom >= HEADROOM_M)
     }
 
     /// Whether a disc about a position is outside of all houses, by its rim.
@@ -56,7 +57,7 @@ impl Site<'_> {
     }
 
     fn surface(&self, pos: DVec2) -> Option<(SurfaceKind, i32)> {
-        self.ground.at(GridPos::from_metres(pos)).first().map(|&&at| at)
+        self.ground.at(GridPos::from_metres(pos)).next().copied()
     }
 }
 

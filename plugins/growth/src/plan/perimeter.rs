@@ -61,11 +61,19 @@ pub(super) fn inradius_m(polygon: &GridPolygon) -> f64 {
     let Some((lo, hi)) = polygon.bounds() else { return 0.0 };
     let edges: Vec<(DVec2, DVec2)> =
         polygon.rings().flat_map(|r| outline::edges(r)).map(|(a, b)| (a.to_metres(), b.to_metres())).collect();
-    let clearance = |p: DVec2| {
-        if !polygon.contains(GridPos::from_metres(p)) {
-            return 0.0;
+    // An edge that was too near to one place is often too near to the next.
+    let mut nearest = 0;
+    let mut clearance = |p: DVec2, more_than: f64| {
+        let mut least = f64::INFINITY;
+        for i in 0..edges.len() {
+            let at = if i == 0 { nearest } else { i - usize::from(i <= nearest) };
+            least = least.min(outline::distance_to_edge(p, edges[at].0, edges[at].1));
+            if least <= more_than {
+                nearest = at;
+                return None;
+            }
         }
-        edges.iter().map(|&(a, b)| outline::distance_to_edge(p, a, b)).fold(f64::INFINITY, f64::min)
+        polygon.contains(GridPos::from_metres(p)).then_some(least)
     };
     let (mut centre, mut half) = ((lo.to_metres() + hi.to_metres()) / 2.0, (hi - lo).to_metres() / 2.0);
     let mut best = 0.0;
@@ -74,8 +82,7 @@ pub(super) fn inradius_m(polygon: &GridPolygon) -> f64 {
         for i in -n..=n {
             for j in -n..=n {
                 let p = middle + half * DVec2::new(f64::from(i), f64::from(j)) / f64::from(n);
-                let radius = clearance(p);
-                if radius > best {
+                if let Some(radius) = clearance(p, best) {
                     (best, centre) = (radius, p);
                 }
             }

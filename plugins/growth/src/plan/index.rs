@@ -1,0 +1,272 @@
+//! What lies at a position of the ground, and what lies near: shapes drawn into square cells.
+//!
+//! A cell lists the shapes that its ground touches, each with whether it covers the whole cell, so that most questions are
+//! answered without looking at an outline. Shapes of a city are about as large as one another and lie close together, which
+//! suits cells better than trees of boxes: an R-tree (`rstar`) in their place makes looking out of all walls three times as
+//! slow.
+
+use veduta_city::{GridPolygon, GridPos};
+
+use super::outline;
+
+/// Least side of a cell as a power of two of grid steps: 4 m.
+const LEAST_SHIFT: u32 = 12;
+/// Cells there may be for each shape, …
+const CELLS_A_SHAPE: i64 = 64;
+/// … but always so many.
+const LEAST_CELLS: i64 = 1 << 14;
+
+/// Square cells over a part of the ground, and what was noted in each.
+#[derive(Debug, Default)]
+pub(super) struct Cells {
+    low: GridPos,
+    shift: u32,
+    columns: i64,
+    rows: i64,
+    /// Where each cell's notes begin, and where the last one's end.
+    starts: Vec<u32>,
+    notes: Vec<u32>,
+}
+
+/// Notes for cells that are being gathered.
+pub(super) struct Gathering {
+    cells: Cells,
+    /// Cell and note.
+    noted: Vec<(u32, u32)>,
+}
+
+impl Gathering {
+    /// For so many shapes within bounds.
+    pub fn new((low, high): (GridPos, GridPos), shapes: usize) -> Self {
+        let extent = |from: i32, to: i32, shift: u32| ((i64::from(to) - i64::from(from)) >> shift) + 1;
+        let most = (CELLS_A_SHAPE * shapes as i64).max(LEAST_CELLS);
+        let count = |shift: u32| (extent(low.0, high.0, shift), extent(low.1, high.1, shift));
+        let shift = (LEAST_SHIFT..32).find(|&shift| count(shift).0 * count(shift).1 <= most).unwrap_or(31);
+        let (columns, rows) = count(shift);
+        Self { cells: Cells { low, shift, columns, rows, ..Cells::default() }, noted: Vec::new() }
+    }
+
+    /// Notes something in all cells that an edge touches.
+    pub fn edge(&mut self, a: GridPos, b: GridPos, note: u32) {
+        let (low, high) = if a.1 <= b.1 { (a, b) } else { (b, a) };
+        let [row, last] = [low, high].map(|p| self.cells.row(p.1));
+        for row in row..=last {
+            // The part of the edge between the row's lower and upper side, no narrower than it is.
+            let side = |row: i64| i64::from(self.cells.low.1) + (row << self.cells.shift);
+            let below = side(row).max(i64::from(low.1));
+            let above = side(row + 1).min(i64::from(high.1));
+            let (x0, x1) = (across(low, high, below), across(low, high, above));
+            let [from, to] = [x0.0.min(x1.0), x0.1.max(x1.1)].map(|x| self.cells.column(x));
+            for column in from..=to {
+                self.noted.push(((row * self.cells.columns + column) as u32, note));
+            }
+        }
+    }
+
+    /// Sorts the notes by cell; within one they are in the order in which they were made, none twice.
+    pub fn sorted(self) -> Cells {
+        let Self { mut cells, noted } = self;
+        let mut starts = vec![0_u32; (cells.columns * cells.rows) as usize + 1];
+        noted.iter().for_each(|&(cell, _)| starts[cell as usize + 1] += 1);
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        let mut next = starts.clone();
+        let mut notes = vec![0; noted.len()];
+        for (cell, note) in noted {
+            let at = &mut next[cell as usize];
+            notes[*at as usize] = note;
+            *at += 1;
+        }
+        (cells.starts, cells.notes) = (starts, notes);
+        cells
+    }
+}
+
+/// Where an edge that goes up is at a height: the whole steps about it.
+fn across(low: GridPos, high: GridPos, y: i64) -> (i64, i64) {
+    let (rise, run) = (i64::from(high.1) - i64::from(low.1), i64::from(high.0) - i64::from(low.0));
+    if rise == 0 {
+        let (a, b) = (i64::from(low.0), i64::from(high.0));
+        return (a.min(b), a.max(b));
+    }
+    let way = i128::from(run) * i128::from(y - i64::from(low.1));
+    let least = i64::from(low.0) + way.div_euclid(i128::from(rise)) as i64;
+    (least, least + i64::from(way.rem_euclid(i128::from(rise)) > 0))
+}
+
+impl Cells {
+    fn row(&self, y: i32) -> i64 {
+        ((i64::from(y) - i64::from(self.low.1)) >> self.shift).clamp(0, self.rows - 1)
+    }
+
+    fn column(&self, x: i64) -> i64 {
+        ((x - i64::from(self.low.0)) >> self.shift).clamp(0, self.columns - 1)
+    }
+
+    fn of_cell(&self, cell: i64) -> &[u32] {
+        let at = |i: usize| self.starts.get(i).map_or(0, |&start| start as usize);
+        &self.notes[at(cell as usize)..at(cell as usize + 1)]
+    }
+
+    /// What was noted in the cell of a position; nothing outside of all cells.
+    pub fn at(&self, pos: GridPos) -> &[u32] {
+        let (x, y) = (i64::from(pos.0) - i64::from(self.low.0), i64::from(pos.1) - i64::from(self.low.1));
+        let (column, row) = (x >> self.shift, y >> self.shift);
+        if column < 0 || row < 0 || column >= self.columns || row >= self.rows {
+            return &[];
+        }
+        self.of_cell(row * self.columns + column)
+    }
+
+    /// What was noted in the cells that a box touches, ascending, each note once, as `key` has it.
+    pub fn within(&self, low: GridPos, high: GridPos, key: impl Fn(u32) -> u32, found: &mut Vec<u32>) {
+        found.clear();
+        if self.starts.is_empty() {
+            return;
+        }
+        let columns = self.column(i64::from(low.0))..=self.column(i64::from(high.0));
+        for row in self.row(low.1)..=self.row(high.1) {
+            let [from, to] =
+                [*columns.start(), *columns.end() + 1].map(|column| self.starts[(row * self.columns + column) as usize]);
+            found.extend(self.notes[from as usize..to as usize].iter().map(|&note| key(note)));
+        }
+        found.sort_unstable();
+        found.dedup();
+    }
+}
+
+/// The bounds about two bounds.
+pub(super) fn joined(a: (GridPos, GridPos), b: (GridPos, GridPos)) -> (GridPos, GridPos) {
+    (GridPos(a.0.0.min(b.0.0), a.0.1.min(b.0.1)), GridPos(a.1.0.max(b.1.0), a.1.1.max(b.1.1)))
+}
+
+/// Polygons that can be asked what lies at a position.
+pub(super) struct Index<T> {
+    /// Of each polygon twice its number, and one more where it covers the whole cell.
+    cells: Cells,
+    things: Vec<(GridPolygon, T)>,
+}
+
+impl<T> Index<T> {
+    /// An index over polygons with something attached.
+    pub fn new(things: Vec<(GridPolygon, T)>) -> Self {
+        let all = things.iter().filter_map(|(polygon, _)| polygon.bounds());
+        let Some(bounds) = all.reduce(joined) else { return Self { cells: Cells::default(), things } };
+        let mut gathering = Gathering::new(bounds, things.len());
+        for (i, (polygon, _)) in things.iter().enumerate() {
+            draw(&mut gathering, polygon, 2 * i as u32);
+        }
+        Self { cells: gathering.sorted(), things }
+    }
+
+    /// All that contain a position, in order of insertion.
+    pub fn at(&self, pos: GridPos) -> impl Iterator<Item = &T> {
+        let touching = self.cells.at(pos).iter().map(|note| (&self.things[*note as usize / 2], note % 2 == 1));
+        touching.filter(move |((polygon, _), is_covered)| *is_covered || polygon.contains(pos)).map(|((_, thing), _)| thing)
+    }
+
+    /// All that may come within a distance of the bounds of a polygon, in order of insertion: none of which the bounds do not.
+    pub fn near(&self, polygon: &GridPolygon, reach_m: f64) -> Vec<(&GridPolygon, &T)> {
+        let Some((low, high)) = polygon.bounds() else { return Vec::new() };
+        let reach = GridPos::steps(reach_m);
+        let low = GridPos(low.0.saturating_sub(reach), low.1.saturating_sub(reach));
+        let high = GridPos(high.0.saturating_add(reach), high.1.saturating_add(reach));
+        let mut found = Vec::new();
+        self.cells.within(low, high, |note| note / 2, &mut found);
+        let meets = |(a, b): (GridPos, GridPos)| a.0 <= high.0 && low.0 <= b.0 && a.1 <= high.1 && low.1 <= b.1;
+        let things = found.into_iter().map(|i| &self.things[i as usize]);
+        things.filter(|(polygon, _)| polygon.bounds().is_some_and(meets)).map(|(polygon, thing)| (polygon, thing)).collect()
+    }
+}
+
+/// Notes a polygon in the cells that it touches: `note` where its border runs, one more where it covers all.
+fn draw(gathering: &mut Gathering, polygon: &GridPolygon, note: u32) {
+    let first = gathering.noted.len();
+    for (a, b) in polygon.rings().flat_map(|ring| outline::edges(ring)) {
+        gathering.edge(a, b, note);
+    }
+    let border = &mut gathering.noted[first..];
+    border.sort_unstable();
+    let mut kept = 0;
+    for i in 0..border.len() {
+        if kept == 0 || border[i] != border[kept - 1] {
+            border[kept] = border[i];
+            kept += 1;
+        }
+    }
+    gathering.noted.truncate(first + kept);
+    // Between two cells of a row that the border touches, all cells are inside, or none.
+    let (columns, shift, low) = (gathering.cells.columns, gathering.cells.shift, gathering.cells.low);
+    for i in first + 1..first + kept {
+        let [before, after] = [gathering.noted[i - 1].0, gathering.noted[i].0];
+        let (row, column) = (i64::from(before) / columns, i64::from(before) % columns + 1);
+        if after == before + 1 || i64::from(after) / columns != row {
+            continue;
+        }
+        let corner = |base: i32, cell: i64| (i64::from(base) + (cell << shift)) as i32;
+        if polygon.contains(GridPos(corner(low.0, column), corner(low.1, row))) {
+            gathering.noted.extend((before + 1..after).map(|cell| (cell, note + 1)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn ring(corners: &[(i32, i32)], at: (i32, i32)) -> Vec<GridPos> {
+        corners.iter().map(|&(x, y)| GridPos(at.0 + x * 97, at.1 + y * 97)).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, cases: 128, ..ProptestConfig::default() })]
+
+        #[test]
+        fn what_lies_at_a_position_is_what_contains_it(
+            shapes in proptest::collection::vec(
+                (proptest::collection::vec((-300..300_i32, -300..300_i32), 1..9), (-200_000..200_000_i32, -200_000..200_000_i32)), 0..20),
+            asked in proptest::collection::vec((-260_000..260_000_i32, -260_000..260_000_i32), 60),
+        ) {
+            // Rings as they come, which cross themselves; also points and lines.
+            let things: Vec<_> = shapes.iter().enumerate().map(|(i, (corners, at))| (GridPolygon::simple(ring(corners, *at)), i)).collect();
+            let index = Index::new(things.clone());
+            let corners = things.iter().flat_map(|(polygon, _)| polygon.outer.clone());
+            for pos in asked.into_iter().map(|(x, y)| GridPos(x, y)).chain(corners) {
+                let found: Vec<usize> = index.at(pos).copied().collect();
+                let want: Vec<usize> = things.iter().filter(|(polygon, _)| polygon.contains(pos)).map(|(_, i)| *i).collect();
+                prop_assert_eq!(found, want, "{:?}", pos);
+            }
+        }
+
+        #[test]
+        fn nothing_that_comes_near_is_missed(
+            quads in proptest::collection::vec((-90..90_i32, -90..90_i32, 1..30_i32, 1..30_i32), 0..30),
+            (x, y, w, h, reach) in (-90..90_i32, -90..90_i32, 1..30_i32, 1..30_i32, 0..20_i32),
+        ) {
+            let quad = |x: i32, y: i32, w: i32, h: i32| {
+                GridPolygon::simple([(x, y), (x + w, y), (x + w, y + h), (x, y + h)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec())
+            };
+            let things: Vec<_> = quads.iter().enumerate().map(|(i, &(x, y, w, h))| (quad(x, y, w, h), i)).collect();
+            let index = Index::new(things);
+            let found: Vec<usize> = index.near(&quad(x, y, w, h), f64::from(reach)).into_iter().map(|(_, i)| *i).collect();
+            // Bounds of rectangles are the rectangles.
+            let is_near = |&(a, b, c, d): &(i32, i32, i32, i32)| {
+                a <= x + w + reach && x - reach <= a + c && b <= y + h + reach && y - reach <= b + d
+            };
+            let want: Vec<usize> = quads.iter().enumerate().filter(|(_, quad)| is_near(quad)).map(|(i, _)| i).collect();
+            prop_assert_eq!(found, want);
+        }
+    }
+
+    #[test]
+    fn a_large_shape_is_known_without_its_outline() {
+        let square = |side: i32| GridPolygon::simple(ring(&[(0, 0), (side, 0), (side, side), (0, side)], (0, 0)));
+        let index = Index::new(vec![(square(4000), ())]);
+        let is_covered = |pos: GridPos| index.cells.at(pos).iter().map(|note| note % 2 == 1).collect::<Vec<_>>();
+        assert_eq!((is_covered(GridPos(200_000, 200_000)), is_covered(GridPos(5, 200_000))), (vec![true], vec![false]));
+        assert_eq!(index.at(GridPos(-1, 200_000)).count() + index.at(GridPos(i32::MAX, i32::MIN)).count(), 0);
+    }
+}
