@@ -50,6 +50,7 @@ mod objects;
 mod outline;
 mod perimeter;
 mod places;
+mod relation;
 mod stock;
 mod streets;
 mod variety;

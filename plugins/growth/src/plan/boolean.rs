@@ -8,7 +8,7 @@ use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::vector::edge::{CLIP_LEFT, CLIP_RIGHT, SUBJ_LEFT, SUBJ_RIGHT, VectorEdge};
 use veduta_city::{BorderEdge, GridPolygon, GridPos, connected_faces};
 
-use super::outline;
+use super::relation::is_apart;
 
 /// An overlay that is being filled. Coordinates inside are relative to `origin`, so that products stay far from the ends of
 /// 64 bits.
@@ -109,17 +109,8 @@ pub(super) fn overlap_m2(a: &GridPolygon, b: &GridPolygon) -> f64 {
     intersection(&rings([a]), &rings([b])).iter().map(GridPolygon::area_m2).sum()
 }
 
-/// Whether one of a ring's edges has all of the ring on its left and all of another on its right: houses side by side are
-/// told apart by that alone.
-fn is_apart(ring: &[GridPos], other: &[GridPos]) -> bool {
-    outline::edges(ring)
-        .any(|(a, b)| a != b && other.iter().all(|&p| a.cross(b, p) <= 0) && ring.iter().all(|&p| a.cross(b, p) >= 0))
-}
-
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
 
     fn rectangle(x: i32, y: i32, w: i32, h: i32) -> Vec<GridPos> {
@@ -155,27 +146,5 @@ mod tests {
         let (a, b) = (far(rectangle(0, 0, 10, 10)), far(rectangle(5, 5, 10, 10)));
         assert_eq!(intersection(&[&a], &[&b])[0].area_m2(), 25.0);
         assert_eq!(union(&[&a, &b])[0].area_m2(), 175.0);
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
-
-        #[test]
-        fn what_is_told_to_be_apart_does_not_overlap(
-            a in proptest::collection::vec((-20..20_i32, -20..20_i32), 3..6),
-            b in proptest::collection::vec((-20..20_i32, -20..20_i32), 3..6),
-        ) {
-            // Few places, so that edges often run along one another; rings as they come, also such as cross themselves.
-            let [a, b] = [a, b].map(|ring| ring.into_iter().map(|(x, y)| GridPos(x * 512, y * 512)).collect::<Vec<_>>());
-            let area = intersection(&[&a], &[&b]).iter().map(GridPolygon::area_m2).sum::<f64>();
-            prop_assert!(area == 0.0 || !is_apart(&a, &b) && !is_apart(&b, &a), "{area}");
-            prop_assert_eq!(overlap_m2(&GridPolygon::simple(a), &GridPolygon::simple(b)), area);
-        }
-    }
-
-    #[test]
-    fn houses_side_by_side_are_apart() {
-        let (a, b) = (rectangle(0, 0, 10, 10), rectangle(10, 3, 5, 20));
-        assert!(is_apart(&a, &b) && is_apart(&b, &a) && !is_apart(&a, &rectangle(9, 3, 5, 20)));
     }
 }

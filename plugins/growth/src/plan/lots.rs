@@ -14,7 +14,7 @@ use super::houses::{Body, Draft, Grown, StyleBook};
 use super::index::Index;
 use super::perimeter::{self, Site};
 use super::streets::{self, Layer, Rank};
-use super::{Area, boolean, massing, outline};
+use super::{Area, boolean, massing, outline, relation};
 
 /// A built block is grown only where given buildings cover less than this share of it.
 const MOST_COVERED: f64 = 0.35;
@@ -62,7 +62,12 @@ pub(super) fn grow_lots(
         found_plots(ground, extent)
     } else {
         let whole = extent.polygon();
-        let within = |p: &GridPolygon| boolean::intersection(&boolean::rings([p]), &boolean::rings([&whole]));
+        let within = |p: &GridPolygon| {
+            if p.outer.iter().all(|&p| extent.holds(p)) {
+                return vec![p.clone()];
+            }
+            boolean::intersection(&boolean::rings([p]), &boolean::rings([&whole]))
+        };
         let plot = |a: &&Area<'_>| {
             let outline = a.polygons.iter().flat_map(within).collect();
             Plot { id: a.block.id, district: a.block.district.clone(), outline }
@@ -124,15 +129,20 @@ impl Obstacles {
     }
 
     /// What may be built on of a block.
-    fn sites(&self, outline: &GridPolygon, houses: &[&GridPolygon]) -> Vec<GridPolygon> {
-        let polygons =
-            |of: &'_ Index<()>| -> Vec<GridPolygon> { of.near(outline, 0.0).into_iter().map(|(p, ())| p.clone()).collect() };
+    fn sites<'a>(&'a self, outline: &GridPolygon, houses: &[&GridPolygon]) -> Vec<GridPolygon> {
+        let polygons = |of: &'a Index<()>| {
+            let near = of.near(outline, 0.0).into_iter().map(|(polygon, ())| polygon);
+            near.filter(|polygon| relation::may_meet(outline, polygon)).collect::<Vec<_>>()
+        };
         let open = polygons(&self.open);
         let gaps: Vec<GridPolygon> = houses.iter().flat_map(|house| gaps(outline, house)).collect();
-        let carve = |streets: &Index<()>| {
+        let carve = |streets: &'a Index<()>| {
             let streets = polygons(streets);
-            let taken = boolean::rings(houses.iter().copied().chain(&gaps).chain(&open).chain(&streets));
-            let mut sites = boolean::difference(&boolean::rings([outline]), &taken);
+            let taken = boolean::rings(houses.iter().copied().chain(&gaps).chain(open.iter().copied()).chain(streets));
+            let mut sites = match taken[..] {
+                [] => vec![outline.clone()],
+                _ => boolean::difference(&boolean::rings([outline]), &taken),
+            };
             sites.retain(|site| site.area_m2() >= LEAST_SITE_M2);
             sites
         };
@@ -208,7 +218,7 @@ fn trimmed(lot: GridPolygon, site: &GridPolygon, earlier: &[GridPolygon]) -> Opt
     let largest = |pieces: Vec<GridPolygon>| pieces.into_iter().max_by(|a, b| a.area_m2().total_cmp(&b.area_m2()));
     let lot = if outline::is_simple(&lot.outer) { lot } else { largest(boolean::union(&boolean::rings([&lot])))? };
     // Kept as it was drawn if it lies within its site, so that party walls share their vertices.
-    let mut lot = if outline::is_within(&lot, site, TOLERATED_M2) {
+    let mut lot = if relation::is_within(&lot, site, TOLERATED_M2) {
         lot
     } else {
         let area = lot.area_m2();

@@ -61,50 +61,6 @@ pub(super) fn is_simple(ring: &[GridPos]) -> bool {
     edges(ring).enumerate().all(|(i, e)| !edges(ring).skip(i + 1).any(|f| cross(e, f)))
 }
 
-/// Whether a convex polygon lies within another but for less than an area that is easily told: where the border of the other
-/// comes into it, it stays so near to its edges that no more can be outside. Others may be told not to, wrongly.
-pub(super) fn is_within(polygon: &GridPolygon, other: &GridPolygon, tolerance_m2: f64) -> bool {
-    /// Grid steps.
-    const NEAR: f64 = 1.0;
-    let ring = &polygon.outer;
-    let base = ring.first().copied().unwrap_or_default();
-    let is_convex = ring.len() > 2
-        && polygon.holes.is_empty()
-        && (0..ring.len()).all(|i| ring[i].cross(ring[(i + 1) % ring.len()], ring[(i + 2) % ring.len()]) > 0);
-    let steps = 1.0 / GridPos(1, 0).to_metres().x;
-    if !is_convex || perimeter_m(polygon) * (NEAR / steps) >= tolerance_m2 || !other.contains(middle(ring)) {
-        return false;
-    }
-    let local = |p: GridPos| (p - base).to_metres() * steps;
-    // The inside of each edge is where its normal's product with a position is at least a value.
-    let sides = edges(ring).map(|(a, b)| (local(a), (local(b) - local(a)).normalize_or_zero().perp()));
-    let sides: Vec<(DVec2, f64)> = sides.map(|(a, normal)| (normal, normal.dot(a))).collect();
-    other.rings().flat_map(|ring| edges(ring)).all(|(p, q)| {
-        let (p, q) = (local(p), local(q));
-        // What of the edge is inside (Cyrus and Beck, IEEE Transactions on Computers, 1978).
-        let (mut from, mut to) = (0.0_f64, 1.0_f64);
-        for &(normal, least) in &sides {
-            let (at_p, at_q) = (normal.dot(p) - least, normal.dot(q) - least);
-            if at_p < 0.0 && at_q < 0.0 {
-                return true;
-            }
-            if at_p < 0.0 {
-                from = from.max(at_p / (at_p - at_q));
-            } else if at_q < 0.0 {
-                to = to.min(at_p / (at_p - at_q));
-            }
-        }
-        let (a, b) = (p.lerp(q, from), p.lerp(q, to));
-        from >= to || sides.iter().any(|&(normal, least)| normal.dot(a).max(normal.dot(b)) - least <= NEAR)
-    })
-}
-
-/// The mean of a ring's vertices.
-fn middle(ring: &[GridPos]) -> GridPos {
-    let mean = |axis: fn(&GridPos) -> i32| (ring.iter().map(|p| i64::from(axis(p))).sum::<i64>() / ring.len().max(1) as i64) as i32;
-    GridPos(mean(|p| p.0), mean(|p| p.1))
-}
-
 fn straight_ring(ring: &[GridPos]) -> Vec<GridPos> {
     let mut out = ring.to_vec();
     let mut i = 0;
@@ -179,8 +135,6 @@ pub(super) fn smallest_box(ring: &[GridPos]) -> Box2 {
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
 
     #[test]
@@ -231,41 +185,5 @@ mod tests {
         let b = smallest_box(&polygons(&turned, &[])[0].outer);
         assert!((b.length_m - 20.0).abs() < 0.01 && (b.width_m - 8.0).abs() < 0.01, "{b:?}");
         assert!(b.along.dot(u).abs() > 0.999);
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, cases: 1024, ..ProptestConfig::default() })]
-
-        #[test]
-        fn what_is_told_to_be_within_is(
-            (x, y, w, h) in (-9..9_i32, -9..9_i32, 1..9_i32, 1..9_i32),
-            site in proptest::collection::vec((-12..12_i32, -12..12_i32, -3..4_i32), 3..8),
-            turn in 0..4_i32,
-        ) {
-            // Corners that are often in line, but for a few grid steps.
-            let lot = [(x, y), (x + w, y), (x + w, y + h), (x + turn.min(w - 1), y + h)];
-            let lot = GridPolygon::simple(lot.map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec());
-            let site = GridPolygon::simple(site.into_iter().map(|(x, y, off)| GridPos(x * 1024 + off, y * 1024 - off)).collect());
-            for site in boolean::union(&boolean::rings([&site])) {
-                let outside = boolean::difference(&boolean::rings([&lot]), &boolean::rings([&site]));
-                let outside: f64 = outside.iter().map(GridPolygon::area_m2).sum();
-                prop_assert!(!is_within(&lot, &site, 0.05) || outside < 0.05, "{outside} m² are outside");
-            }
-        }
-    }
-
-    #[test]
-    fn a_lot_on_the_building_line_is_within_though_rounded_beyond_it() {
-        let site = polygons(&ring(&[(0.0, 0.0), (61.37, 7.91), (50.0, 60.0), (-5.0, 40.0)]), &[]).remove(0);
-        let (a, along) = (DVec2::ZERO, DVec2::new(61.37, 7.91).normalize());
-        let lot = |from: f64, depth: f64| {
-            let corners = [a + along * from, a + along * (from + 9.3)];
-            let inner = corners.map(|p| p + along.perp() * depth);
-            polygons(&[corners[0], corners[1], inner[1], inner[0]], &[]).remove(0)
-        };
-        for i in 0..40 {
-            assert!(is_within(&lot(5.0 + f64::from(i), 11.0), &site, 0.05), "{i}");
-            assert!(!is_within(&lot(5.0 + f64::from(i), 51.0), &site, 0.05), "{i} reaches beyond its site");
-        }
     }
 }

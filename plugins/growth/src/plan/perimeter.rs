@@ -77,16 +77,22 @@ pub(super) fn inradius_m(polygon: &GridPolygon) -> f64 {
     };
     let (mut centre, mut half) = ((lo.to_metres() + hi.to_metres()) / 2.0, (hi - lo).to_metres() / 2.0);
     let mut best = 0.0;
-    for n in [10, 3, 3, 3] {
-        let middle = centre;
+    for (n, stride) in [(10, 4), (3, 3), (3, 3), (3, 3)] {
+        let place = |i: i32, j: i32| centre + half * DVec2::new(f64::from(i), f64::from(j)) / f64::from(n);
+        // Some of the probes tell which of the others are not worth the trouble.
+        let sparse = || (-n..=n).step_by(stride);
+        let some = sparse().flat_map(|i| sparse().map(move |j| (i, j)));
+        let enough = some.fold(best, |most: f64, (i, j)| clearance(place(i, j), most).unwrap_or(most)).next_down();
+        let mut found = (best, centre);
         for i in -n..=n {
             for j in -n..=n {
-                let p = middle + half * DVec2::new(f64::from(i), f64::from(j)) / f64::from(n);
-                if let Some(radius) = clearance(p, best) {
-                    (best, centre) = (radius, p);
+                let p = place(i, j);
+                if let Some(radius) = clearance(p, found.0.max(enough)) {
+                    found = (radius, p);
                 }
             }
         }
+        (best, centre) = found;
         half /= f64::from(n);
     }
     best

@@ -1,0 +1,202 @@
+//! How two polygons lie to one another, as far as it can be told without computing what they share. Where it cannot, a
+//! boolean operation must tell.
+
+use glam::DVec2;
+use veduta_city::{GridPolygon, GridPos};
+
+use super::outline::{distance_to_edge, edges, perimeter_m};
+
+/// Whether one of a ring's edges has all of the ring on its left and all of another on its right: most houses side by side are
+/// told apart by that alone.
+pub(super) fn is_apart(ring: &[GridPos], other: &[GridPos]) -> bool {
+    edges(ring).any(|(a, b)| a != b && other.iter().all(|&p| a.cross(b, p) <= 0) && ring.iter().all(|&p| a.cross(b, p) >= 0))
+}
+
+/// Whether two polygons may have more in common than nothing: their borders touch, or one is in the other.
+pub(super) fn may_meet(a: &GridPolygon, b: &GridPolygon) -> bool {
+    let first = |of: &GridPolygon| of.outer.first().copied().unwrap_or_default();
+    if a.contains(first(b)) || b.contains(first(a)) {
+        return true;
+    }
+    let of = |polygon: &GridPolygon| polygon.rings().flat_map(|ring| edges(ring)).collect::<Vec<_>>();
+    let others = of(b);
+    of(a).into_iter().any(|edge| others.iter().any(|&other| do_touch(edge, other)))
+}
+
+/// Whether two closed line segments have a point in common.
+fn do_touch((a, b): (GridPos, GridPos), (c, d): (GridPos, GridPos)) -> bool {
+    let meet = |a: i32, b: i32, c: i32, d: i32| a.min(b) <= c.max(d) && c.min(d) <= a.max(b);
+    let side = |a: GridPos, b: GridPos, p: GridPos| a.cross(b, p).signum();
+    meet(a.0, b.0, c.0, d.0) && meet(a.1, b.1, c.1, d.1) && side(a, b, c) * side(a, b, d) <= 0 && side(c, d, a) * side(c, d, b) <= 0
+}
+
+/// How near to a border rounding to the grid leads: grid steps.
+const NEAR: f64 = 0.75;
+
+/// Whether a simple polygon surely lies within another but for less than an area: where the border of the other comes into it,
+/// it keeps so near to its own that no more can be outside.
+pub(super) fn is_within(polygon: &GridPolygon, other: &GridPolygon, tolerance_m2: f64) -> bool {
+    let steps = 1.0 / GridPos(1, 0).to_metres().x;
+    let Some((low, high)) = polygon.bounds() else { return false };
+    if !polygon.holes.is_empty() || perimeter_m(polygon) * (NEAR / steps) >= tolerance_m2 {
+        return false;
+    }
+    let local = |p: GridPos| (p - low).to_metres() * steps;
+    let own: Vec<(DVec2, DVec2)> = edges(&polygon.outer).map(|(a, b)| (local(a), local(b))).collect();
+    let is_near =
+        |p: GridPos, q: GridPos| p.0.min(q.0) <= high.0 && low.0 <= p.0.max(q.0) && p.1.min(q.1) <= high.1 && low.1 <= p.1.max(q.1);
+    let borders: Vec<(DVec2, DVec2)> =
+        (other.rings().flat_map(|ring| edges(ring))).filter(|&(p, q)| is_near(p, q)).map(|(p, q)| (local(p), local(q))).collect();
+    let is_on_border = |p: DVec2| borders.iter().any(|&(a, b)| distance_to_edge(p, a, b) <= NEAR);
+    if !polygon.outer.iter().all(|&p| is_on_border(local(p)) || other.contains(p)) {
+        return false;
+    }
+    let mut shares = Vec::new();
+    let is_kept_to = |&(p, q): &(DVec2, DVec2)| {
+        // The pieces of the border between the edges that it crosses: each is inside or outside of the polygon as a whole.
+        shares.clear();
+        shares.extend([0.0, 1.0]);
+        shares.extend(own.iter().filter_map(|&(a, b)| crossing(p, q, a, b)));
+        shares.sort_unstable_by(f64::total_cmp);
+        shares.windows(2).all(|piece| {
+            let [from, to] = [piece[0], piece[1]].map(|share| p.lerp(q, share));
+            // Distance to an edge is convex: what is near at both ends is near between.
+            let is_along = |&(a, b): &(DVec2, DVec2)| distance_to_edge(from, a, b).max(distance_to_edge(to, a, b)) <= NEAR;
+            !contains(&own, (from + to) / 2.0) || own.iter().any(is_along)
+        })
+    };
+    borders.iter().all(is_kept_to) && inner_point(&polygon.outer).is_some_and(|p| other.contains(p))
+}
+
+/// Where p–q crosses a–b, as a share of the way from p to q.
+fn crossing(p: DVec2, q: DVec2, a: DVec2, b: DVec2) -> Option<f64> {
+    let (way, edge) = (q - p, b - a);
+    let cross = way.perp_dot(edge);
+    let share = (a - p).perp_dot(edge) / cross;
+    let along = (a - p).perp_dot(way) / cross;
+    (cross != 0.0 && (0.0..=1.0).contains(&share) && (-1e-9..=1.0 + 1e-9).contains(&along)).then_some(share)
+}
+
+/// Whether a position lies in a ring, given by its edges.
+fn contains(ring: &[(DVec2, DVec2)], p: DVec2) -> bool {
+    let crosses = |&&(a, b): &&(DVec2, DVec2)| (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
+    ring.iter().filter(crosses).count() % 2 == 1
+}
+
+/// Some position inside a simple ring: the mean of its vertices, or that of three which follow one another.
+fn inner_point(ring: &[GridPos]) -> Option<GridPos> {
+    let mean = |of: &[GridPos]| {
+        let axis = |axis: fn(&GridPos) -> i32| (of.iter().map(|p| i64::from(axis(p))).sum::<i64>() / of.len() as i64) as i32;
+        GridPos(axis(|p| p.0), axis(|p| p.1))
+    };
+    let n = ring.len();
+    let of_three = (0..n).map(|i| mean(&[ring[i], ring[(i + 1) % n], ring[(i + 2) % n]]));
+    let whole = GridPolygon::simple(ring.to_vec());
+    (n > 2).then(|| mean(ring)).into_iter().chain(of_three).find(|&p| whole.contains(p))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::plan::boolean;
+
+    fn rings(polygon: &GridPolygon) -> Vec<&[GridPos]> {
+        boolean::rings([polygon])
+    }
+
+    fn area_m2(of: &[GridPolygon]) -> f64 {
+        of.iter().map(GridPolygon::area_m2).sum()
+    }
+
+    fn rectangle(x: i32, y: i32, w: i32, h: i32) -> GridPolygon {
+        GridPolygon::simple([(x, y), (x + w, y), (x + w, y + h), (x, y + h)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, cases: 1024, ..ProptestConfig::default() })]
+
+        #[test]
+        fn what_is_told_apart_has_nothing_in_common(
+            a in proptest::collection::vec((-20..20_i32, -20..20_i32), 3..6),
+            b in proptest::collection::vec((-20..20_i32, -20..20_i32), 3..6),
+        ) {
+            // Few places, so that edges often run along one another; the first ring as it comes, also one that crosses itself.
+            let [a, b] = [a, b].map(|ring| GridPolygon::simple(ring.into_iter().map(|(x, y)| GridPos(x * 512, y * 512)).collect()));
+            let area = area_m2(&boolean::intersection(&rings(&a), &rings(&b)));
+            prop_assert!(area == 0.0 || !is_apart(&a.outer, &b.outer) && !is_apart(&b.outer, &a.outer), "{area}");
+            for b in boolean::union(&rings(&b)) {
+                for a in boolean::union(&rings(&a)) {
+                    let area = area_m2(&boolean::intersection(&rings(&a), &rings(&b)));
+                    prop_assert!(area == 0.0 || may_meet(&a, &b), "{area}");
+                }
+            }
+        }
+
+        #[test]
+        fn what_is_told_to_be_within_is(
+            (x, y, w, h) in (-9..9_i32, -9..9_i32, 1..9_i32, 1..9_i32),
+            dent in (0..9_i32, 0..9_i32),
+            site in proptest::collection::vec((-12..12_i32, -12..12_i32, -3..4_i32), 3..8),
+        ) {
+            // Corners that are often in line, but for a few grid steps; lots with a bend in their front or back.
+            let dent = (x + dent.0 % w, y + dent.1 % h);
+            let lot = [(x, y), (x + w, y), (x + w, y + h), dent];
+            let lot = GridPolygon::simple(lot.map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec());
+            let site = GridPolygon::simple(site.into_iter().map(|(x, y, off)| GridPos(x * 1024 + off, y * 1024 - off)).collect());
+            for lot in boolean::union(&rings(&lot)) {
+                for site in boolean::union(&rings(&site)) {
+                    let outside = area_m2(&boolean::difference(&rings(&lot), &rings(&site)));
+                    prop_assert!(!is_within(&lot, &site, 0.05) || outside < 0.05, "{outside} m² are outside");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn houses_side_by_side_are_apart_and_may_meet() {
+        let (a, b) = (rectangle(0, 0, 10, 10), rectangle(10, 3, 5, 20));
+        assert!(is_apart(&a.outer, &b.outer) && is_apart(&b.outer, &a.outer) && may_meet(&a, &b));
+        assert!(!is_apart(&a.outer, &rectangle(9, 3, 5, 20).outer));
+        assert!(
+            !may_meet(&a, &rectangle(11, 3, 5, 20)) && may_meet(&a, &rectangle(2, 2, 3, 3)) && may_meet(&rectangle(2, 2, 3, 3), &a)
+        );
+        let frame = GridPolygon { outer: rectangle(-9, -9, 40, 40).outer, holes: vec![rectangle(-2, -2, 20, 20).outer] };
+        assert!(!may_meet(&a, &frame), "it stands in the court");
+    }
+
+    #[test]
+    fn a_lot_on_the_building_line_is_within_though_rounded_beyond_it() {
+        let grid = |p: DVec2| GridPos::from_metres(p);
+        let corners = [(0.0, 0.0), (30.0, -4.0), (61.37, 7.91), (50.0, 60.0), (-5.0, 40.0)].map(DVec2::from);
+        let site = GridPolygon::simple(corners.map(grid).to_vec());
+        for i in 0..40 {
+            for (from, to) in [(corners[0], corners[1]), (corners[2], corners[3]), (corners[4], corners[0])] {
+                let along = (to - from).normalize();
+                let lot = |depth: f64| {
+                    let front = [1.0, 10.3].map(|at| from + along * (at + 0.35 * f64::from(i)));
+                    let back = front.map(|p| p + along.perp() * depth);
+                    GridPolygon::simple([front[0], front[1], back[1], back[0]].map(grid).to_vec())
+                };
+                assert!(is_within(&lot(11.0), &site, 0.05), "{i} {from}");
+                assert!(!is_within(&lot(-11.0), &site, 0.05) && !is_within(&lot(91.0), &site, 0.05), "{i} {from}");
+            }
+            // About a corner that bends inwards.
+            let court = GridPolygon::simple(
+                [(0.0, 0.0), (40.0, 0.0), (40.0, 40.0), (20.3, 21.7 + 0.1 * f64::from(i)), (0.0, 40.0)]
+                    .map(|p| grid(p.into()))
+                    .to_vec(),
+            );
+            let bend = court.outer[3].to_metres();
+            let lot = [
+                bend + DVec2::new(-4.0, 0.0).rotate(DVec2::from_angle(-0.73)),
+                bend,
+                bend + DVec2::new(0.0, -9.0),
+                bend - DVec2::new(4.0, 9.0),
+            ];
+            let lot = GridPolygon::simple(lot.map(grid).to_vec());
+            assert_eq!(is_within(&lot, &court, 0.05), area_m2(&boolean::difference(&rings(&lot), &rings(&court))) < 0.01, "{i}");
+        }
+    }
+}
