@@ -8,6 +8,7 @@
 //!
 //! Both are run as programs, each as a person would run it, and timed by their own `--timings`.
 
+mod cmpe;
 mod figure;
 mod figures;
 mod footprints;

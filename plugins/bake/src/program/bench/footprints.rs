@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use clap::Args;
@@ -16,7 +16,7 @@ use crate::program::Failure;
 /// The peer of growth, if it is to be measured.
 #[derive(Args)]
 pub(crate) struct GrowthPeer {
-    /// Folder of peer_growth.py, which writes the footprints and measures the peers on them.
+    /// Folder of peer_growth.py, which writes the footprints and measures the peers on them, and of make_map.py.
     #[arg(long, value_name = "DIR")]
     peers: Option<PathBuf>,
     /// Python with what its first lines name.
@@ -61,6 +61,11 @@ impl Footprints {
 }
 
 impl GrowthPeer {
+    /// The Python, the peers' folder and the one for what is made, and the seed, if anything of the peers' is to be run.
+    pub fn maps(&self) -> Option<((&Path, &Path, &Path), u32)> {
+        self.peers.as_deref().map(|peers| ((&*self.python, peers, &*self.work), self.seed))
+    }
+
     /// Its footprints and figures; nothing if it is not to be measured.
     pub fn measured(&self) -> Result<Option<Footprints>, Failure> {
         let Some(peers) = &self.peers else { return Ok(None) };

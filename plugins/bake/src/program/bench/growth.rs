@@ -11,6 +11,7 @@ use veduta_city::{CellShell, CityGraph, FacadeSheet, RoofShape, file};
 use veduta_growth::mesh::{self, MeshData};
 use veduta_growth::plan::{Growth, grow, stock_styles};
 
+use super::cmpe::cmpe_case;
 use super::figure::{Figure, print};
 use super::footprints::GrowthPeer;
 use crate::program::Failure;
@@ -75,6 +76,12 @@ pub(crate) fn growth(bench: &GrowthBench) -> Result<(), Failure> {
         let prisms = Figure::new("prisms_per_s", shell.houses.len() as f64 / seconds, "1/s");
         figures.push(prisms.beside("trimesh", footprints.peer("trimesh_prisms")));
     }
+    if let Some((place, seed)) = bench.peer.maps() {
+        let case = cmpe_case(place, seed, &styles, bench.repeat)?;
+        figures.push(Figure::new("cmpe_4096_ms", 1e3 * case.seconds, "ms"));
+        let counts = [("links", case.links), ("houses", case.houses), ("triangles", case.triangles)];
+        figures.extend(counts.map(|(what, count)| Figure::new(format!("cmpe_4096_{what}"), count as f64, "1")));
+    }
     print(&figures, bench.json)
 }
 
@@ -86,7 +93,7 @@ fn graph(map: Option<&Path>) -> Result<CityGraph, Failure> {
 }
 
 /// The seconds of the best of some runs, and what the last one made.
-fn best<T>(repeat: usize, mut run: impl FnMut() -> T) -> (f64, T) {
+pub(super) fn best<T>(repeat: usize, mut run: impl FnMut() -> T) -> (f64, T) {
     let mut time = || {
         let began = Instant::now();
         let made = run();
@@ -99,6 +106,6 @@ fn best<T>(repeat: usize, mut run: impl FnMut() -> T) -> (f64, T) {
     })
 }
 
-fn triangles(meshes: &[MeshData]) -> usize {
+pub(super) fn triangles(meshes: &[MeshData]) -> usize {
     meshes.iter().map(MeshData::triangle_count).sum()
 }

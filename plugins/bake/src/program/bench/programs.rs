@@ -97,7 +97,7 @@ impl Programs {
     }
 
     /// The folder of a map, which is drawn if it is not there.
-    fn folder(&self, map: &Map) -> Result<PathBuf, Failure> {
+    pub fn folder(&self, map: &Map) -> Result<PathBuf, Failure> {
         let Map { style, seed, size, kind } = map;
         let folder = self.work.join(map.to_string());
         // What is written last.
