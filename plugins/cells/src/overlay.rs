@@ -4,6 +4,7 @@ use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
 use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::vector::edge::{CLIP_LEFT, CLIP_RIGHT, SUBJ_LEFT, SUBJ_RIGHT, VectorEdge};
+pub(crate) use veduta_city::ring_edges as edges;
 use veduta_city::{BorderEdge, GridPolygon, GridPos, GridRing, connected_faces};
 
 /// Least and greatest corner.
@@ -13,11 +14,6 @@ pub(crate) type Bounds = (GridPos, GridPos);
 pub(crate) fn ring_area_2(ring: &[GridPos]) -> i64 {
     let Some(&origin) = ring.first() else { return 0 };
     edges(ring).fold(0, |sum, (a, b)| sum.saturating_add(origin.cross(a, b)))
-}
-
-/// The edges of a closed ring, in order.
-pub(crate) fn edges(ring: &[GridPos]) -> impl Iterator<Item = (GridPos, GridPos)> + '_ {
-    ring.iter().copied().zip(ring.iter().copied().cycle().skip(1)).take(ring.len())
 }
 
 /// Square metres of several polygons.

@@ -184,7 +184,7 @@ mod tests {
 
     /// The faces of rings with the inside on their left.
     fn faces_of(rings: &[GridRing], keep_collinear: bool) -> Vec<GridPolygon> {
-        connected_faces(rings.iter().flat_map(|r| crate::grid::edges(r)).collect(), keep_collinear)
+        connected_faces(rings.iter().flat_map(|r| crate::ring_edges(r)).collect(), keep_collinear)
     }
 
     fn areas(faces: &[GridPolygon]) -> Vec<i128> {
@@ -256,7 +256,7 @@ mod tests {
     #[test]
     fn a_gap_is_closed_where_it_is() {
         let rings = [ring(&[(0, 0), (90, 0), (90, 90), (0, 90)]), ring(&[(20, 20), (20, 40), (40, 40), (40, 20)])];
-        let edges: Vec<BorderEdge> = rings.iter().flat_map(|r| crate::grid::edges(r)).collect();
+        let edges: Vec<BorderEdge> = rings.iter().flat_map(|r| crate::ring_edges(r)).collect();
         let whole = areas(&connected_faces(edges.clone(), true));
         for lost in 0..edges.len() {
             let mut edges = edges.clone();

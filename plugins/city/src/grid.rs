@@ -120,7 +120,7 @@ impl GridPolygon {
         let Some(&origin) = self.outer.first() else { return DVec2::ZERO };
         let base = origin.to_metres();
         let (mut sum, mut twice) = (DVec2::ZERO, 0.0);
-        for (a, b) in edges(&self.outer) {
+        for (a, b) in ring_edges(&self.outer) {
             let (a, b) = (a.to_metres() - base, b.to_metres() - base);
             let cross = a.perp_dot(b);
             twice += cross;
@@ -133,19 +133,20 @@ impl GridPolygon {
     }
 }
 
-/// The edges of a closed ring, in order.
-pub(crate) fn edges(ring: &[GridPos]) -> impl Iterator<Item = (GridPos, GridPos)> + '_ {
-    ring.iter().copied().zip(ring.iter().copied().cycle().skip(1)).take(ring.len())
+/// The edges of a closed ring, in order: each vertex with the next one, the last with the first.
+pub fn ring_edges<P: Copy>(ring: &[P]) -> impl Iterator<Item = (P, P)> + Clone + '_ {
+    // By index: zipping with a cycle takes several times as long.
+    (0..ring.len()).map(move |i| (ring[i], ring[if i + 1 < ring.len() { i + 1 } else { 0 }]))
 }
 
 fn ring_area_2(ring: &[GridPos]) -> i64 {
     let Some(&origin) = ring.first() else { return 0 };
-    edges(ring).fold(0, |sum, (a, b)| sum.saturating_add(origin.cross(a, b)))
+    ring_edges(ring).fold(0, |sum, (a, b)| sum.saturating_add(origin.cross(a, b)))
 }
 
 fn ring_contains(ring: &[GridPos], p: GridPos) -> bool {
     let mut inside = false;
-    for (a, b) in edges(ring) {
+    for (a, b) in ring_edges(ring) {
         if (a.1 > p.1) != (b.1 > p.1) {
             // Taken upwards whichever way the ring runs: of two rings that share an edge, one has the positions on it.
             let (low, high) = if a.1 < b.1 { (a, b) } else { (b, a) };

@@ -1,6 +1,6 @@
 //! Which face each of many holes belongs to.
 
-use crate::grid::edges;
+use crate::ring_edges;
 use crate::{GridPolygon, GridPos, GridRing};
 
 /// Most strips that edges are sorted into.
@@ -59,7 +59,7 @@ impl Strips {
     fn new(faces: &[GridPolygon], holes: &[GridRing]) -> Self {
         let mut all: Vec<Edge> = Vec::new();
         let mut add = |ring: &GridRing, of: Ring| {
-            for (a, b) in edges(ring).filter(|(a, b)| a.0 != b.0) {
+            for (a, b) in ring_edges(ring).filter(|(a, b)| a.0 != b.0) {
                 let is_floor = a.0 < b.0;
                 let (west, east) = if is_floor { (a, b) } else { (b, a) };
                 all.push(Edge { west, east, is_floor, ring: of });

@@ -55,7 +55,7 @@ pub use graph::{
     Square, StandingObject, StreetClass, Surfacing,
 };
 pub use graph_check::GraphError;
-pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres};
+pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres, ring_edges};
 pub use id::Id;
 pub use limits::{FARTHEST_M, HIGHEST_M, MOST_LEVELS, WIDEST_M};
 pub use overrides::{GraphOverride, GraphOverrides, LinkEdit, OverrideError, Target};

@@ -4,6 +4,7 @@ use geo::bool_ops::FillRule;
 use geo::{BooleanOps, Coord, LineString, MultiPolygon};
 use glam::DVec2;
 use veduta_city::Ring;
+pub(crate) use veduta_city::ring_edges as edges;
 
 /// Vertices closer than this are one, in metres.
 const WELD_M: f64 = 1e-3;
@@ -58,11 +59,6 @@ impl Polygon {
         let chords = xs.as_chunks::<2>().0.iter().map(|&[a, b]| (DVec2::new(a, y), DVec2::new(b, y)));
         chords.max_by(|a, b| (a.1 - a.0).x.total_cmp(&(b.1 - b.0).x))
     }
-}
-
-/// Edges of a closed ring, in order.
-pub(crate) fn edges(ring: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
-    ring.iter().zip(ring.iter().skip(1).chain(ring.first())).map(|(a, b)| (*a, *b))
 }
 
 /// Positive if counter-clockwise.

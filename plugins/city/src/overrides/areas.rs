@@ -4,7 +4,8 @@ use glam::DVec2;
 
 use super::Target;
 use super::network::{Outcome, drop_lone, length_m, new_node};
-use super::target::{Found, cross, distance_to_border, distance_to_ring, find, is_inside, line_of, ring_edges};
+use super::target::{Found, cross, distance_to_border, distance_to_ring, find, is_inside, line_of};
+use crate::ring_edges;
 use crate::{CityGraph, Id, Link, LinkKind, Ring, Square};
 
 /// Ends of cut streets closer than this are one node; metres.

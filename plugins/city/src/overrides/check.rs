@@ -3,7 +3,8 @@ use core::fmt;
 use glam::DVec2;
 
 use super::areas::signed_area;
-use super::target::{cross, ring_edges};
+use super::target::cross;
+use crate::ring_edges;
 use crate::{
     BuildingPart, CityGraph, FARTHEST_M, GraphOverride, GraphOverrides, HIGHEST_M, MOST_LEVELS, RoofTags, Target, WIDEST_M,
 };

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+use crate::ring_edges;
 use crate::{CityGraph, Id, Link};
 
 /// What an edit is about: kind by the edit, id if it is known, and the place where the thing was when it was written.
@@ -121,10 +122,6 @@ pub(super) fn distance_to_border(ring: &[DVec2], p: DVec2) -> f64 {
 pub(super) fn is_inside(ring: &[DVec2], p: DVec2) -> bool {
     let crosses = |&(a, b): &(DVec2, DVec2)| (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y);
     ring_edges(ring).filter(crosses).count() % 2 == 1
-}
-
-pub(super) fn ring_edges(ring: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
-    ring.iter().copied().zip(ring.iter().copied().cycle().skip(1)).take(ring.len())
 }
 
 /// Whether two pieces cross in the inside of both.

@@ -206,38 +206,54 @@ fn grow_plot(
 /// Footprints on one site: disjoint, each within it.
 fn grow_site(site: &GridPolygon, houses: &[&GridPolygon], style: &Style, draw: Draw) -> Vec<GridPolygon> {
     let lots = perimeter::lots(&Site { outline: site, houses }, style, draw);
-    let mut out: Vec<GridPolygon> = Vec::new();
+    let mut out: Vec<Lot> = Vec::new();
     for lot in lots {
-        out.extend(trimmed(lot, site, &out));
+        out.extend(trimmed(lot, site, &out).map(Lot::new));
     }
-    out
+    out.into_iter().map(|lot| lot.outline).collect()
+}
+
+/// A lot, and the box about it.
+struct Lot {
+    outline: GridPolygon,
+    bounds: (GridPos, GridPos),
+}
+
+impl Lot {
+    fn new(outline: GridPolygon) -> Self {
+        Self { bounds: outline.bounds().unwrap_or_default(), outline }
+    }
+
+    /// Whether it has more in common with another than rounding explains.
+    fn overlaps(&self, other: &Self) -> bool {
+        let ((alo, ahi), (blo, bhi)) = (self.bounds, other.bounds);
+        let meets = alo.0 < bhi.0 && blo.0 < ahi.0 && alo.1 < bhi.1 && blo.1 < ahi.1;
+        meets && boolean::overlap_m2(&self.outline, &other.outline) > TOLERATED_M2 / 5.0
+    }
 }
 
 /// The largest piece of a lot that lies in its site and on no earlier lot.
-fn trimmed(lot: GridPolygon, site: &GridPolygon, earlier: &[GridPolygon]) -> Option<GridPolygon> {
+fn trimmed(lot: GridPolygon, site: &GridPolygon, earlier: &[Lot]) -> Option<GridPolygon> {
     let largest = |pieces: Vec<GridPolygon>| pieces.into_iter().max_by(|a, b| a.area_m2().total_cmp(&b.area_m2()));
     let lot = if outline::is_simple(&lot.outer) { lot } else { largest(boolean::union(&boolean::rings([&lot])))? };
     // Kept as it was drawn if it lies within its site, so that party walls share their vertices.
-    let mut lot = if relation::is_within(&lot, site, TOLERATED_M2) {
+    let lot = if relation::is_within(&lot, site, TOLERATED_M2) {
         lot
     } else {
         let area = lot.area_m2();
         let within = largest(boolean::intersection(&boolean::rings([&lot]), &boolean::rings([site])))?;
         if within.area_m2() > area - TOLERATED_M2 && area > 0.0 { lot } else { within }
     };
-    let meets = |a: &GridPolygon, b: &GridPolygon| match (a.bounds(), b.bounds()) {
-        (Some((alo, ahi)), Some((blo, bhi))) => alo.0 < bhi.0 && blo.0 < ahi.0 && alo.1 < bhi.1 && blo.1 < ahi.1,
-        _ => false,
-    };
-    let overlaps = |a: &GridPolygon, b: &GridPolygon| meets(a, b) && boolean::overlap_m2(a, b) > TOLERATED_M2 / 5.0;
+    let mut lot = Lot::new(lot);
     for other in earlier {
-        if overlaps(&lot, other) {
-            lot = largest(boolean::difference(&boolean::rings([&lot]), &boolean::rings([other])))?;
+        if lot.overlaps(other) {
+            lot = Lot::new(largest(boolean::difference(&boolean::rings([&lot.outline]), &boolean::rings([&other.outline])))?);
         }
     }
     // Straight walls, unless they would push into a neighbour.
-    let straight = largest(outline::straightened(&lot))?;
-    Some(if straight != lot && earlier.iter().any(|other| overlaps(&straight, other)) { lot } else { straight })
+    let straight = Lot::new(largest(outline::straightened(&lot.outline))?);
+    let is_free = straight.outline == lot.outline || !earlier.iter().any(|other| straight.overlaps(other));
+    Some(if is_free { straight.outline } else { lot.outline })
 }
 
 fn is_buildable(footprint: &GridPolygon) -> bool {
@@ -276,11 +292,18 @@ fn draft(graph: &CityGraph, footprint: GridPolygon, style_index: usize, style: &
 /// side of it), and drops those that stand on others.
 fn part_ways(mut drafts: Vec<Draft>, findings: &mut Vec<Finding>) -> Vec<Draft> {
     let index = Index::new(drafts.iter().enumerate().map(|(i, d)| (d.bodies[0].footprint.clone(), i)).collect());
+    let earlier = |i: usize, footprint: &GridPolygon| index.near(footprint, 0.0).into_iter().filter(move |(_, j)| **j < i);
+    // Houses only ever lose ground: those that overlap none now never will.
+    let is_over = |(i, draft): (usize, &Draft)| {
+        let footprint = &draft.bodies[0].footprint;
+        earlier(i, footprint).any(|(other, _)| boolean::overlap_m2(footprint, other) > TOLERATED_M2)
+    };
+    let is_over: Vec<bool> = drafts.par_iter().enumerate().map(is_over).collect();
     let mut stands = vec![true; drafts.len()];
-    for i in 0..drafts.len() {
+    for i in (0..drafts.len()).filter(|&i| is_over[i]) {
         let footprint = &drafts[i].bodies[0].footprint;
-        let earlier = index.near(footprint, 0.0).into_iter().map(|(_, &j)| j).filter(|&j| j < i && stands[j]);
-        let others: Vec<&GridPolygon> = earlier.map(|j| &drafts[j].bodies[0].footprint).collect();
+        let others = earlier(i, footprint).map(|(_, &j)| j).filter(|&j| stands[j]);
+        let others: Vec<&GridPolygon> = others.map(|j| &drafts[j].bodies[0].footprint).collect();
         if others.iter().all(|other| boolean::overlap_m2(footprint, other) <= TOLERATED_M2) {
             continue;
         }

@@ -1,6 +1,7 @@
 //! Heights and roofs: from tags where a map has them, from the style where not.
 
 use glam::DVec2;
+use rayon::prelude::*;
 use veduta_city::draw::Draw;
 use veduta_city::{Finding, GridPos, PlanRoof, RoofShape, Severity, Style, metres};
 
@@ -35,20 +36,19 @@ pub(super) struct Mass {
 /// Heights and roofs of all bodies of all houses.
 pub(super) fn masses(drafts: &[Draft], facing: &Facing, book: &StyleBook<'_>, findings: &mut Vec<Finding>) -> Vec<Vec<Mass>> {
     let grown = grown_eaves(drafts, facing);
-    let mut out = Vec::with_capacity(drafts.len());
-    for (h, draft) in drafts.iter().enumerate() {
-        let Some(style) = book.style(draft.style) else {
-            out.push(Vec::new());
-            continue;
-        };
+    let of_house = |(h, draft): (usize, &Draft)| {
+        let mut findings = Vec::new();
+        let Some(style) = book.style(draft.style) else { return (Vec::new(), findings) };
         let edges = facing.edges.get(h).map_or(&[][..], Vec::as_slice);
         let mass = |(b, body): (usize, &Body)| {
             let edges = edges.get(b).map_or(&[][..], Vec::as_slice);
-            mass(draft, body, b, edges, style, grown[h], findings)
+            mass(draft, body, b, edges, style, grown[h], &mut findings)
         };
-        out.push(draft.bodies.iter().enumerate().map(mass).collect());
-    }
-    out
+        (draft.bodies.iter().enumerate().map(mass).collect(), findings)
+    };
+    let (masses, told): (Vec<Vec<Mass>>, Vec<Vec<Finding>>) = drafts.par_iter().enumerate().map(of_house).unzip();
+    findings.extend(told.into_iter().flatten());
+    masses
 }
 
 /// Eaves of grown houses, in order: within 1.1 m of their row's, 0.3 m or more from every neighbour's that is settled.

@@ -1,17 +1,13 @@
 //! Outlines as they come from people and maps, made into valid polygons on the grid.
 
 use glam::DVec2;
+pub(super) use veduta_city::ring_edges as edges;
 use veduta_city::{GridPolygon, GridPos, Ring};
 
 use super::boolean;
 
 /// Vertices this close to the line between their neighbours are left out of walls; metres.
 const STRAIGHT_M: f64 = 0.02;
-
-/// A closed ring's edges, in order.
-pub(super) fn edges(ring: &[GridPos]) -> impl Iterator<Item = (GridPos, GridPos)> + '_ {
-    ring.iter().copied().zip(ring.iter().copied().cycle().skip(1)).take(ring.len())
-}
 
 /// Twice the signed area of a ring in grid steps squared.
 pub(super) fn twice_area(ring: &[GridPos]) -> i64 {

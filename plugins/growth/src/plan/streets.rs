@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec2;
+use rayon::prelude::*;
 use veduta_city::{
     Block, BlockKind, CityGraph, Finding, GridPolygon, GridPos, Id, Link, LinkKind, PlanStreet, Severity, StreetClass, SurfaceKind,
     Surfacing, WIDEST_M,
@@ -255,9 +256,10 @@ pub(super) fn centre_lines(graph: &CityGraph) -> Vec<PlanStreet> {
 
 /// The areas of a graph's blocks as valid polygons; blocks without area are reported.
 pub(super) fn areas<'a>(blocks: &'a [Block], findings: &mut Vec<Finding>) -> Vec<Area<'a>> {
+    let polygons = |block: &Block| outline::polygons(&block.outline, &block.holes);
+    let polygons: Vec<Vec<GridPolygon>> = blocks.par_iter().map(polygons).collect();
     let mut out = Vec::new();
-    for block in blocks {
-        let polygons = outline::polygons(&block.outline, &block.holes);
+    for (block, polygons) in blocks.iter().zip(polygons) {
         if polygons.is_empty() {
             let message = "block: its outline has no area";
             findings.push(Finding::new(Severity::Dropped, block.id, block.outline.first().copied(), message));

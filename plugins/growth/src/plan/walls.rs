@@ -1,5 +1,6 @@
 //! Walls: what each faces, its axes, storeys and openings.
 
+use rayon::prelude::*;
 use veduta_city::{GroundFloor, House, Opening, PlanRoof, Storey, Style, Volume, Wall, WallKind, metres};
 
 use super::facing::{Edge, Facing};
@@ -26,23 +27,16 @@ pub(super) fn houses(
     looks: &[Option<Look>],
     book: &StyleBook<'_>,
 ) -> Vec<House> {
-    let mut out = Vec::with_capacity(drafts.len());
-    for (h, draft) in drafts.iter().enumerate() {
-        let (Some(look), Some(style)) = (&looks[h], book.style(draft.style)) else { continue };
+    let of_house = |(h, draft): (usize, &Draft)| {
+        let (Some(look), Some(style)) = (&looks[h], book.style(draft.style)) else { return None };
         let mut volumes: Vec<Volume> = Vec::with_capacity(draft.bodies.len());
         for (b, body) in draft.bodies.iter().enumerate() {
             volumes.push(volume(draft, body, b, &facing.edges[h][b], masses, masses[h][b], look, style));
         }
         add_ground_floor(&mut volumes, &facing.edges[h], draft, look, style);
-        out.push(House {
-            id: draft.id,
-            name: draft.name.clone(),
-            number: draft.number.clone(),
-            style: draft.style as u16,
-            volumes,
-        });
-    }
-    out
+        Some(House { id: draft.id, name: draft.name.clone(), number: draft.number.clone(), style: draft.style as u16, volumes })
+    };
+    drafts.par_iter().enumerate().filter_map(of_house).collect()
 }
 
 fn volume(
