@@ -85,7 +85,7 @@ pub(super) fn tell_streets(classes: &mut Classes) {
     closed.remove(&blocks);
     streets.add(&squares);
     blocks.add(&grounds);
-    classes.square = squares;
+    classes.square.add(&squares);
     classes.park.add(&grounds);
     // Between rails it is as narrow as between the strokes of hatching, but long.
     let is_railed =

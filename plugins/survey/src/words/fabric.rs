@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec2;
+pub(super) use veduta_city::ring_edges;
 use veduta_city::{Ring, StreetClass};
 
 use crate::polygon::{centroid, edges, signed_area};
@@ -252,11 +253,6 @@ impl Fabric {
         self.faces.push(Face { ring: right, ..old });
         Some(new)
     }
-}
-
-/// Directed edges of a closed ring.
-pub(super) fn ring_edges(ring: &[Spot]) -> impl Iterator<Item = (Spot, Spot)> + '_ {
-    ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
 }
 
 /// Points at which a straight line through `through` crosses a ring, in order along `dir`: the index of the edge, and the
