@@ -1,6 +1,10 @@
+use std::io::ErrorKind;
 use std::time::Duration;
 
-use ureq::{Agent, Error, http::Uri};
+use ureq::{
+    Agent, Body, Error,
+    http::{Response, Uri},
+};
 
 use crate::{INDEX_NAME, ReadError, Reader, reader::check_path};
 
@@ -70,6 +74,17 @@ impl HttpReader {
         Ok(Self { agent: config.build().new_agent(), base })
     }
 
+    /// The answer to `GET url`. A kept connection that the server closed meanwhile says nothing of the file:
+    /// it is asked again over a new one.
+    fn get(&self, url: &str) -> Result<Response<Body>, Error> {
+        match self.agent.get(url).call() {
+            Err(Error::Io(error)) if is_hang_up(error.kind()) => {
+                self.agent.get(url).config().max_idle_age(Duration::ZERO).build().call()
+            }
+            answer => answer,
+        }
+    }
+
     fn error(&self, path: &str, limit: u64, error: Error) -> ReadError {
         let (place, path) = (self.describe(), path.to_owned());
         match error {
@@ -79,6 +94,12 @@ impl HttpReader {
             error => ReadError::Failed { place, path, message: error.to_string() },
         }
     }
+}
+
+/// Whether an error is what a closed connection gives.
+fn is_hang_up(kind: ErrorKind) -> bool {
+    use ErrorKind::*;
+    matches!(kind, UnexpectedEof | ConnectionReset | ConnectionAborted | BrokenPipe | NotConnected)
 }
 
 /// Whether a host is this machine, for which no proxy is asked.
@@ -91,7 +112,7 @@ impl Reader for HttpReader {
     fn read(&self, path: &str, limit: u64) -> Result<Vec<u8>, ReadError> {
         check_path(path)?;
         let url = format!("{}/{path}", self.base);
-        let mut response = self.agent.get(&url).call().map_err(|error| self.error(path, limit, error))?;
+        let mut response = self.get(&url).map_err(|error| self.error(path, limit, error))?;
         match response.status().as_u16() {
             200 => {}
             404 | 410 => return Err(ReadError::NotFound { place: self.describe(), path: path.to_owned() }),

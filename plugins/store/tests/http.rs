@@ -16,6 +16,8 @@ use veduta_store::*;
 enum Answer {
     /// Exactly these bytes of HTTP, then the line is closed.
     Raw(Vec<u8>),
+    /// These bytes, then the line is kept until more is asked on it, and closed without an answer.
+    Kept(&'static [u8]),
     /// These bytes, then nothing.
     Stall(&'static [u8]),
 }
@@ -66,12 +68,16 @@ impl Server {
 fn serve(mut stream: TcpStream, answers: &Mutex<BTreeMap<String, Answer>>) {
     let mut lines = BufReader::new(stream.try_clone().expect("a second handle")).lines().map_while(Result::ok);
     let Some(first) = lines.next() else { return };
-    let _rest: Vec<String> = lines.take_while(|line| !line.is_empty()).collect();
+    let _rest: Vec<String> = lines.by_ref().take_while(|line| !line.is_empty()).collect();
     let path = first.split(' ').nth(1).unwrap_or_default().to_owned();
     let missing = Answer::Raw(b"HTTP/1.1 404 Not Found\r\nContent-Length: 4\r\nConnection: close\r\n\r\nnone".to_vec());
     let answer = answers.lock().expect("no panic").get(&path).cloned().unwrap_or(missing);
     match answer {
         Answer::Raw(bytes) => _ = stream.write_all(&bytes),
+        Answer::Kept(bytes) => {
+            let _ = stream.write_all(bytes);
+            let _ = lines.next();
+        }
         Answer::Stall(bytes) => {
             let _ = stream.write_all(bytes);
             // Until the reader hangs up.
@@ -87,12 +93,26 @@ fn a_file_comes_whole() {
     let reader = server.reader();
     assert_eq!(reader.read("a.bin", 5), Ok(b"hello".to_vec()), "exactly the limit");
     assert!(matches!(reader.read("a.bin", 4), Err(ReadError::TooLarge { limit: 4, .. })));
-    server.put(
-        "chunked.bin",
-        Answer::Raw(b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n5\r\nhello\r\n1\r\n!\r\n0\r\n\r\n".to_vec()),
-    );
+    let chunked = b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n5\r\nhello\r\n1\r\n!\r\n0\r\n\r\n";
+    server.put("chunked.bin", Answer::Raw(chunked.to_vec()));
     assert_eq!(reader.read("chunked.bin", 6), Ok(b"hello!".to_vec()));
     assert!(matches!(reader.read("chunked.bin", 5), Err(ReadError::TooLarge { .. })), "its length is not told beforehand");
+}
+
+/// A server may close a line that it kept just as it is asked again: that is no failure of the file.
+#[test]
+fn a_line_that_was_closed_meanwhile_is_opened_again() {
+    let server = Server::start();
+    server.put("a.bin", Answer::Kept(b"HTTP/1.1 200 OK\r\nContent-Length: 5\r\n\r\nhello"));
+    let reader = server.reader();
+    for round in 0..8 {
+        // Several lines are kept at once, and all of them are stale for the next round.
+        let answers: Vec<_> = std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..6).map(|_| scope.spawn(|| reader.read("a.bin", 5))).collect();
+            threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
+        });
+        assert!(answers.iter().all(|answer| answer.as_deref() == Ok(b"hello")), "round {round}: {answers:?}");
+    }
 }
 
 #[test]
