@@ -194,6 +194,19 @@ mod tests {
     }
 
     #[test]
+    fn holes_that_touch_each_other_at_their_western_ends_are_both_kept() {
+        let rings = [
+            ring(&[(0, 0), (11, 0), (11, 11), (0, 11)]),
+            ring(&[(1, 1), (1, 2), (8, 3)]),
+            ring(&[(1, 2), (1, 6), (2, 10)]),
+            ring(&[(1, 2), (5, 5), (6, 5)]),
+        ];
+        let faces = faces_of(&rings, true);
+        assert_eq!(faces.len(), 1);
+        assert_eq!(faces[0].holes.len(), 3);
+    }
+
+    #[test]
     fn what_does_not_touch_stays_as_it_is() {
         let rings =
             [ring(&[(0, 0), (9, 0), (9, 9), (0, 9)]), ring(&[(2, 2), (2, 4), (4, 4), (4, 2)]), ring(&[(5, 5), (5, 6), (6, 6)])];

@@ -26,26 +26,35 @@ enum Ring {
 
 /// Gives each hole to the face around it; holes outside of all faces are left out. Looks straight down from each hole's
 /// westernmost vertex: what is met first is the border of the face sought, or a hole in it that has been given already.
-pub(crate) fn adopt_all(faces: &mut [GridPolygon], mut holes: Vec<GridRing>) {
+pub(crate) fn adopt_all(faces: &mut [GridPolygon], holes: Vec<GridRing>) {
     if holes.is_empty() || faces.is_empty() {
         return;
     }
-    let tip = |hole: &GridRing| hole.iter().copied().min().unwrap_or_default();
-    holes.sort_by_cached_key(tip);
+    // From west to east; of those with a common tip, the lower ones first.
+    let with_tip = |hole: GridRing| tip(&hole).map(|(tip, lower)| (tip, lower, hole));
+    let mut holes: Vec<(GridPos, GridPos, GridRing)> = holes.into_iter().filter_map(with_tip).collect();
+    holes.sort_by(|a, b| a.0.cmp(&b.0).then_with(|| 0.cmp(&turn(a.0, a.1, b.1))));
     let strips = Strips::new(faces, &holes);
     let mut home: Vec<Option<usize>> = Vec::with_capacity(holes.len());
-    for (h, hole) in holes.iter().enumerate() {
-        let below = strips.below(tip(hole), Ring::Hole(h));
+    for (h, &(tip, lower, _)) in holes.iter().enumerate() {
+        let below = strips.below(tip, lower, Ring::Hole(h));
         home.push(below.filter(|edge| edge.is_floor).and_then(|edge| match edge.ring {
             Ring::Face(face) => Some(face),
             Ring::Hole(other) => home.get(other).copied().flatten(),
         }));
     }
-    for (hole, home) in holes.into_iter().zip(home) {
+    for ((_, _, hole), home) in holes.into_iter().zip(home) {
         if let Some(face) = home.and_then(|f| faces.get_mut(f)) {
             face.holes.push(hole);
         }
     }
+}
+
+/// A ring's westernmost vertex, the southernmost of these, and of the two beside it the one to which the lower edge runs.
+fn tip(ring: &GridRing) -> Option<(GridPos, GridPos)> {
+    let (at, &tip) = ring.iter().enumerate().min_by_key(|(_, p)| **p)?;
+    let (before, after) = (ring[(at + ring.len() - 1) % ring.len()], ring[(at + 1) % ring.len()]);
+    Some((tip, if turn(tip, before, after) > 0 { before } else { after }))
 }
 
 /// Edges by the vertical strips that they cross.
@@ -56,7 +65,7 @@ struct Strips {
 }
 
 impl Strips {
-    fn new(faces: &[GridPolygon], holes: &[GridRing]) -> Self {
+    fn new(faces: &[GridPolygon], holes: &[(GridPos, GridPos, GridRing)]) -> Self {
         let mut all: Vec<Edge> = Vec::new();
         let mut add = |ring: &GridRing, of: Ring| {
             for (a, b) in ring_edges(ring).filter(|(a, b)| a.0 != b.0) {
@@ -68,7 +77,7 @@ impl Strips {
         for (f, face) in faces.iter().enumerate() {
             face.rings().for_each(|ring| add(ring, Ring::Face(f)));
         }
-        for (h, hole) in holes.iter().enumerate() {
+        for (h, (_, _, hole)) in holes.iter().enumerate() {
             add(hole, Ring::Hole(h));
         }
         let west = all.iter().map(|e| i64::from(e.west.0)).min().unwrap_or(0);
@@ -85,18 +94,25 @@ impl Strips {
         Self { west, width, strips }
     }
 
-    /// The first edge straight below a position, just east of it, that is not of a ring.
-    fn below(&self, p: GridPos, but: Ring) -> Option<Edge> {
-        let strip = self.strips.get(usize::try_from((i64::from(p.0) - self.west) / self.width).ok()?)?;
-        let under = |e: &&Edge| e.ring != but && e.west.0 <= p.0 && p.0 < e.east.0 && side(e, p) > 0;
-        strip.iter().filter(under).copied().reduce(|best, e| if is_higher(&e, &best, p.0) { e } else { best })
+    /// The first edge that is not of a ring straight below its westernmost vertex, just east of it; `lower` ends the ring's
+    /// lower edge there, for others may begin at the same vertex and run below that.
+    fn below(&self, tip: GridPos, lower: GridPos, but: Ring) -> Option<Edge> {
+        let strip = self.strips.get(usize::try_from((i64::from(tip.0) - self.west) / self.width).ok()?)?;
+        let is_below = |e: &Edge| side(e, tip) > 0 || (e.west == tip && turn(tip, lower, e.east) < 0);
+        let under = |e: &&Edge| e.ring != but && e.west.0 <= tip.0 && tip.0 < e.east.0 && is_below(e);
+        strip.iter().filter(under).copied().reduce(|best, e| if is_higher(&e, &best, tip.0) { e } else { best })
     }
 }
 
 /// Positive where a position lies above an edge.
 fn side(edge: &Edge, p: GridPos) -> i128 {
+    turn(edge.west, edge.east, p)
+}
+
+/// Positive where one turns left from the way from `o` to `a` to the way to `b`.
+fn turn(o: GridPos, a: GridPos, b: GridPos) -> i128 {
     let d = |a: i32, b: i32| i128::from(b) - i128::from(a);
-    d(edge.west.0, edge.east.0) * d(edge.west.1, p.1) - d(edge.west.1, edge.east.1) * d(edge.west.0, p.0)
+    d(o.0, a.0) * d(o.1, b.1) - d(o.1, a.1) * d(o.0, b.0)
 }
 
 /// Whether an edge runs above another just east of an abscissa that both cross.

@@ -37,6 +37,7 @@
 //! side) · floating-point overlays that are snapped afterwards (snapping makes rings cross) · subdividing blocks
 //! recursively into lots (good for suburbs; an old town's lots are a ring of burgages round a courtyard).
 
+mod arrangement;
 mod band;
 mod boolean;
 mod extent;

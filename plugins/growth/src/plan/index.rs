@@ -42,7 +42,11 @@ impl Gathering {
         let most = (CELLS_A_SHAPE * shapes as i64).max(LEAST_CELLS);
         let count = |shift: u32| (extent(low.0, high.0, shift), extent(low.1, high.1, shift));
         let shift = (LEAST_SHIFT..32).find(|&shift| count(shift).0 * count(shift).1 <= most).unwrap_or(31);
-        let (columns, rows) = count(shift);
+        Self::of_side(low, shift, count(shift))
+    }
+
+    /// For cells of a given side (a power of two of grid steps), columns and rows.
+    pub fn of_side(low: GridPos, shift: u32, (columns, rows): (i64, i64)) -> Self {
         Self { cells: Cells { low, shift, columns, rows, ..Cells::default() }, noted: Vec::new() }
     }
 
@@ -104,7 +108,8 @@ impl Cells {
         ((x - i64::from(self.low.0)) >> self.shift).clamp(0, self.columns - 1)
     }
 
-    fn of_cell(&self, cell: i64) -> &[u32] {
+    /// What was noted in a cell, counted row by row.
+    pub fn of_cell(&self, cell: i64) -> &[u32] {
         let at = |i: usize| self.starts.get(i).map_or(0, |&start| start as usize);
         &self.notes[at(cell as usize)..at(cell as usize + 1)]
     }
