@@ -40,6 +40,7 @@
 mod arrangement;
 mod band;
 mod boolean;
+mod crossroads;
 mod extent;
 mod facing;
 mod ground;

@@ -282,7 +282,7 @@ mod tests {
                 continue;
             }
             let want = layers.iter().position(|layer| winding(&layer.shapes, p) != 0).map(|layer| layer as u16);
-            let found: Vec<_> = pieces.iter().filter(|piece| winding(&[piece.outline.clone()], p) != 0).collect();
+            let found: Vec<_> = pieces.iter().filter(|piece| winding(std::slice::from_ref(&piece.outline), p) != 0).collect();
             assert_eq!(found.len(), 1, "{p:?}");
             assert_eq!(found[0].layer, want, "{p:?}");
         }

@@ -1,55 +1,61 @@
-//! Bands of ground along links: a quad a straight piece, a disc where pieces meet. A link whose width varies has more pieces,
-//! and wider and narrower ends of them.
+//! Bands of ground along links: one outline a link, with a vertex on each side of a slight bend and an arc about a sharp one. A
+//! link whose width varies has more pieces, and wider and narrower ends of them.
 
-use std::collections::HashMap;
+use core::f64::consts::FRAC_PI_6;
 
 use glam::DVec2;
-use veduta_city::{CityGraph, GridPolygon, GridPos, Id, Link};
+use veduta_city::{GridPolygon, GridPos, Link};
 
-/// Sides of the polygon that stands for a disc.
-const DISC_SIDES: usize = 16;
+/// Bends up to this angle get a vertex on each side, if the pieces are long enough for it.
+const MITRED: f64 = 50.0 * core::f64::consts::PI / 180.0;
+/// Share of a piece's length by which a vertex on the inside of a bend may lie ahead of the bend.
+const MOST_AHEAD: f64 = 0.45;
 
-/// Half-widths of the bands that end at each node, widest first.
-#[derive(Debug, Default)]
-pub(super) struct Ends(HashMap<Id, Vec<f64>>);
-
-impl Ends {
-    /// Notes that a band of these half-widths ends at the nodes of a link.
-    pub fn add(&mut self, link: &Link, halves_m: [f64; 2]) {
-        for (node, half_m) in [(link.from, halves_m[0]), (link.to, halves_m[1])] {
-            let at = self.0.entry(node).or_default();
-            let i = at.partition_point(|&h| h >= half_m);
-            at.insert(i, half_m);
+/// The band along stations: an outline that runs counter-clockwise, also where it crosses itself. `half_m`: its half-width at a
+/// share of the line's length. `None` if it has no length.
+pub(super) fn band(stations: &[Station], half_m: impl Fn(f64) -> f64) -> Option<GridPolygon> {
+    let mut line: Vec<&Station> = stations.iter().collect();
+    line.dedup_by(|b, a| a.pos.distance_squared(b.pos) < 1e-12);
+    let way = |pair: &[&Station]| (pair[1].pos - pair[0].pos).try_normalize();
+    let ways: Vec<DVec2> = line.windows(2).filter_map(way).collect();
+    let (Some(&start), Some(&end)) = (line.first(), line.last()) else { return None };
+    let (first, last) = (ways.first()?, ways.last()?);
+    let (mut left, mut right) = (Vec::new(), Vec::new());
+    let side = |station: &Station, way: DVec2| way.perp() * half_m(station.share);
+    left.push(start.pos + side(start, *first));
+    right.push(start.pos - side(start, *first));
+    for (i, both) in ways.windows(2).enumerate() {
+        let (here, half) = (line[i + 1], half_m(line[i + 1].share));
+        let turn = libm::atan2(both[0].perp_dot(both[1]), both[0].dot(both[1]));
+        let shorter = here.pos.distance(line[i].pos).min(here.pos.distance(line[i + 2].pos));
+        if turn.abs() <= MITRED && half * libm::tan(turn.abs() / 2.0) <= MOST_AHEAD * shorter {
+            let to_left = (both[0] + both[1]).perp() * (half / (1.0 + both[0].dot(both[1])));
+            left.push(here.pos + to_left);
+            right.push(here.pos - to_left);
+            continue;
         }
+        // About the outside an arc; on the inside by the bend itself, as each piece's own outline would run.
+        let (inside, outside, sign) = if turn > 0.0 { (&mut left, &mut right, 1.0) } else { (&mut right, &mut left, -1.0) };
+        inside.extend([here.pos + side(here, both[0]) * sign, here.pos, here.pos + side(here, both[1]) * sign]);
+        let from = side(here, both[0]) * -sign;
+        outside.extend(arc(here.pos, (libm::atan2(from.y, from.x), turn), [half; 2]));
     }
-
-    /// Radius of the disc that rounds a band's end: the second widest band there, so that a broad street which ends at a lane
-    /// does not bulge beyond the lane. `None` where nothing else ends.
-    fn radius(&self, node: Id, half_m: f64) -> Option<f64> {
-        self.0.get(&node).and_then(|at| at.get(1)).map(|&second| second.min(half_m))
-    }
+    left.push(end.pos + side(end, *last));
+    right.push(end.pos - side(end, *last));
+    let mut ring: Vec<GridPos> = right.into_iter().chain(left.into_iter().rev()).map(GridPos::from_metres).collect();
+    ring.dedup();
+    Some(GridPolygon::simple(ring))
 }
 
-/// The band of a link: polygons without holes, counter-clockwise, that may overlap. `half_m`: its half-width at a share of the
-/// line's length.
-pub(super) fn band(
-    graph: &CityGraph,
-    at: &HashMap<Id, DVec2>,
-    link: &Link,
-    half_m: impl Fn(f64) -> f64,
-    ends: &Ends,
-) -> Vec<GridPolygon> {
-    let Some(line) = graph.polyline(link, at) else { return Vec::new() };
-    let stations = stations(&line, link);
-    let mut out = pieces(&stations, &half_m);
-    let inner = stations.iter().enumerate().take(stations.len().saturating_sub(1)).skip(1);
-    out.extend(inner.filter(|(_, station)| station.is_bend).map(|(_, station)| disc(station.pos, half_m(station.share))));
-    for (node, share, pos) in [(link.from, 0.0, line.first()), (link.to, 1.0, line.last())] {
-        if let (Some(radius), Some(&pos)) = (ends.radius(node, half_m(share)), pos) {
-            out.push(disc(pos, radius));
-        }
-    }
-    out
+/// Points of an arc about a centre, from an angle by a turn, both in radians; its radius goes from one to another.
+pub(super) fn arc(centre: DVec2, (from, turn): (f64, f64), radii_m: [f64; 2]) -> impl Iterator<Item = DVec2> {
+    let steps = libm::ceil(turn.abs() / FRAC_PI_6 - 1e-9).max(1.0) as u32;
+    (0..=steps).map(move |i| {
+        let share = f64::from(i) / f64::from(steps);
+        let angle = from + turn * share;
+        let radius = radii_m[0] + (radii_m[1] - radii_m[0]) * share;
+        centre + DVec2::new(libm::cos(angle), libm::sin(angle)) * radius
+    })
 }
 
 /// A point of a link's line.
@@ -58,21 +64,19 @@ pub(super) struct Station {
     pos: DVec2,
     /// Of the line's length, how much lies before it.
     share: f64,
-    /// Whether it is one of the line's own vertices.
-    is_bend: bool,
 }
 
 /// The vertices of a link's line, and the places between them at which its width is given.
 pub(super) fn stations(line: &[DVec2], link: &Link) -> Vec<Station> {
     let length: f64 = line.windows(2).map(|e| e[0].distance(e[1])).sum();
     let mut gone = 0.0;
-    let mut out: Vec<Station> = line.first().map(|&pos| Station { pos, share: 0.0, is_bend: true }).into_iter().collect();
+    let mut out: Vec<Station> = line.first().map(|&pos| Station { pos, share: 0.0 }).into_iter().collect();
     for e in line.windows(2) {
         let (from, to) = (gone / length.max(1e-9), (gone + e[0].distance(e[1])) / length.max(1e-9));
         let between = link.profile.iter().map(|entry| entry.share).filter(|share| from < *share && *share < to);
-        let at = |share: f64| Station { pos: e[0].lerp(e[1], (share - from) / (to - from)), share, is_bend: false };
+        let at = |share: f64| Station { pos: e[0].lerp(e[1], (share - from) / (to - from)), share };
         out.extend(between.map(at));
-        out.push(Station { pos: e[1], share: to, is_bend: true });
+        out.push(Station { pos: e[1], share: to });
         gone += e[0].distance(e[1]);
     }
     out
@@ -96,17 +100,9 @@ fn tapered([a, b]: [DVec2; 2], halves_m: [f64; 2]) -> Option<GridPolygon> {
     Some(GridPolygon::simple(ring))
 }
 
-fn disc(centre: DVec2, radius_m: f64) -> GridPolygon {
-    let corner = |i: usize| {
-        let angle = core::f64::consts::TAU * i as f64 / DISC_SIDES as f64;
-        GridPos::from_metres(centre + DVec2::new(libm::cos(angle), libm::sin(angle)) * radius_m)
-    };
-    GridPolygon::simple((0..DISC_SIDES).map(corner).collect())
-}
-
 #[cfg(test)]
 mod tests {
-    use veduta_city::WidthAt;
+    use veduta_city::{CityGraph, WidthAt};
 
     use super::*;
     use crate::plan::boolean;
@@ -117,19 +113,35 @@ mod tests {
         veduta_city::file::parse(text, "test").unwrap_or_else(|e| panic!("{e}"))
     }
 
+    fn bend(degrees: f64, half_m: f64) -> GridPolygon {
+        let line = [DVec2::ZERO, DVec2::X * 30.0, DVec2::X * 30.0 + DVec2::from_angle(degrees.to_radians()) * 30.0];
+        let stations: Vec<Station> = line.iter().zip([0.0, 0.5, 1.0]).map(|(&pos, share)| Station { pos, share }).collect();
+        band(&stations, |_| half_m).expect("it has length")
+    }
+
     #[test]
-    fn bands_join_round_and_end_flat() {
-        let graph = graph();
-        let at = graph.node_positions();
-        let mut ends = Ends::default();
-        graph.links.iter().for_each(|l| ends.add(l, [l.width() / 2.0; 2]));
-        let parts: Vec<GridPolygon> = graph.links.iter().flat_map(|l| band(&graph, &at, l, |_| l.width() / 2.0, &ends)).collect();
-        assert!(parts.iter().all(|p| p.area_m2() > 0.0), "every part is counter-clockwise");
-        let whole = boolean::union(&boolean::rings(&parts));
-        assert_eq!(whole.len(), 1, "one street");
-        let (lo, hi) = whole[0].bounds().expect("it has vertices");
-        assert_eq!((lo.0, hi.1), (0, 80 * 1024), "dead ends are not rounded");
-        assert!((lo.to_metres().y + 3.0).abs() < 0.01, "the broad street does not bulge below the lane: {lo:?}");
+    fn a_band_covers_its_pieces_at_any_bend() {
+        for degrees in (-180..=180).step_by(9).map(f64::from) {
+            let shape = bend(degrees, 4.0);
+            let covered = boolean::union(&boolean::rings([&shape]));
+            let area: f64 = covered.iter().map(GridPolygon::area_m2).sum();
+            let turn = degrees.to_radians().abs();
+            // Two rectangles and the wedge about the bend, less what they have in common.
+            let common = if degrees.abs() > 164.0 { None } else { Some(16.0 * (turn / 2.0).tan()) };
+            let most = 2.0 * 240.0 + if degrees.abs() <= 50.0 { common.unwrap_or(0.0) } else { 8.0 * turn };
+            assert!(covered.len() == 1 && covered[0].holes.is_empty(), "{degrees}");
+            if let Some(common) = common {
+                assert!((most - common - area).abs() < 0.06 * 8.0 * turn + 0.1, "{degrees}: {area} of {most} less {common}");
+            }
+            let along = DVec2::from_angle(degrees.to_radians());
+            for (x, y) in [(2.0, 3.9), (15.0, -3.9), (26.0, 3.9), (29.0, 0.1), (29.0, -3.9)] {
+                let second = DVec2::X * 30.0 + along * x + along.perp() * y;
+                for p in [DVec2::new(x, y), second] {
+                    assert!(covered[0].contains(GridPos::from_metres(p)), "{degrees}: {p}");
+                }
+            }
+        }
+        assert_eq!(bend(20.0, 4.0).outer.len(), 6, "a slight bend is one vertex a side");
     }
 
     #[test]
@@ -139,10 +151,9 @@ mod tests {
         let profile = [(0.25, 6.0), (0.5, 12.0), (1.0, 8.0)];
         graph.links[0].profile = profile.map(|(share, width_m)| WidthAt { share, width_m }).to_vec();
         let (at, link) = (graph.node_positions(), &graph.links[0]);
-        let parts = band(&graph, &at, link, |share| link.width_at(share) / 2.0, &Ends::default());
-        assert_eq!(parts.len(), 3, "a piece between every two of its widths, and no disc on a straight line");
-        let whole = boolean::union(&boolean::rings(&parts));
+        let line = graph.polyline(link, &at).expect("its nodes are there");
+        let shape = band(&stations(&line, link), |share| link.width_at(share) / 2.0).expect("it has length");
         let want = 25.0 * 6.0 + 25.0 * 9.0 + 50.0 * 10.0;
-        assert!((whole[0].area_m2() - want).abs() < 0.5, "{} m² for {want}", whole[0].area_m2());
+        assert!((shape.area_m2() - want).abs() < 0.5, "{} m² for {want}", shape.area_m2());
     }
 }

@@ -9,7 +9,8 @@ use veduta_city::{
     Surfacing, WIDEST_M,
 };
 
-use super::band::{Ends, band};
+use super::band::{band, stations};
+use super::crossroads::{Arm, gaps, rounding, wedge};
 use super::{Area, outline};
 
 /// Kerb: how far pavements stand above the carriageway, metres.
@@ -117,6 +118,8 @@ pub(super) fn layers(graph: &CityGraph, areas: &[Area<'_>], findings: &mut Vec<F
 struct Strip<'a> {
     link: &'a Link,
     half_m: f64,
+    /// Width of the pavement beside it.
+    pavement_m: f64,
     rank: Rank,
     surface: SurfaceKind,
 }
@@ -166,21 +169,66 @@ fn link_shapes(
         }
         strips.extend(strips_of(graph, &at, link, areas));
     }
-    let mut ends: BTreeMap<Rank, Ends> = BTreeMap::new();
+    let mut nodes: BTreeMap<(Family, Id), Vec<Arm<(Rank, SurfaceKind)>>> = BTreeMap::new();
     for strip in &strips {
-        ends.entry(strip.rank).or_default().add(strip.link, [strip.half_at(0.0), strip.half_at(1.0)]);
-    }
-    for strip in &strips {
-        if let Some(ends) = ends.get(&strip.rank) {
-            let parts = band(graph, &at, strip.link, |share| strip.half_at(share), ends);
-            shapes.entry((strip.rank, strip.surface)).or_default().extend(parts);
+        let Some(line) = graph.polyline(strip.link, &at) else { continue };
+        if let Some(shape) = band(&stations(&line, strip.link), |share| strip.half_at(share)) {
+            shapes.entry((strip.rank, strip.surface)).or_default().push(shape);
         }
+        for family in Family::of(strip) {
+            let arm = |line: &mut dyn Iterator<Item = DVec2>, share: f64| {
+                Arm::new(line, strip.half_at(share), strip.pavement_m, (strip.rank, strip.surface))
+            };
+            let arms = [
+                (strip.link.from, arm(&mut line.iter().copied(), 0.0)),
+                (strip.link.to, arm(&mut line.iter().rev().copied(), 1.0)),
+            ];
+            for (node, arm) in arms {
+                nodes.entry((family, node)).or_default().extend(arm);
+            }
+        }
+    }
+    for ((family, node), mut arms) in nodes {
+        let Some(&pos) = at.get(&node) else { continue };
+        for (before, after, gap) in gaps(&mut arms) {
+            // The lower of both lies under what else is there.
+            let key = before.what.max(after.what);
+            shapes.entry(key).or_default().extend(wedge(pos, before, after, gap));
+            if family == Family::Kerbs {
+                shapes.entry(key).or_default().extend(rounding(pos, before, after, gap));
+            }
+        }
+    }
+}
+
+/// Bands that join one another where they meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Family {
+    /// Carriageways between pavements.
+    Kerbs,
+    /// Streets with all that belongs to them.
+    Streets,
+    Rails,
+    Water,
+}
+
+impl Family {
+    fn of(strip: &Strip<'_>) -> impl Iterator<Item = Self> {
+        let own = match strip.rank {
+            Rank::Carriageway if strip.pavement_m > 0.0 => Self::Kerbs,
+            Rank::Rails => Self::Rails,
+            Rank::Water => Self::Water,
+            _ => Self::Streets,
+        };
+        // A carriageway without pavements joins those that have them.
+        let more = (strip.rank == Rank::Carriageway && own == Self::Streets).then_some(Self::Kerbs);
+        [own].into_iter().chain(more)
     }
 }
 
 fn strips_of<'a>(graph: &CityGraph, at: &HashMap<Id, DVec2>, link: &'a Link, areas: &[Area<'_>]) -> Vec<Strip<'a>> {
     let (width, given) = (width_m(link), link.surfacing.map(surface));
-    let strip = |half_m, rank, surface| Strip { link, half_m, rank, surface };
+    let strip = |half_m, rank, surface| Strip { link, half_m, pavement_m: 0.0, rank, surface };
     let half = width / 2.0;
     match link.kind {
         LinkKind::Watercourse => vec![strip(half, Rank::Water, SurfaceKind::Water)],
@@ -188,7 +236,8 @@ fn strips_of<'a>(graph: &CityGraph, at: &HashMap<Id, DVec2>, link: &'a Link, are
         LinkKind::Railway { tram: false } => vec![strip(half, Rank::Rails, SurfaceKind::Ballast)],
         LinkKind::Street(class) if class.has_carriageway() => {
             let pavement = pavement_m(class, width);
-            let mut strips = vec![strip(half - pavement, Rank::Carriageway, given.unwrap_or(SurfaceKind::Asphalt))];
+            let carriageway = strip(half - pavement, Rank::Carriageway, given.unwrap_or(SurfaceKind::Asphalt));
+            let mut strips = vec![Strip { pavement_m: pavement, ..carriageway }];
             if pavement > 0.0 {
                 strips.push(strip(half, Rank::Pavement, SurfaceKind::Mosaic));
             }

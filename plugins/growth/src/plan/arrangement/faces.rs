@@ -6,14 +6,14 @@ use veduta_city::{BorderEdge, GridPos, connected_faces};
 
 use super::{Piece, Segment, Tile, hot};
 
-/// An edge between two hot points, the lesser first, and how many times it runs so for a layer, less how often it runs back.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+/// An edge between two hot points, the lesser first, and whether it runs so (1) for a layer or back (-1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Turn {
     u: u32,
     v: u32,
     /// [`SIDE`]: a side of the tile.
     layer: u16,
-    by: i32,
+    by: i16,
 }
 
 /// In place of a layer.
@@ -62,10 +62,13 @@ impl<'a> Ways<'a> {
     /// Adds a segment.
     pub(super) fn add(&mut self, number: u32, segment: &Segment) {
         let (mut way, mut more) = (core::mem::take(&mut self.way), core::mem::take(&mut self.more));
-        hot::way(segment, self.hot, &mut way);
+        let is_touched = hot::way(segment, self.hot, &mut way);
+        more.clear();
         for pair in way.windows(2) {
             let (from, to) = (pair[0], pair[1]);
-            hot::within(self.hot[from as usize], self.hot[to as usize], self.hot, &mut more);
+            if is_touched {
+                hot::within(self.hot[from as usize], self.hot[to as usize], self.hot, &mut more);
+            }
             let mut at = from;
             for &next in more.iter().chain([&to]) {
                 self.step(number, segment.layer, at, next);
@@ -81,9 +84,9 @@ impl<'a> Ways<'a> {
         let (a, b) = (self.hot[u as usize], self.hot[v as usize]);
         if a.0 == self.tile.lo.0 && a.1 == b.1 {
             if a.1 == self.tile.lo.1 {
-                self.southern.push((number, by));
+                self.southern.push((number, i32::from(by)));
             } else if a.1 == self.tile.hi.1 {
-                self.northern.push((number, by));
+                self.northern.push((number, i32::from(by)));
             }
         }
     }
@@ -123,7 +126,7 @@ pub(super) struct Faces<'a> {
 impl<'a> Faces<'a> {
     pub(super) fn new(ways: Ways<'a>, layers: usize) -> (Self, Sides) {
         let Ways { tile, hot, mut turns, southern, northern, .. } = ways;
-        turns.sort_unstable();
+        turns.sort_unstable_by_key(|turn| (u64::from(turn.u) << 32 | u64::from(turn.v), turn.layer));
         let mut faces = Faces {
             tile,
             hot,
@@ -140,7 +143,7 @@ impl<'a> Faces<'a> {
         for same in turns.chunk_by(|a, b| (a.u, a.v) == (b.u, b.v)) {
             let first = faces.turns.len() as u32;
             for layer in same.chunk_by(|a, b| a.layer == b.layer) {
-                let by: i32 = layer.iter().map(|turn| turn.by).sum();
+                let by: i32 = layer.iter().map(|turn| i32::from(turn.by)).sum();
                 if by != 0 {
                     faces.turns.push((layer[0].layer, by));
                 }
@@ -174,63 +177,74 @@ impl<'a> Faces<'a> {
 
     /// Finds the loops, and which of them go round the same face.
     fn walk(&mut self) {
+        let stars = self.stars();
         let halves = 2 * self.edges.len();
-        let mut star: Vec<u32> = (0..halves as u32).collect();
-        // By where they begin, then counter-clockwise from south, which nothing runs to: eastward halves have their
-        // end after their start.
-        star.sort_unstable_by(|&g, &h| {
-            self.start(g).cmp(&self.start(h)).then_with(|| {
-                let (o, a) = self.ends(g);
-                let (_, b) = self.ends(h);
-                (a < o).cmp(&(b < o)).then_with(|| 0.cmp(&o.cross(a, b)))
-            })
-        });
-        let mut next = vec![0; halves];
-        for out in star.chunk_by(|&g, &h| self.start(g) == self.start(h)) {
-            for (i, &half) in out.iter().enumerate() {
+        self.next = vec![0; halves];
+        for star in stars.iter() {
+            for (i, &half) in star.iter().enumerate() {
                 // Arriving on the other half, one leaves by the next clockwise.
-                next[half as usize ^ 1] = out[(i + out.len() - 1) % out.len()];
+                self.next[half as usize ^ 1] = star[(i + star.len() - 1) % star.len()];
             }
         }
-        self.next = next;
         self.loops = vec![u32::MAX; halves];
-        for half in 0..halves as u32 {
-            if self.loops[half as usize] == u32::MAX {
-                let number = self.begins.len() as u32;
-                self.begins.push(half);
-                self.each_of_loop(half).for_each(|h| self.loops[h as usize] = number);
+        for first in 0..halves as u32 {
+            let mut half = first;
+            while self.loops[half as usize] == u32::MAX {
+                self.loops[half as usize] = self.begins.len() as u32;
+                half = self.next[half as usize];
+            }
+            if self.loops[first as usize] as usize == self.begins.len() {
+                self.begins.push(first);
             }
         }
-        self.joined = self.islands(&star);
+        self.joined = self.islands(&stars);
+    }
+
+    /// The halves that begin at each hot point, counter-clockwise from south, to which none runs: eastward halves come first,
+    /// for their end is after their start.
+    fn stars(&self) -> Stars {
+        let halves = 2 * self.edges.len() as u32;
+        let mut stars = Stars { starts: vec![0; self.hot.len() + 1], halves: vec![0; halves as usize] };
+        (0..halves).for_each(|half| stars.starts[self.start(half) as usize + 1] += 1);
+        for i in 1..stars.starts.len() {
+            stars.starts[i] += stars.starts[i - 1];
+        }
+        let mut next = stars.starts.clone();
+        for half in 0..halves {
+            let at = &mut next[self.start(half) as usize];
+            stars.halves[*at as usize] = half;
+            *at += 1;
+        }
+        for (i, &o) in self.hot.iter().enumerate() {
+            let star = &mut stars.halves[stars.starts[i] as usize..stars.starts[i + 1] as usize];
+            star.sort_unstable_by(|&g, &h| {
+                let (a, b) = (self.at(self.start(g ^ 1)), self.at(self.start(h ^ 1)));
+                (a < o).cmp(&(b < o)).then_with(|| 0.cmp(&o.cross(a, b)))
+            });
+        }
+        stars
     }
 
     /// The halves of a loop.
-    fn each_of_loop(&self, half: u32) -> impl Iterator<Item = u32> + use<> {
-        let mut all = vec![half];
-        let mut at = self.next[half as usize];
-        while at != half {
-            all.push(at);
-            at = self.next[at as usize];
-        }
-        all.into_iter()
+    fn each_of_loop(&self, first: u32) -> impl Iterator<Item = u32> + '_ {
+        core::iter::successors(Some(first), move |&half| Some(self.next[half as usize]).filter(|&half| half != first))
     }
 
     /// The outer loop of each part that hangs together, but for the one with the tile's sides, and a loop of the face about it.
-    fn islands(&self, star: &[u32]) -> Vec<(u32, u32)> {
+    fn islands(&self, stars: &Stars) -> Vec<(u32, u32)> {
         let mut islands = Vec::new();
         let mut parts = Groups::new(self.hot.len());
         self.edges.iter().for_each(|edge| parts.join(edge.u, edge.v));
         let home = parts.of(0);
         let mut is_seen = vec![false; self.hot.len()];
         is_seen[home as usize] = true;
-        for out in star.chunk_by(|&g, &h| self.start(g) == self.start(h)) {
-            let least = self.start(out[0]);
+        for (least, star) in (0..).zip(stars.iter()) {
+            // All halves at the least vertex of a part run east of it or up: west and south of it lies what is about the part.
+            let Some(&last) = star.last() else { continue };
             let part = parts.of(least);
             if core::mem::replace(&mut is_seen[part as usize], true) {
                 continue;
             }
-            // All of them run east of it or up: west and south of it lies what is about the part.
-            let Some(&last) = out.last() else { continue };
             if let Some(edge) = self.edge_below(self.at(least)) {
                 islands.push((self.loops[last as usize], self.loops[2 * edge]));
             }
@@ -412,6 +426,19 @@ impl<'a> Faces<'a> {
             }
         }
         pieces
+    }
+}
+
+/// For each hot point, the halves that begin there.
+struct Stars {
+    /// Of `halves`: where those of each point begin, and where the last one's end.
+    starts: Vec<u32>,
+    halves: Vec<u32>,
+}
+
+impl Stars {
+    fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).map(|pair| &self.halves[pair[0] as usize..pair[1] as usize])
     }
 }
 

@@ -81,42 +81,40 @@ fn crossing_y(s: &Segment, y: i32) -> Option<GridPos> {
     crossing_x(&s, y).map(turned)
 }
 
-/// The hot points of a tile by which a segment goes, from its start to its end; indices.
-pub(super) fn way(s: &Segment, hot: &[GridPos], way: &mut Vec<u32>) {
+/// The hot points of a tile by which a segment goes, from its start to its end; indices. Whether its side touches the pixel of
+/// another hot point that does not count as passed: then that may be [`within`] a piece of the way.
+pub(super) fn way(s: &Segment, hot: &[GridPos], way: &mut Vec<u32>) -> bool {
     way.clear();
     let (west, east) = (s.a.0.min(s.b.0), s.a.0.max(s.b.0));
-    let first = hot.partition_point(|p| p.0 < west);
-    let near = hot.iter().enumerate().skip(first).take_while(|(_, p)| p.0 <= east);
-    way.extend(near.filter(|&(_, &p)| passes(s, p)).map(|(i, _)| i as u32));
+    let (south, north) = (s.a.1.min(s.b.1), s.a.1.max(s.b.1));
     let (dx, dy) = to(s.a, s.b);
+    let reach = dx.abs() + dy.abs();
+    let mut is_touched = false;
+    let first = hot.partition_point(|p| p.0 < west);
+    for (i, &p) in hot.iter().enumerate().skip(first) {
+        if p.0 > east {
+            break;
+        }
+        // A segment between grid points that passes the pixel of a third has that within its bounds.
+        if p.1 < south || p.1 > north {
+            continue;
+        }
+        let aside = 2 * cross((dx, dy), to(s.a, p));
+        if aside.abs() < reach || (aside == dx - dy && aside.abs() == reach) {
+            way.push(i as u32);
+        } else if aside.abs() == reach {
+            is_touched = true;
+        }
+    }
     let along = |i: u32| hot.get(i as usize).map_or(0, |&p| dx * to(s.a, p).0 + dy * to(s.a, p).1);
     way.sort_unstable_by_key(|&i| along(i));
-}
-
-/// Whether a segment passes the pixel about a grid point.
-fn passes(s: &Segment, p: GridPos) -> bool {
-    // A segment between grid points that passes the pixel of a third has that within its bounds.
-    let is_between = |a: i32, b: i32, v: i32| a.min(b) <= v && v <= a.max(b);
-    if !is_between(s.a.1, s.b.1, p.1) || !is_between(s.a.0, s.b.0, p.0) {
-        return false;
-    }
-    if p == s.a || p == s.b {
-        return true;
-    }
-    let (dx, dy) = to(s.a, s.b);
-    let middle = 2 * cross((dx, dy), to(s.a, p));
-    let corners = [middle - dx + dy, middle - dx - dy, middle + dx - dy, middle + dx + dy];
-    let is_on_both_sides = corners.iter().any(|&c| c > 0) && corners.iter().any(|&c| c < 0);
-    is_on_both_sides || corners[0] == 0
+    is_touched
 }
 
 /// Hot points strictly within a piece of a way: by rounding it may have come to lie on one whose pixel it had not passed.
 pub(super) fn within(a: GridPos, b: GridPos, hot: &[GridPos], found: &mut Vec<u32>) {
     found.clear();
     let (dx, dy) = to(a, b);
-    if gcd(dx.unsigned_abs(), dy.unsigned_abs()) < 2 {
-        return;
-    }
     let first = hot.partition_point(|p| p.0 < a.0.min(b.0));
     let near = hot.iter().enumerate().skip(first).take_while(|(_, p)| p.0 <= a.0.max(b.0));
     let is_within = |p: GridPos| {
@@ -127,13 +125,6 @@ pub(super) fn within(a: GridPos, b: GridPos, hot: &[GridPos], found: &mut Vec<u3
     if (b.0, b.1) < (a.0, a.1) {
         found.reverse();
     }
-}
-
-const fn gcd(mut a: u64, mut b: u64) -> u64 {
-    while b != 0 {
-        (a, b) = (b, a % b);
-    }
-    a
 }
 
 #[cfg(test)]
@@ -154,6 +145,12 @@ mod tests {
         assert_eq!(crossing(&s, &segment((20, 8), (30, 12))), None, "collinear");
         assert_eq!(crossing(&s, &segment((11, -3), (11, 9))), None);
         assert_eq!(crossing(&s, &segment((0, 5), (10, 5))), None);
+    }
+
+    fn passes(s: &Segment, p: GridPos) -> bool {
+        let mut found = Vec::new();
+        way(s, &[p], &mut found);
+        !found.is_empty()
     }
 
     #[test]
