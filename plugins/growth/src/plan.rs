@@ -44,6 +44,7 @@ mod crossroads;
 mod extent;
 mod facing;
 mod ground;
+mod groups;
 mod houses;
 mod index;
 mod lots;
@@ -63,7 +64,7 @@ use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, 
 pub use stock::stock_styles;
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 2;
+pub const GROWTH_VERSION: u32 = 3;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,11 +129,12 @@ pub fn grow(graph: &CityGraph, styles: &Styles) -> Result<Growth, GrowthError> {
     let extent = extent::extent(graph, &mut findings);
     let areas = streets::areas(&graph.blocks, &mut findings);
     let layers = streets::layers(graph, &areas, &mut findings);
-    let ground = ground::partition(&extent, &layers);
-    let on_ground = ground::index(&ground);
-
     let book = houses::StyleBook::new(styles, &areas, &mut findings);
     let mut drafts = houses::given(graph, &book, &extent, &mut findings);
+
+    let mut ground = ground::partition(&extent, &layers);
+    ground::pave_verges(&mut ground, &extent, &facing::bodies(&drafts));
+    let on_ground = ground::index(&ground);
     drafts.extend(lots::grow_lots(graph, &areas, &layers, &ground, &extent, &drafts, &book, &mut findings));
     let standing = facing::bodies(&drafts);
     let facing = facing::facing(&drafts, &standing, &on_ground);

@@ -4,11 +4,16 @@ use veduta_city::{BorderEdge, GridPolygon, GridPos, GroundPatch, SurfaceKind, co
 
 use super::arrangement::arrange;
 use super::extent::Extent;
+use super::groups::Groups;
 use super::index::Index;
+use super::relation;
 use super::streets::Layer;
 
 /// Pieces smaller than this join a neighbour; square metres.
 const DUST_M2: f64 = 0.05;
+
+/// Yards narrower than this, in the mean, are verges; metres.
+const WIDEST_VERGE_M: f64 = 4.5;
 
 /// The partition of the extent by the layers; what no layer covers is yard. Patches come tile by tile, south to north and west
 /// to east, in order of priority.
@@ -20,6 +25,46 @@ pub(super) fn partition(extent: &Extent, layers: &[Layer]) -> Vec<GroundPatch> {
         GroundPatch { surface, outline: piece.outline, z }
     };
     pieces.map(patch).collect()
+}
+
+/// Paves the yards that are mere verges: narrow, within the extent, without a given house on them. Maps draw carriageways and
+/// footways as lines, and what is left between them is a part of the street.
+pub(super) fn pave_verges<T>(ground: &mut [GroundPatch], extent: &Extent, houses: &Index<T>) {
+    let mut regions = Groups::new(ground.len());
+    let mut edges: Vec<(GridPos, GridPos, u32)> = Vec::new();
+    for (patch, i) in ground.iter().zip(0..).filter(|(patch, _)| patch.surface == SurfaceKind::Yard) {
+        let of_patch = patch.outline.rings().flat_map(|ring| ring_edges(ring));
+        edges.extend(of_patch.map(|(a, b)| (a.min(b), a.max(b), i)));
+    }
+    edges.sort_unstable();
+    let is_edge = |p: GridPos| p.0 == extent.lo.0 || p.0 == extent.hi.0 || p.1 == extent.lo.1 || p.1 == extent.hi.1;
+    let mut border_m = vec![0.0; ground.len()];
+    let mut is_verge = vec![true; ground.len()];
+    for same in edges.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
+        match *same {
+            [(_, _, i), (_, _, j)] => regions.join(i, j),
+            [(a, b, i), ..] => {
+                border_m[i as usize] += a.to_metres().distance(b.to_metres());
+                is_verge[i as usize] &= !(is_edge(a) && is_edge(b));
+            }
+            [] => {}
+        }
+    }
+    let mut sums = vec![(0.0, 0.0, true); ground.len()];
+    for (i, patch) in ground.iter().enumerate().filter(|(_, patch)| patch.surface == SurfaceKind::Yard) {
+        let (area_m2, length_m, is_all) = &mut sums[regions.of(i as u32) as usize];
+        *area_m2 += patch.outline.area_m2();
+        *length_m += border_m[i];
+        let is_free = || houses.near(&patch.outline, 0.0).iter().all(|(house, _)| !relation::may_meet(house, &patch.outline));
+        *is_all = *is_all && is_verge[i] && is_free();
+    }
+    for (i, patch) in ground.iter_mut().enumerate().filter(|(_, patch)| patch.surface == SurfaceKind::Yard) {
+        let (area_m2, length_m, is_all) = sums[regions.of(i as u32) as usize];
+        // The mean width: that of a long strip is its area by its length, which is half of its border.
+        if is_all && 2.0 * area_m2 < WIDEST_VERGE_M * length_m {
+            patch.surface = SurfaceKind::Mosaic;
+        }
+    }
 }
 
 /// The yards of a partition as whole polygons, without the tiles' seams.
@@ -72,6 +117,25 @@ mod tests {
         assert_eq!(area(SurfaceKind::Yard), 20_000.0 - 2000.0 - 5400.0);
         let ground = index(&patches);
         assert!(ground.at(GridPos(70 * 1024, 45 * 1024)).eq([&(SurfaceKind::Mosaic, 123)]));
+    }
+
+    #[test]
+    fn verges_are_paved_and_yards_are_not() {
+        let extent = Extent { lo: GridPos(0, 0), hi: GridPos(300 * 1024, 200 * 1024) };
+        // Two strips of 4 m beside a street, over the sides of tiles, a house on one of them; a yard of 20 m; the land about it all.
+        let (street, beside) = (rectangle(10, 100, 280, 10), [rectangle(10, 94, 280, 2), rectangle(10, 114, 280, 2)]);
+        let (ends, yard) = ([rectangle(8, 94, 2, 22), rectangle(290, 94, 2, 22)], rectangle(40, 40, 20, 20));
+        let shapes = [street].into_iter().chain(beside).chain(ends).collect();
+        let frame = GridPolygon { holes: vec![yard.outer.iter().rev().copied().collect()], ..rectangle(30, 30, 40, 40) };
+        let layers = [
+            Layer { rank: Rank::Lane, surface: SurfaceKind::Cobbles, shapes },
+            Layer { rank: Rank::Path, surface: SurfaceKind::Gravel, shapes: vec![frame] },
+        ];
+        let mut ground = partition(&extent, &layers);
+        pave_verges(&mut ground, &extent, &Index::new(vec![(rectangle(100, 111, 3, 2), ())]));
+        let paved: Vec<&GroundPatch> = ground.iter().filter(|p| p.surface == SurfaceKind::Mosaic).collect();
+        assert!((paved.iter().map(|p| p.outline.area_m2()).sum::<f64>() - 280.0 * 4.0).abs() < 1e-6);
+        assert!(paved.iter().all(|p| p.outline.bounds().is_some_and(|(lo, hi)| lo.1 >= 96 * 1024 && hi.1 <= 100 * 1024)));
     }
 
     #[test]

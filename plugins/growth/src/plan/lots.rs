@@ -20,6 +20,8 @@ use super::{Area, boolean, massing, outline, relation};
 const MOST_COVERED: f64 = 0.35;
 /// Pieces of blocks smaller than this stay empty; square metres.
 const LEAST_SITE_M2: f64 = 25.0;
+/// Sites narrower than this stay empty, metres: verges between a footway and its street, slits beside a given house.
+const NARROWEST_SITE_M: f64 = 5.5;
 /// Lots smaller than this are not built on; square metres.
 const LEAST_LOT_M2: f64 = 12.0;
 /// Lots narrower than this are not built on; metres.
@@ -169,6 +171,7 @@ fn grow_plot(
     findings: &mut Vec<Finding>,
 ) -> Vec<Draft> {
     let mut out = Vec::new();
+    let mut narrow: Vec<DVec2> = Vec::new();
     for outline in &plot.outline {
         let houses: Vec<&GridPolygon> = obstacles.houses.near(outline, 0.0).into_iter().map(|(p, ())| p).collect();
         // Parts of one building overlap one another: what they cover together counts.
@@ -185,11 +188,24 @@ fn grow_plot(
                 findings.push(Finding::new(Severity::Dropped, plot.id, Some(site.centroid()), message));
                 continue;
             }
+            let width_m = 2.0 * perimeter::inradius_m(&site);
+            if width_m < NARROWEST_SITE_M {
+                narrow.push(site.centroid());
+                continue;
+            }
             let style = book.of_district(&plot.district);
             let Some(look) = book.style(style) else { continue };
             let draw = Draw::new(graph.seed, Id::from_place("site", site.centroid()), "lots");
-            out.extend(grow_site(&site, &houses, look, draw).into_iter().map(|lot| draft(graph, lot, style, look, draw)));
+            out.extend(
+                grow_site(&Site { outline: &site, houses: &houses, width_m }, look, draw)
+                    .into_iter()
+                    .map(|lot| draft(graph, lot, style, look, draw)),
+            );
         }
+    }
+    if let Some(&first) = narrow.first() {
+        let message = format!("block: {} pieces of it are narrower than {NARROWEST_SITE_M} m and not built on", narrow.len());
+        findings.push(Finding::new(Severity::Note, plot.id, Some(first), message));
     }
     if out.is_empty() {
         return out;
@@ -204,11 +220,11 @@ fn grow_plot(
 }
 
 /// Footprints on one site: disjoint, each within it.
-fn grow_site(site: &GridPolygon, houses: &[&GridPolygon], style: &Style, draw: Draw) -> Vec<GridPolygon> {
-    let lots = perimeter::lots(&Site { outline: site, houses }, style, draw);
+fn grow_site(site: &Site<'_>, style: &Style, draw: Draw) -> Vec<GridPolygon> {
+    let lots = perimeter::lots(site, style, draw);
     let mut out: Vec<Lot> = Vec::new();
     for lot in lots {
-        out.extend(trimmed(lot, site, &out).map(Lot::new));
+        out.extend(trimmed(lot, site.outline, &out).map(Lot::new));
     }
     out.into_iter().map(|lot| lot.outline).collect()
 }

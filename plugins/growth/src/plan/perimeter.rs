@@ -33,12 +33,14 @@ pub(super) struct Site<'a> {
     pub outline: &'a GridPolygon,
     /// Given houses beside it.
     pub houses: &'a [&'a GridPolygon],
+    /// Diameter of the largest disc in it, metres.
+    pub width_m: f64,
 }
 
 /// Lots of a site, on the grid, in order round it. They may overlap a little in odd corners and reach beyond the site: the
 /// caller cuts them.
 pub(super) fn lots(site: &Site<'_>, style: &Style, draw: Draw) -> Vec<GridPolygon> {
-    let width = 2.0 * inradius_m(site.outline);
+    let width = site.width_m;
     let depth = draw.between("depth", style.depth_m.0, style.depth_m.1);
     let bounds = outline::smallest_box(&site.outline.outer);
     let is_compact = site.outline.area_m2() > 0.6 * bounds.length_m * bounds.width_m;
@@ -337,7 +339,7 @@ mod tests {
 
     fn lots_of(outline: &GridPolygon) -> Vec<GridPolygon> {
         let styles = stock_styles();
-        lots(&Site { outline, houses: &[] }, &styles.0[0], Draw::new(1, Id(1), "test"))
+        lots(&Site { outline, houses: &[], width_m: 2.0 * inradius_m(outline) }, &styles.0[0], Draw::new(1, Id(1), "test"))
     }
 
     #[test]

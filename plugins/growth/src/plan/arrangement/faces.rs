@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use veduta_city::{BorderEdge, GridPos, connected_faces};
 
 use super::{Piece, Segment, Tile, hot};
+use crate::plan::groups::Groups;
 
 /// An edge between two hot points, the lesser first, and whether it runs so (1) for a layer or back (-1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -439,28 +440,5 @@ struct Stars {
 impl Stars {
     fn iter(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).map(|pair| &self.halves[pair[0] as usize..pair[1] as usize])
-    }
-}
-
-/// Numbers that are joined into groups.
-struct Groups(Vec<u32>);
-
-impl Groups {
-    fn new(count: usize) -> Self {
-        Self((0..count as u32).collect())
-    }
-
-    fn of(&mut self, mut i: u32) -> u32 {
-        while self.0[i as usize] != i {
-            self.0[i as usize] = self.0[self.0[i as usize] as usize];
-            i = self.0[i as usize];
-        }
-        i
-    }
-
-    /// The least of a group stands for it.
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.of(a), self.of(b));
-        self.0[a.max(b) as usize] = a.min(b);
     }
 }
