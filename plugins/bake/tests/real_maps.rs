@@ -1,12 +1,15 @@
 //! Every OpenStreetMap extract of the shared test data, from file to city. `VEDUTA_DATA` names the folder; without it
 //! `shared/data` beside the workspace is looked for, and where there is none the tests say so and pass.
 
+#[path = "../../growth/tests/ground_proof/mod.rs"]
+mod ground_proof;
 mod shared;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use ground_proof::{prove_mesh, prove_partition};
 use veduta_bake::{BakeError, BakeSettings, Baked, Input, bake, cut, plan};
 use veduta_city::{Level, PlaceKind, PortalSide};
 use veduta_store::{CityIndex, DirReader, INDEX_NAME, Packet, Reader, decode_index, decode_overview, decode_packet, decode_styles};
@@ -152,6 +155,18 @@ fn check_index(index: &CityIndex) {
     };
     let (here, all) = (area(&|i| reached[i]), area(&|_| true));
     assert!(here > 0.9 * all, "{}: {here:.0} m² of {all:.0} m² can be reached from the start", index.name);
+}
+
+#[test]
+fn the_ground_of_every_extract_is_whole() {
+    let Some(data) = shared::data() else { return };
+    for expected in CITIES {
+        let input = Input::of(&data.join(expected.file)).unwrap_or_else(|e| panic!("{e}"));
+        let plan = plan(&input, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).plan;
+        println!("{}: {} patches", expected.file, plan.ground.len());
+        prove_partition(&plan);
+        prove_mesh(&plan);
+    }
 }
 
 #[test]

@@ -156,16 +156,63 @@ impl Triangulator {
             self.points.extend(ring.iter().map(|p| p.to_array()));
         }
         self.earcut.earcut(self.points.iter().copied(), &self.holes, &mut self.triangles);
+        self.turn();
+        // The engine leaves out vertices in the middle of straight lines.
+        if self.triangles.len() / 3 + 2 != self.points.len() + 2 * self.holes.len() {
+            self.mend();
+        }
         for t in self.triangles.chunks_exact(3) {
-            let corner = |i: u32| self.points.get(i as usize).map(|&p| DVec2::from_array(p));
-            let (Some(a), Some(b), Some(c)) = (corner(t[0]), corner(t[1]), corner(t[2])) else { continue };
-            let [i, j, k] = [t[0] as usize, t[1] as usize, t[2] as usize];
-            match (b - a).perp_dot(c - a) {
-                turn if turn > 0.0 => each([i, j, k], [a, b, c]),
-                turn if turn < 0.0 => each([i, k, j], [a, c, b]),
-                _ => {}
+            let index = [t[0] as usize, t[1] as usize, t[2] as usize];
+            each(index, index.map(|i| self.at(i as u32)));
+        }
+    }
+
+    fn at(&self, i: u32) -> DVec2 {
+        self.points.get(i as usize).copied().map_or(DVec2::ZERO, DVec2::from_array)
+    }
+
+    /// Turns all triangles counter-clockwise; those without area go.
+    fn turn(&mut self) {
+        let mut kept = 0;
+        for i in (0..self.triangles.len()).step_by(3) {
+            let [a, b, c] = [self.triangles[i], self.triangles[i + 1], self.triangles[i + 2]];
+            let turn = (self.at(b) - self.at(a)).perp_dot(self.at(c) - self.at(a));
+            if turn != 0.0 {
+                self.triangles[kept..kept + 3].copy_from_slice(&if turn > 0.0 { [a, b, c] } else { [a, c, b] });
+                kept += 3;
             }
         }
+        self.triangles.truncate(kept);
+    }
+
+    /// Splits triangles so that every vertex on the edge of one is a corner of it.
+    fn mend(&mut self) {
+        let mut edges: Vec<(u32, u32)> =
+            self.triangles.chunks_exact(3).flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]).collect();
+        edges.sort_unstable();
+        let is_lone = |a: u32, b: u32| edges.binary_search(&(b, a)).is_err();
+        let mut open: Vec<[u32; 3]> = self.triangles.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+        self.triangles.clear();
+        while let Some([a, b, c]) = open.pop() {
+            let split = [[a, b, c], [b, c, a], [c, a, b]].into_iter().find_map(|[a, b, c]| {
+                let between = if is_lone(a, b) { self.between(a, b) } else { None };
+                between.map(|p| [[a, p, c], [p, b, c]])
+            });
+            match split {
+                Some(parts) => open.extend(parts),
+                None => self.triangles.extend([a, b, c]),
+            }
+        }
+    }
+
+    /// A vertex within the way from one to another.
+    fn between(&self, a: u32, b: u32) -> Option<u32> {
+        let (from, to) = (self.at(a), self.at(b));
+        let is_within = |p: DVec2| {
+            let (along, way) = (to - from, p - from);
+            along.perp_dot(way) == 0.0 && along.dot(way) > 0.0 && along.dot(way) < along.length_squared()
+        };
+        (0..self.points.len() as u32).find(|&i| is_within(self.at(i)))
     }
 }
 

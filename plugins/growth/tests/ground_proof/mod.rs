@@ -1,0 +1,68 @@
+//! What must hold for the ground of any plan, and for its mesh.
+
+use std::collections::{BTreeSet, HashMap};
+
+use veduta_city::{CellShell, CityPlan, GridPolygon, GridPos, metres, ring_edges};
+use veduta_growth::mesh::{self, MeshData};
+
+fn twice_area(polygon: &GridPolygon, o: GridPos) -> i64 {
+    polygon.rings().flat_map(|ring| ring_edges(ring)).map(|(a, b)| o.cross(a, b)).sum()
+}
+
+/// Nothing overlaps, and nothing is left open: every edge of a patch runs once, and once the other way but for the city's edge;
+/// the areas make up the extent to the square of a grid step.
+pub fn prove_partition(plan: &CityPlan) {
+    let (lo, hi) = plan.extent.bounds().expect("it has an extent");
+    let mut edges: HashMap<(GridPos, GridPos), u32> = HashMap::new();
+    for edge in plan.ground.iter().flat_map(|patch| patch.outline.rings()).flat_map(|ring| ring_edges(ring)) {
+        *edges.entry(edge).or_default() += 1;
+    }
+    for (&(a, b), &count) in &edges {
+        let is_outer = a.0 == b.0 && (a.0 == lo.0 || a.0 == hi.0) || a.1 == b.1 && (a.1 == lo.1 || a.1 == hi.1);
+        assert!(count == 1 && (is_outer || edges.contains_key(&(b, a))), "{a:?} {b:?} runs {count} times, and not back");
+    }
+    let areas = plan.ground.iter().map(|patch| twice_area(&patch.outline, lo));
+    assert!(areas.clone().all(|area| area > 0));
+    assert_eq!(areas.sum::<i64>(), twice_area(&plan.extent, lo));
+}
+
+/// The mesh of the ground: every triangle that is not a kerb's faces up, together they cover the extent, their edges meet whole
+/// edges of others at the same height, and where the ground steps down a face closes the step.
+pub fn prove_mesh(plan: &CityPlan) {
+    let shell = CellShell { ground: plan.ground.clone(), ..CellShell::default() };
+    let mesh: MeshData = mesh::ground(&shell);
+    mesh.validate().unwrap_or_else(|e| panic!("{e}"));
+    let place = |i: u32| mesh.positions[i as usize].map(f32::to_bits);
+    let mut flat: HashMap<([u32; 3], [u32; 3]), u32> = HashMap::new();
+    let mut faces: HashMap<([u32; 3], [u32; 3]), u32> = HashMap::new();
+    let mut area = 0.0;
+    for t in mesh.indices.chunks_exact(3) {
+        let [a, b, c] = [t[0], t[1], t[2]].map(|i| glam::Vec3::from(mesh.positions[i as usize]).as_dvec3());
+        let normal = (b - a).cross(c - a);
+        let is_flat = a.y == b.y && b.y == c.y;
+        assert!(!is_flat || normal.y > 0.0, "a triangle faces down");
+        if is_flat {
+            area += normal.y / 2.0;
+        }
+        for (i, j) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+            *(if is_flat { &mut flat } else { &mut faces }).entry((place(i), place(j))).or_default() += 1;
+        }
+    }
+    let heights: BTreeSet<u32> = plan.ground.iter().map(|patch| (metres(patch.z) as f32).to_bits()).collect();
+    let whole = plan.extent.area_m2();
+    assert!((area - whole).abs() < 1e-3 * whole.sqrt() + 1e-6 * whole, "{area} m² of {whole} m²");
+    let bounds = plan.extent.bounds().expect("it has an extent");
+    let (lo, hi) = (bounds.0.to_metres(), bounds.1.to_metres());
+    let is_at = |v: f32, side: f64| (f64::from(v) - side).abs() < 1e-3;
+    for &(p, q) in flat.keys() {
+        let [a, b] = [p, q].map(|p| p.map(f32::from_bits));
+        let is_outer = is_at(a[0], lo.x) && is_at(b[0], lo.x)
+            || is_at(a[0], hi.x) && is_at(b[0], hi.x)
+            || is_at(-a[2], lo.y) && is_at(-b[2], lo.y)
+            || is_at(-a[2], hi.y) && is_at(-b[2], hi.y);
+        let beyond = heights.iter().find(|&&y| flat.contains_key(&([q[0], y, q[2]], [p[0], y, p[2]])));
+        assert!(is_outer || beyond.is_some(), "the ground is open at {a:?} {b:?}");
+        let is_upper = beyond.is_some_and(|&y| f32::from_bits(y) < a[1]);
+        assert!(!is_upper || faces.contains_key(&(q, p)), "no kerb closes the step at {a:?} {b:?}");
+    }
+}
