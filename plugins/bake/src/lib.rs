@@ -25,6 +25,7 @@
 
 mod enlarge;
 mod error;
+mod export;
 mod input;
 mod pipeline;
 mod raster_map;
@@ -35,6 +36,7 @@ mod vector_map;
 
 pub use enlarge::enlarged;
 pub use error::BakeError;
+pub use export::{ExportError, ExportSettings, export_glb};
 pub use input::{Input, InputKind};
 pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, bake_input, cut, plan, survey, survey_bare};
 pub use raster_map::{RasterMap, RasterSurvey};

@@ -13,7 +13,9 @@ use std::time::Instant;
 use anstream::{eprintln, println};
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use veduta_bake::{BakeSettings, Planned, Stage, bake_input, lay_on_ground, map_svg, plan, survey_bare};
+use veduta_bake::{
+    BakeSettings, ExportSettings, Planned, Stage, bake_input, export_glb, lay_on_ground, map_svg, plan, survey_bare,
+};
 use veduta_city::file;
 use veduta_survey::{GeoJsonSettings, to_geojson};
 
@@ -109,6 +111,17 @@ enum Command {
         /// Where to write the picture.
         #[arg(short, long)]
         output: PathBuf,
+    },
+    /// Write a plan, graph or map as binary glTF, with named houses, façades and objects, for modellers and other engines.
+    Export {
+        #[command(flatten)]
+        source: Source,
+        /// Where to write the model (.glb).
+        #[arg(short, long)]
+        output: PathBuf,
+        /// Pixels a side of each texture: 16 to 1024.
+        #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=1024))]
+        texture: u32,
     },
     /// Measure this program beside its peers.
     #[command(subcommand)]
@@ -210,6 +223,18 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
             let planned = planned(&source, None, quiet)?;
             file::write_text(&map_svg(&planned.plan), &output)?;
             println!("{}", output.display());
+        }
+        Command::Export { source, output, texture } => {
+            let planned = planned(&source, None, quiet)?;
+            let glb = export_glb(&planned.plan, &ExportSettings { texture_px: texture })?;
+            file::write_bytes(&glb, &output)?;
+            println!(
+                "{}: {} houses, {} objects, {} bytes",
+                output.display(),
+                planned.plan.houses.len(),
+                planned.plan.objects.len(),
+                glb.len()
+            );
         }
         Command::Bench(Bench::Survey(survey)) => bench::survey(&survey)?,
         Command::Bench(Bench::Thinning(thinning)) => bench::thinning(&thinning)?,

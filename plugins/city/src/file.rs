@@ -160,11 +160,19 @@ pub fn write<T: Serialize>(value: &T, path: &Path) -> Result<(), FileError> {
 /// # Errors
 /// [`FileError::Io`] if the system says no; nothing is left behind then.
 pub fn write_text(text: &str, path: &Path) -> Result<(), FileError> {
+    write_bytes(text.as_bytes(), path)
+}
+
+/// Writes a file that is no text, whole or not at all.
+///
+/// # Errors
+/// As [`write_text`].
+pub fn write_bytes(bytes: &[u8], path: &Path) -> Result<(), FileError> {
     let io = |source| FileError::Io { path: path.to_owned(), source };
     let mut beside = path.as_os_str().to_owned();
     beside.push(".part");
     let beside = PathBuf::from(beside);
-    let written = std::fs::write(&beside, text).and_then(|()| std::fs::rename(&beside, path));
+    let written = std::fs::write(&beside, bytes).and_then(|()| std::fs::rename(&beside, path));
     if written.is_err() {
         // The first error is the one to tell.
         let _ = std::fs::remove_file(&beside);

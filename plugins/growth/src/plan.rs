@@ -33,8 +33,8 @@
 //! what lies below the ground is left out with a finding. Arcades are openings, not rooms.
 //!
 //! # Rejected
-//! One boolean operation over the whole city (patches of ten thousand vertices; tiles keep them small and run side by
-//! side) · floating-point overlays that are snapped afterwards (snapping makes rings cross) · subdividing blocks
+//! Boolean operations in place of one arrangement of the ground (slower, and neighbours do not share their vertices) ·
+//! floating-point overlays that are snapped afterwards (snapping makes rings cross) · subdividing blocks
 //! recursively into lots (good for suburbs; an old town's lots are a ring of burgages round a courtyard).
 
 mod arrangement;

@@ -1,0 +1,160 @@
+//! A plan as binary glTF 2.0, for modellers and other engines.
+//!
+//! ```text
+//!  city ─┬─ ground
+//!        ├─ houses ─── a house ─┬─ façade 0, façade 1, …   (its street walls)
+//!        │                      ├─ walls                   (all others)
+//!        │                      └─ roof
+//!        └─ objects ── Lamp 17, Tree 18, …
+//! ```
+//! Metres, y up, x east, z south. Every house and object has its id, kind and names in `extras`; materials are the tiles of the
+//! texture workshop, multiplied by the colour of each vertex.
+//!
+//! # Limits
+//! The game's material leaves glass and timber of a tile as they are and colours its plaster alone; glTF's multiplies all.
+//! What is within 4 GiB fits into one file; more is told as an error.
+
+mod glb;
+
+use serde_json::json;
+use veduta_city::{
+    CellShell, CityPlan, FacadeSheet, GridPos, House, HouseShell, ObjectKind, PlanObject, Volume, VolumeShell, WallKind,
+};
+use veduta_growth::mesh::{self, MeshData, MeshError};
+
+use glb::{Glb, Node};
+
+/// How a plan is exported.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ExportSettings {
+    /// Pixels a side of each texture: a power of two, 16 to 1024.
+    pub texture_px: u32,
+}
+
+impl Default for ExportSettings {
+    fn default() -> Self {
+        Self { texture_px: 256 }
+    }
+}
+
+/// Why a plan was not exported.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// A house's mesh could not be made.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The file would be larger than glTF's 4 GiB.
+    #[error("{0} bytes do not fit into one binary glTF file: export a smaller area")]
+    TooLarge(u64),
+    /// A texture could not be encoded.
+    #[error("texture: {0}")]
+    Texture(#[from] image::ImageError),
+    /// The description could not be written.
+    #[error("glTF: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+/// A plan as the bytes of a `.glb` file.
+///
+/// # Errors
+/// [`ExportError`]; none for a plan that passes its validation and fits into 4 GiB.
+pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>, ExportError> {
+    let mut glb = Glb::new(settings.texture_px, plan.seed);
+    let shell = CellShell { ground: plan.ground.clone(), ..CellShell::default() };
+    let ground = glb.leaf("ground", &mesh::ground(&shell))?;
+    let mut houses = Vec::with_capacity(plan.houses.len());
+    for house in &plan.houses {
+        houses.push(export_house(&mut glb, plan, house)?);
+    }
+    let houses = glb.node(Node { name: "houses", children: houses, ..Node::default() })?;
+    let mut shapes: Vec<((ObjectKind, i32), Option<glb::Mesh>)> = Vec::new();
+    let mut objects = Vec::with_capacity(plan.objects.len());
+    for object in &plan.objects {
+        objects.extend(export_object(&mut glb, &mut shapes, object)?);
+    }
+    let objects = glb.node(Node { name: "objects", children: objects, ..Node::default() })?;
+    let extras = json!({
+        "kind": "city",
+        "latitude": plan.anchor.lat,
+        "longitude": plan.anchor.lon,
+        "attribution": plan.attribution,
+        "seed": plan.seed.to_string(),
+    });
+    let children = ground.into_iter().chain([houses, objects]).collect();
+    let city = glb.node(Node { name: &plan.name, children, extras, ..Node::default() })?;
+    glb.finish(city, &plan.attribution)
+}
+
+fn export_house(glb: &mut Glb, plan: &CityPlan, house: &House) -> Result<glb::NodeIndex, ExportError> {
+    let (mut parts, mut others, mut roofs) = (Vec::new(), MeshData::default(), MeshData::default());
+    let mut facades = 0;
+    for volume in &house.volumes {
+        let of_walls = |walls: Vec<u16>, has_roof: bool| shell(house, volume, walls, has_roof);
+        for (i, wall) in volume.walls.iter().enumerate() {
+            let made = mesh::level2(&of_walls(vec![i as u16], false), &FacadeSheet { walls: vec![wall.clone()] })?;
+            if wall.kind == WallKind::Street {
+                let extras = json!({ "kind": "facade", "bays": wall.bays, "storeys": wall.storeys.len() });
+                let mesh = glb.mesh(&made)?;
+                parts.push(glb.node(Node { name: &format!("façade {facades}"), mesh, extras, ..Node::default() })?);
+                facades += 1;
+            } else {
+                others.append(&made);
+            }
+        }
+        roofs.append(&mesh::roofs(&of_walls(Vec::new(), true)));
+    }
+    parts.extend(glb.leaf("walls", &others)?);
+    parts.extend(glb.leaf("roof", &roofs)?);
+    let name = match (house.name.as_str(), house.number.as_str()) {
+        ("", "") => format!("house {}", house.id),
+        ("", number) => format!("house no. {number}"),
+        (name, _) => name.to_owned(),
+    };
+    let style = plan.styles.0.get(usize::from(house.style)).map_or("", |style| style.name.as_str());
+    let extras = json!({ "kind": "house", "id": house.id.0.to_string(), "style": style, "number": house.number });
+    glb.node(Node { name: &name, children: parts, extras, ..Node::default() })
+}
+
+/// A cell of some walls of one volume, or of its roof.
+fn shell(house: &House, volume: &Volume, walls: Vec<u16>, has_roof: bool) -> CellShell {
+    let volume = VolumeShell {
+        footprint: volume.footprint.clone(),
+        bottom: volume.bottom,
+        eaves: volume.eaves,
+        colour: volume.colour,
+        trim: volume.trim,
+        roof: volume.roof,
+        has_roof,
+        walls,
+    };
+    let house = HouseShell { id: house.id, style: house.style, volumes: vec![volume] };
+    CellShell { houses: vec![house], ..CellShell::default() }
+}
+
+/// Objects of one kind and height share a mesh.
+fn export_object(
+    glb: &mut Glb,
+    shapes: &mut Vec<((ObjectKind, i32), Option<glb::Mesh>)>,
+    object: &PlanObject,
+) -> Result<Option<glb::NodeIndex>, ExportError> {
+    let key = (object.kind, object.height);
+    let mesh = match shapes.binary_search_by_key(&key, |shape| shape.0) {
+        Ok(at) => shapes[at].1,
+        Err(at) => {
+            let at_origin = PlanObject { pos: GridPos(0, 0), z: 0, heading: 0, ..object.clone() };
+            let shell = CellShell { objects: vec![at_origin], ..CellShell::default() };
+            let mesh = glb.mesh(&mesh::objects(&shell))?;
+            shapes.insert(at, (key, mesh));
+            mesh
+        }
+    };
+    if mesh.is_none() {
+        return Ok(None);
+    }
+    let kind = format!("{:?}", object.kind);
+    let pos = object.pos.to_metres();
+    let place = Some(([pos.x as f32, veduta_city::metres(object.z) as f32, -pos.y as f32], f32::from(object.heading)));
+    let extras = json!({ "kind": kind.to_lowercase(), "id": object.id.0.to_string() });
+    let name = format!("{kind} {}", object.id);
+    Ok(Some(glb.node(Node { name: &name, mesh, place, extras, ..Node::default() })?))
+}

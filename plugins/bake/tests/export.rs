@@ -1,0 +1,123 @@
+//! Exported models hold what the plan holds, and are sound binary glTF.
+
+use std::path::Path;
+
+use gltf_json::accessor::{ComponentType, GenericComponentType};
+use gltf_json::mesh::Semantic;
+use gltf_json::validation::{Checked::Valid, Validate};
+use gltf_json::{Accessor, Index, Root};
+use veduta_bake::{BakeSettings, ExportSettings, Input, export_glb, plan};
+use veduta_city::{CityPlan, WallKind};
+
+fn planned(path: &str) -> CityPlan {
+    let input = Input::of(Path::new(path)).unwrap_or_else(|e| panic!("{e}"));
+    plan(&input, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).plan
+}
+
+/// Description and buffer of a binary glTF file.
+fn opened(glb: &[u8]) -> (Root, &[u8]) {
+    let word = |at: usize| u32::from_le_bytes([glb[at], glb[at + 1], glb[at + 2], glb[at + 3]]) as usize;
+    assert_eq!((&glb[..4], word(4), word(8)), (&b"glTF"[..], 2, glb.len()));
+    let json = word(12);
+    assert_eq!((&glb[16..20], json % 4), (&b"JSON"[..], 0));
+    let root = Root::from_slice(&glb[20..20 + json]).unwrap_or_else(|e| panic!("{e}"));
+    let buffer = &glb[28 + json..];
+    assert_eq!((&glb[24 + json..28 + json], word(20 + json)), (&b"BIN\0"[..], buffer.len()));
+    (root, buffer)
+}
+
+/// The bytes of an accessor, element by element.
+fn elements<'a>(root: &'a Root, buffer: &'a [u8], accessor: Index<Accessor>) -> impl Iterator<Item = &'a [u8]> {
+    let accessor = &root.accessors[accessor.value()];
+    let view = &root.buffer_views[accessor.buffer_view.expect("no accessor is sparse").value()];
+    let Valid(type_) = accessor.type_ else { panic!("no type") };
+    let Valid(GenericComponentType(component)) = accessor.component_type else { panic!("no component") };
+    let size = type_.multiplicity() * component.size();
+    assert_eq!(view.byte_stride.map_or(size, |stride| stride.0), size, "tightly packed");
+    let view_begin = view.byte_offset.unwrap_or_default().0 as usize;
+    let begin = accessor.byte_offset.unwrap_or_default().0 as usize;
+    let end = begin + size * accessor.count.0 as usize;
+    assert!(end <= view.byte_length.0 as usize && begin.is_multiple_of(component.size()) && view_begin.is_multiple_of(4));
+    buffer[view_begin + begin..view_begin + end].chunks_exact(size)
+}
+
+fn floats(bytes: &[u8]) -> Vec<f32> {
+    bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+}
+
+#[test]
+fn an_export_is_sound_and_whole() {
+    for scene in ["tests/places/lane/lane.graph.ron", "tests/places/crossroads/crossroads.osm"] {
+        let plan = planned(scene);
+        let glb = export_glb(&plan, &ExportSettings { texture_px: 32 }).unwrap_or_else(|e| panic!("{e}"));
+        let (root, buffer) = opened(&glb);
+        let mut mistakes = Vec::new();
+        root.validate(&root, gltf_json::Path::new, &mut |path, error| mistakes.push(format!("{}: {error}", path())));
+        assert!(mistakes.is_empty(), "{mistakes:?}");
+        for primitive in root.meshes.iter().flat_map(|mesh| &mesh.primitives) {
+            let positions = primitive.attributes[&Valid(Semantic::Positions)];
+            let count = root.accessors[positions.value()].count.0;
+            assert!(primitive.attributes.values().all(|a| root.accessors[a.value()].count.0 == count));
+            let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+            for p in elements(&root, buffer, positions).map(floats) {
+                bounds[0] = [0, 1, 2].map(|i| bounds[0][i].min(p[i]));
+                bounds[1] = [0, 1, 2].map(|i| bounds[1][i].max(p[i]));
+            }
+            let accessor = &root.accessors[positions.value()];
+            let told = |value: &Option<serde_json::Value>| -> Vec<f32> {
+                let numbers = value.iter().filter_map(serde_json::Value::as_array).flatten();
+                numbers.filter_map(serde_json::Value::as_f64).map(|v| v as f32).collect()
+            };
+            assert_eq!([told(&accessor.min), told(&accessor.max)], bounds.map(Vec::from));
+            let normals = primitive.attributes[&Valid(Semantic::Normals)];
+            for n in elements(&root, buffer, normals).map(floats) {
+                assert!((n.iter().map(|c| c * c).sum::<f32>() - 1.0).abs() < 1e-5);
+            }
+            let indices = primitive.indices.expect("indexed");
+            let Valid(GenericComponentType(ComponentType::U32)) = root.accessors[indices.value()].component_type else { panic!() };
+            let most = elements(&root, buffer, indices).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).max();
+            assert!(most.is_some_and(|most| u64::from(most) < count));
+        }
+        for image in &root.images {
+            let view = &root.buffer_views[image.buffer_view.expect("within the file").value()];
+            let begin = view.byte_offset.unwrap_or_default().0 as usize;
+            assert!(buffer[begin..].starts_with(b"\x89PNG"), "{:?}", image.name);
+        }
+
+        let kind = |node: &gltf_json::Node| {
+            let extras = node.extras.as_ref()?;
+            serde_json::from_str::<serde_json::Value>(extras.get()).ok()?["kind"].as_str().map(str::to_owned)
+        };
+        let count = |of: &str| root.nodes.iter().filter(|node| kind(node).as_deref() == Some(of)).count();
+        let walls = || plan.houses.iter().flat_map(|house| &house.volumes).flat_map(|volume| &volume.walls);
+        assert_eq!(count("house"), plan.houses.len());
+        assert_eq!(count("facade"), walls().filter(|wall| wall.kind == WallKind::Street).count());
+        let objects = root.nodes.iter().filter(|node| node.translation.is_some()).count();
+        assert_eq!(objects, plan.objects.len());
+        let child = |name: &str| root.nodes.iter().find(|node| node.name.as_deref() == Some(name)).expect(name);
+        assert_eq!(child("houses").children.as_ref().map(Vec::len), Some(plan.houses.len()));
+        // Every node hangs from the scene, once.
+        let mut parents = vec![0; root.nodes.len()];
+        root.nodes.iter().flat_map(|node| node.children.iter().flatten()).for_each(|child| parents[child.value()] += 1);
+        root.scenes[0].nodes.iter().for_each(|node| parents[node.value()] += 1);
+        assert!(parents.iter().all(|&n| n == 1), "{scene}: {parents:?}");
+    }
+}
+
+#[test]
+fn an_object_stands_as_in_the_game() {
+    let plan = planned("tests/places/crossroads/crossroads.osm");
+    let glb = export_glb(&plan, &ExportSettings { texture_px: 16 }).unwrap_or_else(|e| panic!("{e}"));
+    let (root, _) = opened(&glb);
+    let nodes = root.nodes.iter().filter(|node| node.translation.is_some());
+    for (node, object) in nodes.zip(&plan.objects) {
+        let heading = f64::from(object.heading).to_radians();
+        let turn = node.rotation.expect("with a translation").0;
+        let [x, y, z] = glam::Quat::from_array(turn).mul_vec3(glam::Vec3::NEG_Z).to_array();
+        let front = [heading.sin() as f32, 0.0, -heading.cos() as f32];
+        assert!([x, y, z].iter().zip(front).all(|(a, b)| (a - b).abs() < 1e-5), "{:?} looks to {front:?}", node.name);
+        let pos = object.pos.to_metres();
+        assert_eq!(node.translation, Some([pos.x as f32, veduta_city::metres(object.z) as f32, -pos.y as f32]));
+    }
+    assert!(!plan.objects.is_empty());
+}
