@@ -12,13 +12,17 @@
 //!
 //! # Limits
 //! The game's material leaves glass and timber of a tile as they are and colours its plaster alone; glTF's multiplies all.
+//! In the game no two trees are alike; here those of one height share four shapes.
 //! What is within 4 GiB fits into one file; more is told as an error.
 
 mod glb;
 
+use std::collections::{BTreeMap, HashMap};
+
 use serde_json::json;
 use veduta_city::{
-    CellShell, CityPlan, FacadeSheet, GridPos, House, HouseShell, ObjectKind, PlanObject, Volume, VolumeShell, WallKind,
+    CellShell, CityPlan, FacadeSheet, GridPos, GroundPatch, House, HouseShell, ObjectKind, PlanObject, SurfaceKind, Volume,
+    VolumeShell, WallKind,
 };
 use veduta_growth::mesh::{self, MeshData, MeshError};
 
@@ -57,17 +61,19 @@ pub enum ExportError {
 /// A plan as the bytes of a `.glb` file.
 ///
 /// # Errors
-/// [`ExportError`]; none for a plan that passes its validation and fits into 4 GiB.
+/// [`ExportError`]; none for a plan that growth made and that fits into 4 GiB.
 pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>, ExportError> {
     let mut glb = Glb::new(settings.texture_px, plan.seed);
     let shell = CellShell { ground: plan.ground.clone(), ..CellShell::default() };
     let ground = glb.leaf("ground", &mesh::ground(&shell))?;
+    let lowest = plan.ground.iter().map(|patch| patch.z).min().unwrap_or(0);
+    let land = GroundPatch { surface: SurfaceKind::Yard, outline: plan.extent.clone(), z: lowest };
     let mut houses = Vec::with_capacity(plan.houses.len());
     for house in &plan.houses {
-        houses.push(export_house(&mut glb, plan, house)?);
+        houses.push(export_house(&mut glb, plan, &land, house)?);
     }
     let houses = glb.node(Node { name: "houses", children: houses, ..Node::default() })?;
-    let mut shapes: Vec<((ObjectKind, i32), Option<glb::Mesh>)> = Vec::new();
+    let mut shapes = Shapes::new();
     let mut objects = Vec::with_capacity(plan.objects.len());
     for object in &plan.objects {
         objects.extend(export_object(&mut glb, &mut shapes, object)?);
@@ -85,23 +91,28 @@ pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>,
     glb.finish(city, &plan.attribution)
 }
 
-fn export_house(glb: &mut Glb, plan: &CityPlan, house: &House) -> Result<glb::NodeIndex, ExportError> {
+fn export_house(glb: &mut Glb, plan: &CityPlan, ground: &GroundPatch, house: &House) -> Result<glb::NodeIndex, ExportError> {
     let (mut parts, mut others, mut roofs) = (Vec::new(), MeshData::default(), MeshData::default());
     let mut facades = 0;
     for volume in &house.volumes {
-        let of_walls = |walls: Vec<u16>, has_roof: bool| shell(house, volume, walls, has_roof);
-        for (i, wall) in volume.walls.iter().enumerate() {
-            let made = mesh::level2(&of_walls(vec![i as u16], false), &FacadeSheet { walls: vec![wall.clone()] })?;
+        let of_walls = |walls: Vec<u16>, has_roof: bool| shell(house, volume, ground, walls, has_roof);
+        let all: Vec<u16> = (0..volume.walls.len()).map_while(|i| u16::try_from(i).ok()).collect();
+        let sheet = FacadeSheet { walls: volume.walls.iter().take(usize::from(u16::MAX) + 1).cloned().collect() };
+        let mut made = by_centre(&mesh::level2(&of_walls(all.clone(), false), &sheet)?);
+        for (wall, i) in sheet.walls.iter().zip(0..) {
+            let Some(centre) = mesh::level1(&of_walls(vec![i], false)).centres.first().copied() else { continue };
+            let Some(of_wall) = made.remove(&centre.map(f32::to_bits)) else { continue };
             if wall.kind == WallKind::Street {
                 let extras = json!({ "kind": "facade", "bays": wall.bays, "storeys": wall.storeys.len() });
-                let mesh = glb.mesh(&made)?;
+                let mesh = glb.mesh(&of_wall)?;
                 parts.push(glb.node(Node { name: &format!("façade {facades}"), mesh, extras, ..Node::default() })?);
                 facades += 1;
             } else {
-                others.append(&made);
+                others.append(&of_wall);
             }
         }
-        roofs.append(&mesh::roofs(&of_walls(Vec::new(), true)));
+        made.values().for_each(|rest| others.append(rest));
+        roofs.append(&mesh::roofs(&of_walls(all, true)));
     }
     parts.extend(glb.leaf("walls", &others)?);
     parts.extend(glb.leaf("roof", &roofs)?);
@@ -115,8 +126,30 @@ fn export_house(glb: &mut Glb, plan: &CityPlan, house: &House) -> Result<glb::No
     glb.node(Node { name: &name, children: parts, extras, ..Node::default() })
 }
 
-/// A cell of some walls of one volume, or of its roof.
-fn shell(house: &House, volume: &Volume, walls: Vec<u16>, has_roof: bool) -> CellShell {
+/// A mesh cut into those of its façades, which are known by their centres.
+fn by_centre(mesh: &MeshData) -> BTreeMap<[u32; 2], MeshData> {
+    let mut parts: BTreeMap<[u32; 2], MeshData> = BTreeMap::new();
+    let mut places: HashMap<u32, u32> = HashMap::new();
+    for t in mesh.indices.chunks_exact(3) {
+        let part = parts.entry(mesh.centres[t[0] as usize].map(f32::to_bits)).or_default();
+        for &i in t {
+            let place = *places.entry(i).or_insert_with(|| {
+                let i = i as usize;
+                part.positions.push(mesh.positions[i]);
+                part.normals.push(mesh.normals[i]);
+                part.uvs.push(mesh.uvs[i]);
+                part.centres.push(mesh.centres[i]);
+                part.colours.push(mesh.colours[i]);
+                part.positions.len() as u32 - 1
+            });
+            part.indices.push(place);
+        }
+    }
+    parts
+}
+
+/// A cell of some walls of one volume, or of its roof, over the plan's lowest ground.
+fn shell(house: &House, volume: &Volume, ground: &GroundPatch, walls: Vec<u16>, has_roof: bool) -> CellShell {
     let volume = VolumeShell {
         footprint: volume.footprint.clone(),
         bottom: volume.bottom,
@@ -128,24 +161,23 @@ fn shell(house: &House, volume: &Volume, walls: Vec<u16>, has_roof: bool) -> Cel
         walls,
     };
     let house = HouseShell { id: house.id, style: house.style, volumes: vec![volume] };
-    CellShell { houses: vec![house], ..CellShell::default() }
+    CellShell { ground: vec![ground.clone()], houses: vec![house], ..CellShell::default() }
 }
 
-/// Objects of one kind and height share a mesh.
-fn export_object(
-    glb: &mut Glb,
-    shapes: &mut Vec<((ObjectKind, i32), Option<glb::Mesh>)>,
-    object: &PlanObject,
-) -> Result<Option<glb::NodeIndex>, ExportError> {
-    let key = (object.kind, object.height);
-    let mesh = match shapes.binary_search_by_key(&key, |shape| shape.0) {
-        Ok(at) => shapes[at].1,
-        Err(at) => {
+/// Different objects of one kind and height: they share so many meshes.
+const VARIANTS: u64 = 4;
+
+/// Meshes of objects by kind, height and variant.
+type Shapes = BTreeMap<(ObjectKind, i32, u64), Option<glb::Mesh>>;
+
+fn export_object(glb: &mut Glb, shapes: &mut Shapes, object: &PlanObject) -> Result<Option<glb::NodeIndex>, ExportError> {
+    let key = (object.kind, object.height, object.id.0 % VARIANTS);
+    let mesh = match shapes.get(&key) {
+        Some(&known) => known,
+        None => {
             let at_origin = PlanObject { pos: GridPos(0, 0), z: 0, heading: 0, ..object.clone() };
             let shell = CellShell { objects: vec![at_origin], ..CellShell::default() };
-            let mesh = glb.mesh(&mesh::objects(&shell))?;
-            shapes.insert(at, (key, mesh));
-            mesh
+            *shapes.entry(key).or_insert(glb.mesh(&mesh::objects(&shell))?)
         }
     };
     if mesh.is_none() {

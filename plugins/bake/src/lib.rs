@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  OSM, GeoJSON, Shapefile, picture ─survey─► graph ─overrides─► grow ─► plan ─► partition ─► cells ─► packets ─► DIR.city
-//!                    *.graph.ron ──┘                  *.plan.ron ──┘
+//!                    *.graph.ron ──┘                  *.plan.ron ──┼─► X.glb, X.svg
 //! ```
 //!
 //! Each arrow is a pure function of its input, a seed and the overrides; each value can be written to a file, looked at,

@@ -7,7 +7,8 @@ use gltf_json::mesh::Semantic;
 use gltf_json::validation::{Checked::Valid, Validate};
 use gltf_json::{Accessor, Index, Root};
 use veduta_bake::{BakeSettings, ExportSettings, Input, export_glb, plan};
-use veduta_city::{CityPlan, WallKind};
+use veduta_city::{CellShell, CityPlan, FacadeSheet, HouseShell, VolumeShell, WallKind};
+use veduta_growth::mesh;
 
 fn planned(path: &str) -> CityPlan {
     let input = Input::of(Path::new(path)).unwrap_or_else(|e| panic!("{e}"));
@@ -43,6 +44,11 @@ fn elements<'a>(root: &'a Root, buffer: &'a [u8], accessor: Index<Accessor>) -> 
 
 fn floats(bytes: &[u8]) -> Vec<f32> {
     bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+}
+
+/// What a node is, by its extras.
+fn kind(node: &gltf_json::Node) -> Option<String> {
+    serde_json::from_str::<serde_json::Value>(node.extras.as_ref()?.get()).ok()?["kind"].as_str().map(str::to_owned)
 }
 
 #[test]
@@ -84,10 +90,6 @@ fn an_export_is_sound_and_whole() {
             assert!(buffer[begin..].starts_with(b"\x89PNG"), "{:?}", image.name);
         }
 
-        let kind = |node: &gltf_json::Node| {
-            let extras = node.extras.as_ref()?;
-            serde_json::from_str::<serde_json::Value>(extras.get()).ok()?["kind"].as_str().map(str::to_owned)
-        };
         let count = |of: &str| root.nodes.iter().filter(|node| kind(node).as_deref() == Some(of)).count();
         let walls = || plan.houses.iter().flat_map(|house| &house.volumes).flat_map(|volume| &volume.walls);
         assert_eq!(count("house"), plan.houses.len());
@@ -105,7 +107,7 @@ fn an_export_is_sound_and_whole() {
 }
 
 #[test]
-fn an_object_stands_as_in_the_game() {
+fn an_object_stands_where_it_stands_in_the_game() {
     let plan = planned("tests/places/crossroads/crossroads.osm");
     let glb = export_glb(&plan, &ExportSettings { texture_px: 16 }).unwrap_or_else(|e| panic!("{e}"));
     let (root, _) = opened(&glb);
@@ -120,4 +122,41 @@ fn an_object_stands_as_in_the_game() {
         assert_eq!(node.translation, Some([pos.x as f32, veduta_city::metres(object.z) as f32, -pos.y as f32]));
     }
     assert!(!plan.objects.is_empty());
+}
+
+#[test]
+fn a_house_has_the_walls_and_roofs_that_its_cell_has() {
+    let plan = planned("tests/places/lane/lane.graph.ron");
+    let glb = export_glb(&plan, &ExportSettings { texture_px: 16 }).unwrap_or_else(|e| panic!("{e}"));
+    let (root, _) = opened(&glb);
+    let nodes = root.nodes.iter().filter(|node| kind(node).as_deref() == Some("house"));
+    for (house, node) in plan.houses.iter().zip(nodes) {
+        let volumes = house.volumes.iter().map(|volume| VolumeShell {
+            footprint: volume.footprint.clone(),
+            bottom: volume.bottom,
+            eaves: volume.eaves,
+            colour: volume.colour,
+            trim: volume.trim,
+            roof: volume.roof,
+            has_roof: true,
+            walls: (0..volume.walls.len() as u16).collect(),
+        });
+        let shell = HouseShell { id: house.id, style: house.style, volumes: volumes.collect() };
+        let shell = CellShell { ground: plan.ground.clone(), houses: vec![shell], ..CellShell::default() };
+        let sheet = FacadeSheet { walls: house.volumes.iter().flat_map(|volume| volume.walls.iter().cloned()).collect() };
+        let walls = mesh::level2(&shell, &sheet).unwrap_or_else(|e| panic!("{e}"));
+        let want = walls.triangle_count() + mesh::roofs(&shell).triangle_count();
+        let meshes = node.children.iter().flatten().filter_map(|child| root.nodes[child.value()].mesh);
+        let indices = meshes.flat_map(|mesh| &root.meshes[mesh.value()].primitives).filter_map(|primitive| primitive.indices);
+        let found: u64 = indices.map(|i| root.accessors[i.value()].count.0 / 3).sum();
+        assert_eq!(found, want as u64, "{:?}", node.name);
+    }
+}
+
+#[test]
+fn an_empty_plan_is_a_scene_without_a_buffer() {
+    let glb = export_glb(&CityPlan::default(), &ExportSettings::default()).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(glb.len() as u64, 20 + u64::from(u32::from_le_bytes([glb[12], glb[13], glb[14], glb[15]])));
+    let root = Root::from_slice(&glb[20..]).unwrap_or_else(|e| panic!("{e}"));
+    assert!(root.buffers.is_empty() && root.buffer_views.is_empty() && root.nodes.len() == 3);
 }

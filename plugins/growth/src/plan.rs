@@ -1,11 +1,9 @@
 //! The city plan from the city graph.
 //!
 //! ```text
-//!  CityGraph ─► extent ─► streets ─► ground partition ────────────────┐
-//!      │                    │            │                            │
-//!      ├─► houses (given) ──┼────────────┼──► facing ─► massing ─► variety ─► walls ─► CityPlan
-//!      └─► lots (grown) ────┘            └──────┘  (what each wall faces)              │
-//!                                                       objects, places, start ────────┘
+//!  CityGraph ─┬─► extent ─► streets ─► ground ─► verges ─┬─► lots ─┐
+//!             └─► houses (given) ────────────────┴────────┴────────┴─► facing ─► massing ─► variety ─► walls ─► CityPlan
+//!                                                                                objects, places, start ──────────┘
 //! ```
 //!
 //! Every stage is a function of the graph, the styles and the seed; each draw is keyed by seed, id and question. Geometry

@@ -8,7 +8,8 @@ use ureq::{
 
 use crate::{INDEX_NAME, ReadError, Reader, reader::check_path};
 
-/// How long to wait for a server, in seconds.
+/// How long to wait for a server, in seconds. A connection that closes without an answer is followed by one more, which may
+/// take as long again.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HttpSettings {
     /// For the connection to stand.
@@ -74,8 +75,8 @@ impl HttpReader {
         Ok(Self { agent: config.build().new_agent(), base })
     }
 
-    /// The answer to `GET url`. A kept connection that the server closed meanwhile says nothing of the file:
-    /// it is asked again over a new one.
+    /// The answer to `GET url`. A connection that closes without one says nothing of the file (mostly it was kept, and the
+    /// server closed it meanwhile): it is asked once more over a new one.
     fn get(&self, url: &str) -> Result<Response<Body>, Error> {
         match self.agent.get(url).call() {
             Err(Error::Io(error)) if is_hang_up(error.kind()) => {

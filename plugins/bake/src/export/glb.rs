@@ -212,28 +212,33 @@ impl Glb {
 
     /// The file, with one node as its scene.
     pub(super) fn finish(mut self, scene: NodeIndex, copyright: &str) -> Result<Vec<u8>, ExportError> {
-        let mut buffer: Vec<u8> = Vec::with_capacity(self.streams.iter().chain(&self.images).map(|bytes| bytes.len() + 4).sum());
         let strides = STREAMS.iter().map(|stream| Some(stream.3)).chain([None]);
         let vertex = Some(Valid(Target::ArrayBuffer));
         let targets = core::iter::repeat_n(vertex, INDICES).chain([Some(Valid(Target::ElementArrayBuffer))]);
-        let streams = self.streams.iter().zip(strides.zip(targets));
-        let images = self.images.iter().map(|image| (image, (None, None)));
-        for (bytes, (stride, target)) in streams.chain(images) {
+        let streams = self.streams.into_iter().zip(strides.zip(targets));
+        let images = self.images.into_iter().map(|image| (image, (None, None)));
+        let mut parts: Vec<Vec<u8>> = Vec::new();
+        let mut length = 0;
+        // A description without meshes has no buffer.
+        let has_buffer = !self.root.meshes.is_empty();
+        for (mut bytes, (stride, target)) in streams.chain(images).filter(|_| has_buffer) {
             self.root.buffer_views.push(View {
                 buffer: Index::new(0),
                 byte_length: USize64(bytes.len() as u64),
-                byte_offset: (!buffer.is_empty()).then_some(USize64(buffer.len() as u64)),
+                byte_offset: (length > 0).then_some(USize64(length)),
                 byte_stride: stride.map(Stride),
                 name: None,
                 target,
                 extensions: None,
                 extras: None,
             });
-            buffer.extend_from_slice(bytes);
-            buffer.resize(buffer.len().next_multiple_of(4), 0);
+            bytes.resize(bytes.len().next_multiple_of(4), 0);
+            length += bytes.len() as u64;
+            parts.push(bytes);
         }
-        let byte_length = USize64(buffer.len() as u64);
-        self.root.buffers.push(Buffer { byte_length, name: None, uri: None, extensions: None, extras: None });
+        if has_buffer {
+            self.root.buffers.push(Buffer { byte_length: USize64(length), name: None, uri: None, extensions: None, extras: None });
+        }
         let first = self.root.push(Scene { nodes: vec![scene], name: None, extensions: None, extras: None });
         self.root.scene = Some(first);
         self.root.asset = Asset {
@@ -241,23 +246,26 @@ impl Glb {
             generator: Some(format!("veduta-bake {}", env!("CARGO_PKG_VERSION"))),
             ..Asset::default()
         };
-        container(self.root.to_vec()?, &buffer)
+        container(self.root.to_vec()?, length, parts)
     }
 }
 
-/// Header, description and buffer.
-fn container(mut json: Vec<u8>, buffer: &[u8]) -> Result<Vec<u8>, ExportError> {
+/// Header, description and, if there is one, the buffer of so many bytes.
+fn container(mut json: Vec<u8>, buffer: u64, parts: Vec<Vec<u8>>) -> Result<Vec<u8>, ExportError> {
     json.resize(json.len().next_multiple_of(4), b' ');
-    let whole = 12 + 8 + json.len() as u64 + 8 + buffer.len() as u64;
+    let whole = 12 + 8 + json.len() as u64 + if buffer > 0 { 8 + buffer } else { 0 };
     let length = u32::try_from(whole).map_err(|_| ExportError::TooLarge(whole))?;
     let mut out = Vec::with_capacity(length as usize);
     out.extend(b"glTF");
     out.extend(2_u32.to_le_bytes());
     out.extend(length.to_le_bytes());
-    for (kind, bytes) in [(b"JSON", json.as_slice()), (b"BIN\0", buffer)] {
-        out.extend((bytes.len() as u32).to_le_bytes());
-        out.extend(kind);
-        out.extend(bytes);
+    out.extend((json.len() as u32).to_le_bytes());
+    out.extend(b"JSON");
+    out.extend(json);
+    if buffer > 0 {
+        out.extend((buffer as u32).to_le_bytes());
+        out.extend(b"BIN\0");
+        parts.into_iter().for_each(|part| out.extend(part));
     }
     Ok(out)
 }

@@ -193,9 +193,11 @@ impl Triangulator {
         let is_lone = |a: u32, b: u32| edges.binary_search(&(b, a)).is_err();
         let mut open: Vec<[u32; 3]> = self.triangles.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
         self.triangles.clear();
+        let mut order: Vec<u32> = (0..self.points.len() as u32).collect();
+        order.sort_unstable_by(|&i, &j| self.at(i).x.total_cmp(&self.at(j).x));
         while let Some([a, b, c]) = open.pop() {
             let split = [[a, b, c], [b, c, a], [c, a, b]].into_iter().find_map(|[a, b, c]| {
-                let between = if is_lone(a, b) { self.between(a, b) } else { None };
+                let between = if is_lone(a, b) { self.between(a, b, &order) } else { None };
                 between.map(|p| [[a, p, c], [p, b, c]])
             });
             match split {
@@ -205,14 +207,16 @@ impl Triangulator {
         }
     }
 
-    /// A vertex within the way from one to another.
-    fn between(&self, a: u32, b: u32) -> Option<u32> {
+    /// A vertex within the way from one to another. `order`: all vertices from west to east.
+    fn between(&self, a: u32, b: u32, order: &[u32]) -> Option<u32> {
         let (from, to) = (self.at(a), self.at(b));
         let is_within = |p: DVec2| {
             let (along, way) = (to - from, p - from);
             along.perp_dot(way) == 0.0 && along.dot(way) > 0.0 && along.dot(way) < along.length_squared()
         };
-        (0..self.points.len() as u32).find(|&i| is_within(self.at(i)))
+        let (west, east) = (from.x.min(to.x), from.x.max(to.x));
+        let first = order.partition_point(|&i| self.at(i).x < west);
+        order[first..].iter().copied().take_while(|&i| self.at(i).x <= east).find(|&i| is_within(self.at(i)))
     }
 }
 

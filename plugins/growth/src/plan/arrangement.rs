@@ -139,7 +139,8 @@ struct Tiles {
 impl Tiles {
     fn new(extent: &Extent) -> Self {
         let (w, h) = (i64::from(extent.hi.0) - i64::from(extent.lo.0), i64::from(extent.hi.1) - i64::from(extent.lo.1));
-        let count = |span: i64, shift: u32| (((span - 1) >> shift) + 1).max(1);
+        // What does not fill a tile belongs to the last one.
+        let count = |span: i64, shift: u32| (span >> shift).max(1);
         let fits = |&shift: &u32| count(w, shift) * count(h, shift) <= MOST_TILES;
         let shift = (TILE_SHIFT..31).find(fits).unwrap_or(31);
         Self { extent: *extent, shift, columns: count(w, shift), rows: count(h, shift) }
@@ -151,9 +152,9 @@ impl Tiles {
 
     fn tile(&self, tile: usize) -> Tile {
         let (column, row) = (tile as i64 % self.columns, tile as i64 / self.columns);
-        let at = |lo: i32, hi: i32, i: i64| (i64::from(lo) + (i << self.shift)).min(i64::from(hi)) as i32;
+        let at = |lo: i32, hi: i32, i: i64, count: i64| if i == count { hi } else { lo + (i << self.shift) as i32 };
         let (lo, hi) = (self.extent.lo, self.extent.hi);
-        let corner = |c, r| GridPos(at(lo.0, hi.0, c), at(lo.1, hi.1, r));
+        let corner = |c, r| GridPos(at(lo.0, hi.0, c, self.columns), at(lo.1, hi.1, r, self.rows));
         Tile { lo: corner(column, row), hi: corner(column + 1, row + 1) }
     }
 
@@ -190,8 +191,9 @@ impl Tiles {
         all.filter(move |&(c, r)| (0..columns).contains(&c) && (0..rows).contains(&r)).map(move |(c, r)| (r * columns + c) as usize)
     }
 
-    /// How often each layer winds about the ground of each tile that lies just above its south-western corner, by its western
-    /// side: as often as edges run eastward from the side below it, less those that run westward to it.
+    /// How often each layer winds about the ground just above the first edge of each tile's southern side, by the corner, below
+    /// all other edges that leave it: as often as edges run eastward from the line of its western side down there, less those
+    /// that run westward to it.
     fn below(&self, sides: &[Sides], segments: &[Segment], layers: usize) -> Vec<Vec<i32>> {
         let mut below: Vec<Vec<i32>> = Vec::with_capacity(sides.len());
         for t in 0..sides.len() {

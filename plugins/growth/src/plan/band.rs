@@ -1,11 +1,13 @@
-//! Bands of ground along links: one outline a link, with a vertex on each side of a slight bend and an arc about a sharp one. A
-//! link whose width varies has more pieces, and wider and narrower ends of them.
+//! Bands of ground along links: one outline a link, with a vertex on each side of a slight bend and of a change of width, and
+//! an arc about a sharp bend. It may wind twice about the inside of a sharp bend.
 
 use core::f64::consts::FRAC_PI_6;
 
 use glam::DVec2;
 use veduta_city::{GridPolygon, GridPos, Link};
 
+/// Points nearer than this to one another are one; metres.
+pub(super) const LEAST_PIECE_M: f64 = 1e-6;
 /// Bends up to this angle get a vertex on each side, if the pieces are long enough for it.
 const MITRED: f64 = 50.0 * core::f64::consts::PI / 180.0;
 /// Share of a piece's length by which a vertex on the inside of a bend may lie ahead of the bend.
@@ -15,7 +17,7 @@ const MOST_AHEAD: f64 = 0.45;
 /// share of the line's length. `None` if it has no length.
 pub(super) fn band(stations: &[Station], half_m: impl Fn(f64) -> f64) -> Option<GridPolygon> {
     let mut line: Vec<&Station> = stations.iter().collect();
-    line.dedup_by(|b, a| a.pos.distance_squared(b.pos) < 1e-12);
+    line.dedup_by(|b, a| a.pos.distance(b.pos) <= LEAST_PIECE_M);
     let way = |pair: &[&Station]| (pair[1].pos - pair[0].pos).try_normalize();
     let ways: Vec<DVec2> = line.windows(2).filter_map(way).collect();
     let (Some(&start), Some(&end)) = (line.first(), line.last()) else { return None };

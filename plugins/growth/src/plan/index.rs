@@ -58,7 +58,8 @@ impl Gathering {
             // The part of the edge between the row's lower and upper side, no narrower than it is.
             let side = |row: i64| i64::from(self.cells.low.1) + (row << self.cells.shift);
             let below = side(row).max(i64::from(low.1));
-            let above = side(row + 1).min(i64::from(high.1));
+            // What lies beyond the last row belongs to it.
+            let above = if row == last { i64::from(high.1) } else { side(row + 1) };
             let (x0, x1) = (across(low, high, below), across(low, high, above));
             let [from, to] = [x0.0.min(x1.0), x0.1.max(x1.1)].map(|x| self.cells.column(x));
             for column in from..=to {

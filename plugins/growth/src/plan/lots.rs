@@ -21,7 +21,7 @@ const MOST_COVERED: f64 = 0.35;
 /// Pieces of blocks smaller than this stay empty; square metres.
 const LEAST_SITE_M2: f64 = 25.0;
 /// Sites narrower than this stay empty, metres: verges between a footway and its street, slits beside a given house.
-const NARROWEST_SITE_M: f64 = 5.5;
+pub(super) const NARROWEST_SITE_M: f64 = 5.5;
 /// Lots smaller than this are not built on; square metres.
 const LEAST_LOT_M2: f64 = 12.0;
 /// Lots narrower than this are not built on; metres.
@@ -116,7 +116,13 @@ impl Obstacles {
     fn new(graph: &CityGraph, layers: &[Layer], given: &[Draft]) -> Self {
         let footprints = given.iter().flat_map(|d| &d.bodies).map(|b| (b.footprint.clone(), ()));
         let is_open = |l: &&Layer| matches!(l.rank, Rank::Square | Rank::Rails | Rank::Monument | Rank::Water | Rank::Park);
-        let open = layers.iter().filter(is_open).flat_map(|l| &l.shapes).map(|s| (s.clone(), ())).collect();
+        // Bands may wind twice about a place, which only a union tells from a hole.
+        let whole = |l: &Layer, shape: &GridPolygon| match l.rank {
+            Rank::Water | Rank::Rails => boolean::union(&boolean::rings([shape])),
+            _ => vec![shape.clone()],
+        };
+        let open = layers.iter().filter(is_open).flat_map(|l| l.shapes.iter().flat_map(|s| whole(l, s)));
+        let open = open.map(|shape| (shape, ())).collect();
         let at: HashMap<Id, DVec2> = graph.node_positions();
         let carved = |share: f64| {
             let mut out = Vec::new();

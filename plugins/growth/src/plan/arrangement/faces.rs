@@ -30,7 +30,6 @@ pub(super) struct Ways<'a> {
     southern: Vec<(u32, i32)>,
     northern: Vec<(u32, i32)>,
     way: Vec<u32>,
-    more: Vec<u32>,
 }
 
 /// What a tile knows of the edges that leave its western side.
@@ -57,26 +56,15 @@ impl<'a> Ways<'a> {
         side(&|p| p.0 == tile.hi.0, &mut turns);
         side(&|p| p.1 == tile.lo.1, &mut turns);
         side(&|p| p.1 == tile.hi.1, &mut turns);
-        Self { tile, hot, turns, southern: Vec::new(), northern: Vec::new(), way: Vec::new(), more: Vec::new() }
+        Self { tile, hot, turns, southern: Vec::new(), northern: Vec::new(), way: Vec::new() }
     }
 
     /// Adds a segment.
     pub(super) fn add(&mut self, number: u32, segment: &Segment) {
-        let (mut way, mut more) = (core::mem::take(&mut self.way), core::mem::take(&mut self.more));
-        let is_touched = hot::way(segment, self.hot, &mut way);
-        more.clear();
-        for pair in way.windows(2) {
-            let (from, to) = (pair[0], pair[1]);
-            if is_touched {
-                hot::within(self.hot[from as usize], self.hot[to as usize], self.hot, &mut more);
-            }
-            let mut at = from;
-            for &next in more.iter().chain([&to]) {
-                self.step(number, segment.layer, at, next);
-                at = next;
-            }
-        }
-        (self.way, self.more) = (way, more);
+        let mut way = core::mem::take(&mut self.way);
+        hot::way(segment, self.hot, &mut way);
+        way.windows(2).for_each(|pair| self.step(number, segment.layer, pair[0], pair[1]));
+        self.way = way;
     }
 
     fn step(&mut self, number: u32, layer: u16, from: u32, to: u32) {
@@ -362,7 +350,7 @@ impl<'a> Faces<'a> {
                 }
             }
         }
-        borders.sort_unstable_by_key(|border| (border.0, border.1));
+        borders.sort_by_key(|border| (border.0, border.1));
         let mut given: Vec<(u32, u16)> = Vec::new();
         for region in borders.chunk_by(|a, b| a.0 == b.0) {
             let lengths = region.chunk_by(|a, b| a.1 == b.1).map(|same| (same[0].1, same.iter().map(|b| b.2).sum::<f64>()));

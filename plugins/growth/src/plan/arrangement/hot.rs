@@ -81,15 +81,14 @@ fn crossing_y(s: &Segment, y: i32) -> Option<GridPos> {
     crossing_x(&s, y).map(turned)
 }
 
-/// The hot points of a tile by which a segment goes, from its start to its end; indices. Whether its side touches the pixel of
-/// another hot point that does not count as passed: then that may be [`within`] a piece of the way.
-pub(super) fn way(s: &Segment, hot: &[GridPos], way: &mut Vec<u32>) -> bool {
+/// The hot points of a tile by which a segment goes, from its start to its end; indices. None lies within a piece of the way: a
+/// point between two whose pixels the segment passes has its own pixel between them.
+pub(super) fn way(s: &Segment, hot: &[GridPos], way: &mut Vec<u32>) {
     way.clear();
     let (west, east) = (s.a.0.min(s.b.0), s.a.0.max(s.b.0));
     let (south, north) = (s.a.1.min(s.b.1), s.a.1.max(s.b.1));
     let (dx, dy) = to(s.a, s.b);
     let reach = dx.abs() + dy.abs();
-    let mut is_touched = false;
     let first = hot.partition_point(|p| p.0 < west);
     for (i, &p) in hot.iter().enumerate().skip(first) {
         if p.0 > east {
@@ -102,29 +101,10 @@ pub(super) fn way(s: &Segment, hot: &[GridPos], way: &mut Vec<u32>) -> bool {
         let aside = 2 * cross((dx, dy), to(s.a, p));
         if aside.abs() < reach || (aside == dx - dy && aside.abs() == reach) {
             way.push(i as u32);
-        } else if aside.abs() == reach {
-            is_touched = true;
         }
     }
     let along = |i: u32| hot.get(i as usize).map_or(0, |&p| dx * to(s.a, p).0 + dy * to(s.a, p).1);
     way.sort_unstable_by_key(|&i| along(i));
-    is_touched
-}
-
-/// Hot points strictly within a piece of a way: by rounding it may have come to lie on one whose pixel it had not passed.
-pub(super) fn within(a: GridPos, b: GridPos, hot: &[GridPos], found: &mut Vec<u32>) {
-    found.clear();
-    let (dx, dy) = to(a, b);
-    let first = hot.partition_point(|p| p.0 < a.0.min(b.0));
-    let near = hot.iter().enumerate().skip(first).take_while(|(_, p)| p.0 <= a.0.max(b.0));
-    let is_within = |p: GridPos| {
-        let (x, y) = to(a, p);
-        cross((dx, dy), (x, y)) == 0 && p != a && p != b && (0..=dx * dx + dy * dy).contains(&(dx * x + dy * y))
-    };
-    found.extend(near.filter(|&(_, &p)| is_within(p)).map(|(i, _)| i as u32));
-    if (b.0, b.1) < (a.0, a.1) {
-        found.reverse();
-    }
 }
 
 #[cfg(test)]
@@ -170,7 +150,5 @@ mod tests {
         let mut found = Vec::new();
         way(&segment((9, 3), (0, 0)), &hot, &mut found);
         assert_eq!(found, [4, 3, 1, 0]);
-        within(GridPos(9, 3), GridPos(0, 0), &hot, &mut found);
-        assert_eq!(found, [3, 1]);
     }
 }
