@@ -150,16 +150,7 @@ fn by_centre(mesh: &MeshData) -> BTreeMap<[u32; 2], MeshData> {
 
 /// A cell of some walls of one volume, or of its roof, over the plan's lowest ground.
 fn shell(house: &House, volume: &Volume, ground: &GroundPatch, walls: Vec<u16>, has_roof: bool) -> CellShell {
-    let volume = VolumeShell {
-        footprint: volume.footprint.clone(),
-        bottom: volume.bottom,
-        eaves: volume.eaves,
-        colour: volume.colour,
-        trim: volume.trim,
-        roof: volume.roof,
-        has_roof,
-        walls,
-    };
+    let volume = VolumeShell::of(volume, walls, has_roof);
     let house = HouseShell { id: house.id, style: house.style, volumes: vec![volume] };
     CellShell { ground: vec![ground.clone()], houses: vec![house], ..CellShell::default() }
 }

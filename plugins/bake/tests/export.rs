@@ -131,16 +131,7 @@ fn a_house_has_the_walls_and_roofs_that_its_cell_has() {
     let (root, _) = opened(&glb);
     let nodes = root.nodes.iter().filter(|node| kind(node).as_deref() == Some("house"));
     for (house, node) in plan.houses.iter().zip(nodes) {
-        let volumes = house.volumes.iter().map(|volume| VolumeShell {
-            footprint: volume.footprint.clone(),
-            bottom: volume.bottom,
-            eaves: volume.eaves,
-            colour: volume.colour,
-            trim: volume.trim,
-            roof: volume.roof,
-            has_roof: true,
-            walls: (0..volume.walls.len() as u16).collect(),
-        });
+        let volumes = house.volumes.iter().map(|volume| VolumeShell::of(volume, (0..volume.walls.len() as u16).collect(), true));
         let shell = HouseShell { id: house.id, style: house.style, volumes: volumes.collect() };
         let shell = CellShell { ground: plan.ground.clone(), houses: vec![shell], ..CellShell::default() };
         let sheet = FacadeSheet { walls: house.volumes.iter().flat_map(|volume| volume.walls.iter().cloned()).collect() };

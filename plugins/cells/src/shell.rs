@@ -64,16 +64,8 @@ fn houses(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<HouseShell> {
         let walls = &cell.walls[first..cell.walls.partition_point(|w| w.0 <= h)];
         let volumes = (0..=u16::MAX).zip(&house.volumes).filter_map(|(v, volume)| {
             let walls: Vec<u16> = walls.iter().filter(|w| w.1 == v).map(|w| w.2).collect();
-            (has_roof || !walls.is_empty()).then(|| VolumeShell {
-                footprint: moved(&volume.footprint, origin),
-                bottom: volume.bottom,
-                eaves: volume.eaves,
-                colour: volume.colour,
-                trim: volume.trim,
-                roof: volume.roof,
-                has_roof,
-                walls,
-            })
+            (has_roof || !walls.is_empty())
+                .then(|| VolumeShell { footprint: moved(&volume.footprint, origin), ..VolumeShell::of(volume, walls, has_roof) })
         });
         Some(HouseShell { id: house.id, style: house.style, volumes: volumes.collect() })
     };

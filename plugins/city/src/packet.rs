@@ -2,7 +2,7 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{GridPolygon, GridPos, GroundPatch, Id, PlanObject, PlanRoof, Portal, Rgb, Wall};
+use crate::{GridPolygon, GridPos, GroundPatch, Id, PlanObject, PlanRoof, Portal, Rgb, Volume, Wall};
 
 /// Urban level of detail of a façade.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -134,6 +134,23 @@ pub struct VolumeShell {
     pub has_roof: bool,
     /// Which edges' walls this cell draws: indices in the order of [`crate::Volume::walls`], ascending.
     pub walls: Vec<u16>,
+}
+
+impl VolumeShell {
+    /// A volume as a cell tells it that draws some of its walls and perhaps its roof, in the plan's coordinates.
+    #[must_use]
+    pub fn of(volume: &Volume, walls: Vec<u16>, has_roof: bool) -> Self {
+        Self {
+            footprint: volume.footprint.clone(),
+            bottom: volume.bottom,
+            eaves: volume.eaves,
+            colour: volume.colour,
+            trim: volume.trim,
+            roof: volume.roof,
+            has_roof,
+            walls,
+        }
+    }
 }
 
 /// Content of a level-2 packet: the openings of every wall of the cell, in the order in which [`CellShell`] lists them

@@ -117,16 +117,7 @@ fn meshes(plan: &CityPlan, detailed: usize) -> Result<usize, MeshError> {
 /// Houses with all their walls and roofs.
 fn shell(houses: &[House]) -> CellShell {
     let house = |house: &House| {
-        let volumes = house.volumes.iter().map(|volume| VolumeShell {
-            footprint: volume.footprint.clone(),
-            bottom: volume.bottom,
-            eaves: volume.eaves,
-            colour: volume.colour,
-            trim: volume.trim,
-            roof: volume.roof,
-            has_roof: true,
-            walls: (0..volume.walls.len() as u16).collect(),
-        });
+        let volumes = house.volumes.iter().map(|volume| VolumeShell::of(volume, (0..volume.walls.len() as u16).collect(), true));
         HouseShell { id: house.id, style: house.style, volumes: volumes.collect() }
     };
     CellShell { houses: houses.iter().map(house).collect(), ..CellShell::default() }
