@@ -107,6 +107,9 @@ pub enum StreetClass {
 }
 
 impl StreetClass {
+    /// All of them, the greatest first.
+    pub const ALL: [Self; 7] = [Self::Motorway, Self::Main, Self::Street, Self::Lane, Self::Service, Self::Path, Self::Steps];
+
     /// Width from wall to wall, or of the way itself, where a map gives none; metres.
     #[must_use]
     pub const fn default_width_m(self) -> f64 {

@@ -31,7 +31,7 @@
 //! what lies below the ground is left out with a finding. Arcades are openings, not rooms.
 //!
 //! # Rejected
-//! Boolean operations in place of one arrangement of the ground (slower, and neighbours do not share their vertices) ·
+//! Boolean operations in place of one arrangement of the ground (neighbours do not share their vertices) ·
 //! floating-point overlays that are snapped afterwards (snapping makes rings cross) · subdividing blocks
 //! recursively into lots (good for suburbs; an old town's lots are a ring of burgages round a courtyard).
 

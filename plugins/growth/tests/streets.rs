@@ -68,18 +68,8 @@ fn graph(nodes: impl IntoIterator<Item = DVec2>, links: Vec<Link>) -> CityGraph 
     CityGraph { nodes, links, seed: 1, margin_m: 20.0, ..CityGraph::default() }
 }
 
-const CLASSES: [StreetClass; 7] = [
-    StreetClass::Motorway,
-    StreetClass::Main,
-    StreetClass::Street,
-    StreetClass::Lane,
-    StreetClass::Service,
-    StreetClass::Path,
-    StreetClass::Steps,
-];
-
 fn class() -> impl Strategy<Value = StreetClass> {
-    prop::sample::select(CLASSES.to_vec())
+    prop::sample::select(StreetClass::ALL.to_vec())
 }
 
 /// Three to eight streets that meet at angles of 15° and more, some of them joined by a ring.

@@ -15,15 +15,7 @@ const ASIDE: [f64; 3] = [-0.45, 0.0, 0.45];
 const ENDS: f64 = 0.15;
 /// No class, and every class of street.
 const KINDS: usize = 8;
-const CLASSES: [StreetClass; KINDS - 1] = [
-    StreetClass::Motorway,
-    StreetClass::Main,
-    StreetClass::Street,
-    StreetClass::Lane,
-    StreetClass::Service,
-    StreetClass::Path,
-    StreetClass::Steps,
-];
+const CLASSES: [StreetClass; KINDS - 1] = StreetClass::ALL;
 
 /// What is not a street's colour.
 const OTHER: u8 = u8::MAX;
