@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use veduta_city::file::FileError;
-use veduta_city::{GraphError, OverrideError, StyleError};
+use veduta_city::{GraphError, MonumentError, OverrideError, StyleError};
 
 /// A bake that came to nothing. What stood at the output's place before still stands.
 #[derive(Debug, thiserror::Error)]
@@ -80,6 +80,14 @@ pub enum BakeError {
         path: PathBuf,
         /// What is wrong.
         errors: Vec<StyleError>,
+    },
+    /// The monuments cannot be built.
+    #[error("{path}: {}", list(.errors))]
+    Monuments {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        errors: Vec<MonumentError>,
     },
     /// The graph could not be grown.
     #[error("{0}")]

@@ -4,7 +4,7 @@
 //!  city ─┬─ ground
 //!        ├─ houses ─── a house ─┬─ façade 0, façade 1, …   (its street walls)
 //!        │                      ├─ walls                   (all others)
-//!        │                      └─ roof
+//!        │                      └─ roof                    (or the monument in place of all these)
 //!        └─ objects ── Lamp 17, Tree 18, …
 //! ```
 //! Metres, y up, x east, z south. Every house and object has its id, kind and names in `extras`; materials are the tiles of the
@@ -21,10 +21,10 @@ use std::collections::{BTreeMap, HashMap};
 
 use serde_json::json;
 use veduta_city::{
-    CellShell, CityPlan, FacadeSheet, GridPos, GroundPatch, House, HouseShell, ObjectKind, PlanObject, SurfaceKind, Volume,
-    VolumeShell, WallKind,
+    CellShell, CityPlan, Design, FacadeSheet, GridPos, GroundPatch, House, HouseShell, ObjectKind, PlacedMonument, PlanObject,
+    SurfaceKind, Volume, VolumeShell, WallKind,
 };
-use veduta_growth::mesh::{self, MeshData, MeshError};
+use veduta_growth::mesh::{self, MeshData, MeshError, MonumentDetail};
 
 use glb::{Glb, Node};
 
@@ -91,10 +91,38 @@ pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>,
     glb.finish(city, &plan.attribution)
 }
 
+/// Monuments side by side, as the bytes of a `.glb` file.
+///
+/// # Errors
+/// As [`export_glb`].
+pub fn export_monuments(designs: &[Design], settings: &ExportSettings) -> Result<Vec<u8>, ExportError> {
+    let mut glb = Glb::new(settings.texture_px, 0);
+    let (mut children, mut right) = (Vec::with_capacity(designs.len()), 0.0);
+    for design in designs {
+        let mut mesh = MeshData::default();
+        let placed = PlacedMonument { design: 0, pos: GridPos(0, 0), z: 0, heading: 18_000 };
+        mesh::monument(design, &placed, MonumentDetail::FINE, &mut mesh);
+        let bounds = mesh.positions.iter().fold((0.0_f32, 0.0_f32), |(l, h), p| (l.min(p[0]), h.max(p[0])));
+        let (mesh, extras) = (glb.mesh(&mesh)?, json!({ "kind": "monument" }));
+        let place = (designs.len() > 1).then_some(([right - bounds.0, 0.0, 0.0], 0.0));
+        children.push(glb.node(Node { name: &design.name, mesh, place, extras, ..Node::default() })?);
+        right += bounds.1 - bounds.0 + 2.0;
+    }
+    let all = glb.node(Node { name: "monuments", children, ..Node::default() })?;
+    glb.finish(all, "")
+}
+
 fn export_house(glb: &mut Glb, plan: &CityPlan, ground: &GroundPatch, house: &House) -> Result<glb::NodeIndex, ExportError> {
     let (mut parts, mut others, mut roofs) = (Vec::new(), MeshData::default(), MeshData::default());
     let mut facades = 0;
-    for volume in &house.volumes {
+    if let Some(monument) = &house.monument
+        && let Some(design) = plan.designs.get(usize::from(monument.design))
+    {
+        let mut mesh = MeshData::default();
+        mesh::monument(design, monument, MonumentDetail::FINE, &mut mesh);
+        parts.extend(glb.leaf(&design.name, &mesh)?);
+    }
+    for volume in house.volumes.iter().filter(|_| house.monument.is_none()) {
         let of_walls = |walls: Vec<u16>, has_roof: bool| shell(house, volume, ground, walls, has_roof);
         let all: Vec<u16> = (0..volume.walls.len()).map_while(|i| u16::try_from(i).ok()).collect();
         let sheet = FacadeSheet { walls: volume.walls.iter().take(usize::from(u16::MAX) + 1).cloned().collect() };
@@ -151,7 +179,7 @@ fn by_centre(mesh: &MeshData) -> BTreeMap<[u32; 2], MeshData> {
 /// A cell of some walls of one volume, or of its roof, over the plan's lowest ground.
 fn shell(house: &House, volume: &Volume, ground: &GroundPatch, walls: Vec<u16>, has_roof: bool) -> CellShell {
     let volume = VolumeShell::of(volume, walls, has_roof);
-    let house = HouseShell { id: house.id, style: house.style, volumes: vec![volume] };
+    let house = HouseShell { id: house.id, style: house.style, volumes: vec![volume], is_monument: false };
     CellShell { ground: vec![ground.clone()], houses: vec![house], ..CellShell::default() }
 }
 

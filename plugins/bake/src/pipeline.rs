@@ -2,7 +2,8 @@ use core::fmt;
 use std::path::Path;
 
 use veduta_cells::{PartitionSettings, cell_shells, facade_sheets, partition};
-use veduta_city::{Cells, CityGraph, CityPlan, Finding, GraphOverrides, Style, Styles, file};
+use veduta_city::{Cells, CityGraph, CityPlan, Finding, GraphOverrides, file};
+use veduta_growth::plan::Stock;
 use veduta_store::{CityStats, write_city};
 
 use crate::{BakeError, Input, InputKind, overrides_beside};
@@ -74,27 +75,35 @@ pub fn survey_bare(input: &Input) -> Result<(CityGraph, Vec<Finding>), BakeError
     if errors.is_empty() { Ok((graph, findings)) } else { Err(BakeError::Graph { path: input.path.clone(), errors }) }
 }
 
-/// The city graph of an input, with its overrides applied, and the styles that they bring.
+/// The city graph of an input, with its overrides applied, and what growth draws from: the stock, and what they bring.
 ///
 /// # Errors
 /// If the input or its overrides cannot be read or are not what they should be.
-pub fn survey(input: &Input) -> Result<(CityGraph, Vec<Style>, Vec<Finding>), BakeError> {
+pub fn survey(input: &Input) -> Result<(CityGraph, Stock, Vec<Finding>), BakeError> {
     let (mut graph, mut findings) = read_graph(input)?;
     let beside = overrides_beside(&input.path);
-    let mut styles = Vec::new();
+    let mut stock = Stock::new();
     // What is wrong before is the graph's, what is wrong after and was not before is the edits'; an edit may mend a graph.
     let own = graph.validate();
     if beside.exists() {
         let overrides = read_overrides(&beside)?;
         findings.extend(overrides.apply(&mut graph));
         graph.fill_ids();
-        styles = overrides.styles;
+        stock = stock.with(overrides.styles, overrides.monuments);
+        let errors = stock.styles.validate();
+        if !errors.is_empty() {
+            return Err(BakeError::Styles { path: beside, errors });
+        }
+        let errors = stock.monuments.validate();
+        if !errors.is_empty() {
+            return Err(BakeError::Monuments { path: beside, errors });
+        }
     }
     let (old, new): (Vec<_>, Vec<_>) = graph.validate().into_iter().partition(|error| own.contains(error));
     if !new.is_empty() {
         return Err(BakeError::Graph { path: beside, errors: new });
     }
-    if old.is_empty() { Ok((graph, styles, findings)) } else { Err(BakeError::Graph { path: input.path.clone(), errors: old }) }
+    if old.is_empty() { Ok((graph, stock, findings)) } else { Err(BakeError::Graph { path: input.path.clone(), errors: old }) }
 }
 
 /// Overrides whose edits may be applied.
@@ -142,28 +151,12 @@ pub fn plan(input: &Input, settings: &BakeSettings, progress: &mut dyn FnMut(Sta
     if input.kind == InputKind::Plan {
         return Ok(Planned { plan: file::read(&input.path)?, findings: Vec::new() });
     }
-    let (mut graph, more, mut findings) = survey(input)?;
+    let (mut graph, stock, mut findings) = survey(input)?;
     graph.seed = settings.seed.unwrap_or(graph.seed);
     progress(Stage::Grow);
-    let styles = with_styles(veduta_growth::plan::stock_styles(), more);
-    let errors = styles.validate();
-    if !errors.is_empty() {
-        return Err(BakeError::Styles { path: overrides_beside(&input.path), errors });
-    }
-    let growth = veduta_growth::plan::grow(&graph, &styles)?;
+    let growth = veduta_growth::plan::grow(&graph, &stock)?;
     findings.extend(growth.findings);
     Ok(Planned { plan: growth.plan, findings })
-}
-
-/// The stock styles with others added, or put in place of those of the same name.
-fn with_styles(mut styles: Styles, more: Vec<Style>) -> Styles {
-    for style in more {
-        match styles.find(&style.name) {
-            Some(i) => styles.0[i] = style,
-            None => styles.0.push(style),
-        }
-    }
-    styles
 }
 
 /// Cuts a plan into cells.

@@ -1,5 +1,6 @@
 mod bench;
 mod check;
+mod export;
 mod inspect;
 mod report;
 mod serve;
@@ -13,9 +14,7 @@ use std::time::Instant;
 use anstream::{eprintln, println};
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use veduta_bake::{
-    BakeSettings, ExportSettings, Planned, Stage, bake_input, export_glb, lay_on_ground, map_svg, plan, survey_bare,
-};
+use veduta_bake::{BakeSettings, ExportSettings, Planned, Stage, bake_input, lay_on_ground, map_svg, plan, survey_bare};
 use veduta_city::file;
 use veduta_survey::{GeoJsonSettings, to_geojson};
 
@@ -112,10 +111,17 @@ enum Command {
         #[arg(short, long)]
         output: PathBuf,
     },
-    /// Write a plan, graph or map as binary glTF, with named houses, façades and objects, for modellers and other engines.
+    /// Write a plan, graph or map as binary glTF, with named houses, façades and objects, for modellers and other engines; or a
+    /// file of monuments.
     Export {
         #[command(flatten)]
         source: Source,
+        /// Of a file of monuments, this one alone.
+        #[arg(long, value_name = "NAME")]
+        monument: Option<String>,
+        /// A parameter of the monument, as in height=20; may be given several times.
+        #[arg(long, value_name = "NAME=NUMBER", value_parser = export::parameter)]
+        with: Vec<(String, f64)>,
         /// Where to write the model (.glb).
         #[arg(short, long)]
         output: PathBuf,
@@ -224,17 +230,12 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
             file::write_text(&map_svg(&planned.plan), &output)?;
             println!("{}", output.display());
         }
-        Command::Export { source, output, texture } => {
-            let planned = planned(&source, None, quiet)?;
-            let glb = export_glb(&planned.plan, &ExportSettings { texture_px: texture })?;
-            file::write_bytes(&glb, &output)?;
-            println!(
-                "{}: {} houses, {} objects, {} bytes",
-                output.display(),
-                planned.plan.houses.len(),
-                planned.plan.objects.len(),
-                glb.len()
-            );
+        Command::Export { source, output, monument, with, texture } => {
+            let settings = ExportSettings { texture_px: texture };
+            match source.only().and_then(check::as_monuments) {
+                Some(read) => export::monuments(&read?.0, monument.as_deref(), with, &settings, &output)?,
+                None => export::city(&planned(&source, None, quiet)?.plan, &settings, &output)?,
+            }
         }
         Command::Bench(Bench::Survey(survey)) => bench::survey(&survey)?,
         Command::Bench(Bench::Thinning(thinning)) => bench::thinning(&thinning)?,

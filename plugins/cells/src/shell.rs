@@ -1,7 +1,7 @@
 use rayon::prelude::*;
 use veduta_city::{
-    Cell, CellShell, Cells, CityPlan, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, HouseShell, PlanObject, Portal,
-    VolumeShell,
+    Cell, CellShell, Cells, CityPlan, Design, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, HouseShell,
+    PlacedMonument, PlanObject, Portal, VolumeShell,
 };
 
 use crate::patches::Patches;
@@ -19,6 +19,7 @@ pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
             outline: moved(&piece, origin),
             z: patch.z,
         });
+        let (designs, monuments) = monuments(plan, cell, origin);
         CellShell {
             origin,
             outline: moved(&cell.outline, origin),
@@ -26,6 +27,8 @@ pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
             houses: houses(plan, cell, origin),
             objects: objects(plan, cell, origin),
             blind: blind(cells, cell, origin),
+            designs,
+            monuments,
         }
     };
     cells.cells.par_iter().map(shell).collect()
@@ -67,9 +70,25 @@ fn houses(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<HouseShell> {
             (has_roof || !walls.is_empty())
                 .then(|| VolumeShell { footprint: moved(&volume.footprint, origin), ..VolumeShell::of(volume, walls, has_roof) })
         });
-        Some(HouseShell { id: house.id, style: house.style, volumes: volumes.collect() })
+        let is_monument = house.monument.is_some();
+        Some(HouseShell { id: house.id, style: house.style, volumes: volumes.collect(), is_monument })
     };
     here.into_iter().filter_map(shell).collect()
+}
+
+/// Monuments of the houses whose roofs the cell carries, and their designs.
+fn monuments(plan: &CityPlan, cell: &Cell, origin: GridPos) -> (Vec<Design>, Vec<PlacedMonument>) {
+    let (mut of, mut designs, mut placed) = (Vec::new(), Vec::new(), Vec::new());
+    for monument in cell.houses.iter().filter_map(|&h| plan.houses.get(h as usize)?.monument) {
+        let Some(design) = plan.designs.get(usize::from(monument.design)) else { continue };
+        let known = of.iter().position(|&d| d == monument.design).unwrap_or_else(|| {
+            of.push(monument.design);
+            designs.push(design.clone());
+            of.len() - 1
+        });
+        placed.push(PlacedMonument { design: known as u16, pos: local(monument.pos, origin), ..monument });
+    }
+    (designs, placed)
 }
 
 fn objects(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<PlanObject> {

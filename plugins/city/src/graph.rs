@@ -3,7 +3,7 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::{Anchor, Id, Opening, Place, Rgb, Viewpoint, WidthAt};
+use crate::{Anchor, Id, MonumentTag, Opening, Place, Rgb, Viewpoint, WidthAt};
 
 /// A closed ring in plan metres; the last vertex joins the first and is not repeated.
 pub type Ring = Vec<DVec2>;
@@ -397,6 +397,9 @@ pub struct Building {
     /// Parts. If there are any, they stand instead of the outline.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<BuildingPart>,
+    /// What is seen in place of walls and roofs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub monument: Option<MonumentTag>,
 }
 
 /// Kind of a [`StandingObject`].

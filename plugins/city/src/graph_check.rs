@@ -172,6 +172,12 @@ impl CityGraph {
         }
         let mut buildings = HashSet::new();
         for b in &self.buildings {
+            if let Some(monument) = &b.monument {
+                errors.extend(monument.pos.and_then(|pos| check_positions("the monument of building", b.id, &[pos])));
+                let with = monument.with.values().copied().find(|value| !value.is_finite()).unwrap_or(0.0);
+                let numbers = [("heading_deg", monument.heading_deg), ("with", with)];
+                errors.extend(check_numbers("the monument of building", b.id, &numbers));
+            }
             if b.id.is_given() && !buildings.insert(b.id) {
                 errors.push(GraphError::DuplicateId { what: "building", id: b.id });
             }

@@ -59,7 +59,7 @@ pub use graph_check::GraphError;
 pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres, ring_edges};
 pub use id::Id;
 pub use limits::{FARTHEST_M, HIGHEST_M, MOST_LEVELS, WIDEST_M};
-pub use monument::{Design, Monument, MonumentError, Monuments};
+pub use monument::{Design, Monument, MonumentError, MonumentTag, Monuments, PlacedMonument};
 pub use overrides::{GraphOverride, GraphOverrides, LinkEdit, OverrideError, Target};
 pub use overview::{HouseName, Overview};
 pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, VolumeShell};

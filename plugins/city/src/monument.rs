@@ -39,9 +39,10 @@ mod shape;
 
 use std::collections::BTreeMap;
 
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-pub use design::{Axis, Content, Design, Material, Piece, Repeat};
+pub use design::{Axis, Content, Design, DesignError, MOST_FACES, Material, Piece, PlacedMonument, Repeat};
 pub use formula::{Formula, FormulaError};
 pub use resolve::MonumentError;
 pub use shape::{Head, Hole, HoleShape, PathPoint, Shape, Unit};
@@ -120,6 +121,23 @@ pub struct Part {
     /// Parts of its own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<Part>,
+}
+
+/// Which monument stands in place of a building's walls and roofs; its outlines stay what stops people and shades the street.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MonumentTag {
+    /// Name of the monument.
+    pub name: String,
+    /// Where its origin stands, plan metres; the middle of the building's outline if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pos: Option<DVec2>,
+    /// Where its front looks, degrees clockwise from north.
+    #[serde(default)]
+    pub heading_deg: f64,
+    /// Parameters.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub with: BTreeMap<String, f64>,
 }
 
 fn zero() -> Formula {
@@ -207,10 +225,44 @@ mod tests {
     }
 
     #[test]
-    fn a_monument_of_too_many_shapes_is_refused() {
+    fn a_monument_of_too_many_faces_is_refused() {
         let many = "repeat: Row(count: 1000, step: (1, 0, 0))";
         let found = mistake(&format!("({many}, parts: [({many}, paint: \"stone\", shape: Sphere(radius: 1))])"));
-        assert!(found.contains("more than 60000 shapes"), "{found}");
+        assert!(found.contains("or 4000000 faces"), "{found}");
+    }
+
+    #[test]
+    fn a_design_from_elsewhere_is_checked() {
+        let text = format!(
+            "[(name: \"m\", {}, parts: [(parts: [(paint: \"stone\", shape: Sphere(radius: 1))]), (paint: \"stone\", shape: Sphere(radius: 2))])]",
+            paint()
+        );
+        let good = read(&text).design("m", &BTreeMap::new()).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!((good.check(), good.pieces.len()), (Ok(()), 3));
+        let levels: Vec<usize> = good.level(0..3).map(|(_, inner)| inner.len()).collect();
+        assert_eq!(levels, [1, 0]);
+        let fault = |spoil: fn(&mut Design)| {
+            let mut design = good.clone();
+            spoil(&mut design);
+            design.check().expect_err("spoilt")
+        };
+        assert_eq!(fault(|d| d.pieces[0].content = Content::Group(3)), DesignError::Group(0));
+        assert_eq!(fault(|d| d.materials.clear()), DesignError::Material(1));
+        let fewer = |d: &mut Design| d.pieces[2].repeat = Some(Repeat::Row { count: -1, step: [0; 3], centred: false });
+        assert_eq!(fault(fewer), DesignError::Copies(2));
+    }
+
+    #[test]
+    fn groups_may_not_be_nested_without_end() {
+        let group = |n: u32| Piece { content: Content::Group(n), ..piece() };
+        let design = |depth: u32| Design { pieces: (0..depth).rev().map(group).collect(), ..Design::default() };
+        assert_eq!(design(20).check(), Ok(()));
+        assert_eq!(design(100_000).check(), Err(DesignError::Group(24)));
+    }
+
+    fn piece() -> Piece {
+        let content = Content::Group(0);
+        Piece { at: [0; 3], turn: [0; 3], scale: [1024; 3], mirror: None, repeat: None, paint: 0, infill: None, content }
     }
 
     #[test]
@@ -225,8 +277,8 @@ mod tests {
         let all = read(text);
         let design = all.design("porch", &BTreeMap::new()).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(design.materials, [Material { colour: crate::Rgb(0, 0, 2), tile: crate::Tile::Stone }]);
-        let Content::Pieces(inner) = &design.pieces[0].content else { panic!("a group") };
-        assert!(matches!(inner[0].content, Content::Shape(Shape::Cylinder { height: 5120, .. })));
+        assert_eq!(design.pieces[0].content, Content::Group(1));
+        assert!(matches!(design.pieces[1].content, Content::Shape(Shape::Cylinder { height: 5120, .. })));
         let told = all.validate().iter().map(ToString::to_string).collect::<Vec<_>>();
         assert_eq!(told, ["monument `column` has no parameter `width`; it has: height"]);
     }

@@ -90,6 +90,7 @@ mod tests {
             number: "12".to_owned(),
             style: 0,
             volumes: vec![volume(0, 100), volume(0, 300), volume(50, 20)],
+            monument: None,
         };
         let plan = CityPlan { houses: vec![House { number: String::new(), ..house.clone() }, house], ..CityPlan::default() };
         let overview = Overview::of(&plan);

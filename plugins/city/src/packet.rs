@@ -2,7 +2,7 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{GridPolygon, GridPos, GroundPatch, Id, PlanObject, PlanRoof, Portal, Rgb, Volume, Wall};
+use crate::{Design, GridPolygon, GridPos, GroundPatch, Id, PlacedMonument, PlanObject, PlanRoof, Portal, Rgb, Volume, Wall};
 
 /// Urban level of detail of a façade.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -100,6 +100,12 @@ pub struct CellShell {
     pub objects: Vec<PlanObject>,
     /// Blind portals on the cell's border: where walking ends.
     pub blind: Vec<Portal>,
+    /// Designs of the monuments.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub designs: Vec<Design>,
+    /// Monuments that this cell draws, by index of [`CellShell::designs`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub monuments: Vec<PlacedMonument>,
 }
 
 /// A house, or that part of it which faces the cell.
@@ -112,6 +118,8 @@ pub struct HouseShell {
     pub style: u16,
     /// Its volumes that have something here.
     pub volumes: Vec<VolumeShell>,
+    /// Whether a monument is seen in place of its walls and roofs, which only stop people then.
+    pub is_monument: bool,
 }
 
 /// A volume, or that part of it which faces the cell.

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{Anchor, GridPolygon, GridPos, Id, ObjectKind, Place, Rgb, RoofShape, Styles, Viewpoint};
+use crate::{Anchor, Design, GridPolygon, GridPos, Id, ObjectKind, Place, PlacedMonument, Rgb, RoofShape, Styles, Viewpoint};
 
 /// The city plan: everything that will stand and lie in the city, on the grid, with every choice made that looks at
 /// neighbours. It is what growth makes and what is cut into cells.
@@ -20,6 +20,9 @@ pub struct CityPlan {
     pub growth_version: u32,
     /// The styles it was grown with; houses refer to them by index.
     pub styles: Styles,
+    /// The monuments in it; houses refer to them by index.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub designs: Vec<Design>,
     /// Where a visit begins.
     pub start: Viewpoint,
     /// Edge of the modelled city, counter-clockwise.
@@ -101,6 +104,9 @@ pub struct House {
     pub style: u16,
     /// Its bodies; never empty.
     pub volumes: Vec<Volume>,
+    /// What is seen in place of the bodies' walls and roofs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub monument: Option<PlacedMonument>,
 }
 
 /// A vertical prism with a roof.

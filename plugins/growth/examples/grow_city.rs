@@ -7,13 +7,13 @@ mod synthetic;
 
 use std::time::Instant;
 
-use veduta_growth::plan::{grow, stock_styles};
+use veduta_growth::plan::{Stock, grow};
 
 fn main() {
     let n = std::env::args().nth(1).and_then(|a| a.parse().ok()).unwrap_or(11);
     let graph = synthetic::city(n, 7);
     let began = Instant::now();
-    match grow(&graph, &stock_styles()) {
+    match grow(&graph, &Stock::new()) {
         Ok(growth) => {
             let took = began.elapsed();
             let (plan, links) = (growth.plan, graph.links.len());

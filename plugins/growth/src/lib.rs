@@ -2,7 +2,7 @@
 //!
 //! [`plan`] makes every choice that looks at neighbours: street surfaces, lots, houses, roofs, walls and their openings,
 //! objects and places, on the grid, the same bytes for any number of threads. Start with [`plan::grow`] and
-//! [`plan::stock_styles`]. [`skeleton`] finds straight skeletons, of which roofs are made.
+//! [`plan::Stock`]. [`skeleton`] finds straight skeletons, of which roofs are made.
 
 pub mod mesh;
 pub mod plan;

@@ -11,7 +11,7 @@
 //!
 //! ```
 //! use veduta_city::{CityGraph, file};
-//! use veduta_growth::plan::{grow, stock_styles};
+//! use veduta_growth::plan::{Stock, grow};
 //!
 //! let graph: CityGraph = file::parse(
 //!     r#"(name: "A lane", anchor: (lat: 50.09, lon: 14.42), seed: 1,
@@ -20,7 +20,7 @@
 //!         blocks: [(outline: [(5, 3.5), (75, 3.5), (75, 50), (5, 50)])])"#,
 //!     "lane.graph.ron",
 //! )?;
-//! let growth = grow(&graph, &stock_styles())?;
+//! let growth = grow(&graph, &Stock::new())?;
 //! assert!(growth.plan.houses.len() > 10, "the empty block has been built up");
 //! assert!(growth.findings.is_empty());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -37,7 +37,7 @@
 
 mod arrangement;
 mod band;
-mod boolean;
+pub(crate) mod boolean;
 mod crossroads;
 mod extent;
 mod facing;
@@ -47,6 +47,7 @@ mod houses;
 mod index;
 mod lots;
 mod massing;
+mod monuments;
 mod objects;
 mod outline;
 mod perimeter;
@@ -57,9 +58,9 @@ mod streets;
 mod variety;
 mod walls;
 
-use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, GridPos, StyleError, Styles};
+use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, GridPos, MonumentError, StyleError};
 
-pub use stock::stock_styles;
+pub use stock::Stock;
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
 pub const GROWTH_VERSION: u32 = 3;
@@ -82,6 +83,9 @@ pub enum GrowthError {
     /// The styles are unsound.
     #[error("the styles have {} mistakes; the first: {}", .0.len(), first(.0))]
     Styles(Vec<StyleError>),
+    /// The monuments are unsound.
+    #[error("the monuments have {} mistakes; the first: {}", .0.len(), first(.0))]
+    Monuments(Vec<MonumentError>),
     /// There is no style, or there are more than plans can number.
     #[error("{0} styles: there need to be 1 to 65,535")]
     StyleCount(usize),
@@ -107,8 +111,9 @@ impl Area<'_> {
 /// and places. Things without an id are given one first ([`CityGraph::fill_ids`]).
 ///
 /// # Errors
-/// [`GrowthError`] if the graph or the styles do not pass their own validation.
-pub fn grow(graph: &CityGraph, styles: &Styles) -> Result<Growth, GrowthError> {
+/// [`GrowthError`] if the graph, the styles or the monuments do not pass their own validation.
+pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
+    let Stock { styles, monuments } = stock;
     let mut graph = graph.clone();
     graph.fill_ids();
     let graph = &graph;
@@ -122,6 +127,10 @@ pub fn grow(graph: &CityGraph, styles: &Styles) -> Result<Growth, GrowthError> {
     }
     if styles.0.is_empty() || styles.0.len() > usize::from(u16::MAX) {
         return Err(GrowthError::StyleCount(styles.0.len()));
+    }
+    let mistakes = monuments.validate();
+    if !mistakes.is_empty() {
+        return Err(GrowthError::Monuments(mistakes));
     }
     let mut findings = Vec::new();
     let extent = extent::extent(graph, &mut findings);
@@ -138,7 +147,8 @@ pub fn grow(graph: &CityGraph, styles: &Styles) -> Result<Growth, GrowthError> {
     let facing = facing::facing(&drafts, &standing, &on_ground);
     let masses = massing::masses(&drafts, &facing, &book, &mut findings);
     let looks = variety::looks(&drafts, &facing, &book);
-    let houses = walls::houses(&drafts, &facing, &masses, &looks, &book);
+    let mut houses = walls::houses(&drafts, &facing, &masses, &looks, &book);
+    let designs = monuments::place(graph, monuments, &mut houses, &mut findings);
 
     let doors = walls::doorsteps(&houses).into_iter().map(|d| (GridPolygon::simple(vec![GridPos::from_metres(d)]), ()));
     let doorsteps = index::Index::new(doors.collect());
@@ -152,6 +162,7 @@ pub fn grow(graph: &CityGraph, styles: &Styles) -> Result<Growth, GrowthError> {
         seed: graph.seed,
         growth_version: GROWTH_VERSION,
         styles: styles.clone(),
+        designs,
         start,
         extent: extent.polygon(),
         places: places::places(graph, &houses, styles),

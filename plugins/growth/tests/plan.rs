@@ -8,14 +8,14 @@ use geo::{Area, BooleanOps, Contains, Coord, LineString, MultiPolygon, Polygon, 
 use glam::DVec2;
 use proptest::prelude::*;
 use veduta_city::{CityGraph, CityPlan, GridPolygon, House, Id, ObjectKind, Opening, SurfaceKind, WallKind, metres};
-use veduta_growth::plan::{Growth, GrowthError, grow, stock_styles};
+use veduta_growth::plan::{Growth, GrowthError, Stock, grow};
 
 fn parsed(text: &str) -> CityGraph {
     veduta_city::file::parse(text, "test").unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn grown(graph: &CityGraph) -> Growth {
-    grow(graph, &stock_styles()).unwrap_or_else(|e| panic!("{e}"))
+    grow(graph, &Stock::new()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn geo_polygon(p: &GridPolygon) -> Polygon {
@@ -299,11 +299,15 @@ fn tunnels_are_told_and_not_laid() {
 #[test]
 fn unsound_input_is_refused() {
     let bad = parsed("(name: \"T\", anchor: (lat: 50, lon: 14), links: [(from: 1, to: 2, kind: Watercourse)])");
-    assert!(matches!(grow(&bad, &stock_styles()), Err(GrowthError::Graph(e)) if e.len() == 2));
-    assert!(matches!(grow(&crossing(), &veduta_city::Styles(Vec::new())), Err(GrowthError::StyleCount(0))));
-    let mut styles = stock_styles();
-    styles.0[0].walls.clear();
-    assert!(matches!(grow(&crossing(), &styles), Err(GrowthError::Styles(e)) if e.len() == 1));
+    assert!(matches!(grow(&bad, &Stock::new()), Err(GrowthError::Graph(e)) if e.len() == 2));
+    assert!(matches!(grow(&crossing(), &Stock::default()), Err(GrowthError::StyleCount(0))));
+    let mut stock = Stock::new();
+    stock.styles.0[0].walls.clear();
+    assert!(matches!(grow(&crossing(), &stock), Err(GrowthError::Styles(e)) if e.len() == 1));
+    let nameless =
+        veduta_city::file::parse("(name: \"m\", parts: [(uses: \"nothing\")])", "test").unwrap_or_else(|e| panic!("{e}"));
+    let stock = Stock::new().with(Vec::new(), vec![nameless]);
+    assert!(matches!(grow(&crossing(), &stock), Err(GrowthError::Monuments(e)) if e.len() == 1));
 }
 
 /// Any graph that passes its validation, sound in meaning or not.

@@ -6,7 +6,7 @@ use glam::DVec2;
 use ground_proof::{prove_mesh, prove_partition};
 use proptest::prelude::*;
 use veduta_city::{CityGraph, CityPlan, GridPos, GroundPatch, Id, Link, LinkKind, Node, StreetClass, SurfaceKind, WidthAt};
-use veduta_growth::plan::{grow, stock_styles};
+use veduta_growth::plan::{Stock, grow};
 
 /// The patch at a position; `None` on a border.
 fn patch_at(plan: &CityPlan, p: GridPos) -> Option<&GroundPatch> {
@@ -42,7 +42,7 @@ fn prove_streets(graph: &CityGraph, plan: &CityPlan) {
 }
 
 fn check(graph: &CityGraph) {
-    let growth = grow(graph, &stock_styles()).unwrap_or_else(|e| panic!("{e}"));
+    let growth = grow(graph, &Stock::new()).unwrap_or_else(|e| panic!("{e}"));
     prove_partition(&growth.plan);
     prove_streets(graph, &growth.plan);
     prove_mesh(&growth.plan);

@@ -98,9 +98,10 @@ pub fn decode_styles(stored: &[u8], blob: &BlobRef) -> Result<Styles, StoreError
 mod tests {
     use proptest::collection::vec;
     use proptest::prelude::*;
+    use veduta_city::monument::{Axis, Content, Head, Hole, HoleShape, Material, PathPoint, Piece, Repeat, Shape};
     use veduta_city::{
-        GridPolygon, GridPos, GroundFloor, GroundPatch, HouseShell, Id, ObjectKind, Opening, PlanObject, PlanRoof, Portal,
-        PortalSide, Rgb, RoofShape, Storey, SurfaceKind, VolumeShell, Wall, WallKind,
+        Design, GridPolygon, GridPos, GroundFloor, GroundPatch, HouseShell, Id, ObjectKind, Opening, PlacedMonument, PlanObject,
+        PlanRoof, Portal, PortalSide, Rgb, RoofShape, Storey, SurfaceKind, Tile, VolumeShell, Wall, WallKind,
     };
 
     use super::*;
@@ -138,11 +139,69 @@ mod tests {
         )
     }
 
+    /// A design with every kind of shape, hole and repetition.
+    fn design() -> Design {
+        let point = |x: i32, bulge: Option<i32>| PathPoint { pos: [x, 2 * x], bulge };
+        let line = || vec![point(1, None), point(2, Some(3)), point(-4, None)];
+        let shapes = [
+            HoleShape::Rect(1, 2),
+            HoleShape::Arch(3, 4, Head::Segmental),
+            HoleShape::Circle(5),
+            HoleShape::Foil(6, 7),
+            HoleShape::Outline(line()),
+        ];
+        let hole = |shape| Hole { at: [8, 9], shape, row: Some((2, [3, 4])), around: Some((5, 6)) };
+        let holes: Vec<Hole<i32>> = shapes.into_iter().map(hole).collect();
+        let shapes = [
+            Shape::Box { size: [1, 2, 3] },
+            Shape::Cylinder { radius: 4, height: 5, top: Some(6), sides: None },
+            Shape::Cone { radius: 7, height: 8, sides: Some(9) },
+            Shape::Sphere { radius: 10 },
+            Shape::Lathe { profile: line(), sides: None },
+            Shape::Extrusion { outline: line(), holes: holes.clone(), height: 11 },
+            Shape::Panel { outline: line(), holes, depth: 12, reveal: Some(13) },
+            Shape::Sweep { section: line(), along: line(), closed: true },
+            Shape::Tube { path: vec![[14, 15, 16, 17]], sides: Some(18) },
+            Shape::Vault { size: [19, 20], rise: 21, head: Head::Pointed, cross: true },
+            Shape::Roof { outline: line(), shape: RoofShape::Hipped, height: 22, direction_deg: Some(23) },
+        ];
+        let piece = |content| Piece {
+            at: [1, -2, 3],
+            turn: [4, -5, 6],
+            scale: [1024, 512, 2048],
+            mirror: Some(Axis::Y),
+            repeat: Some(Repeat::Around { count: 2, arc_deg: Some(9_000), rise: None }),
+            paint: 1,
+            infill: Some(0),
+            content,
+        };
+        let row = Repeat::Row { count: 3, step: [7, 8, 9], centred: true };
+        let group = Piece { mirror: None, repeat: Some(row), ..piece(Content::Group(shapes.len() as u32)) };
+        let pieces = core::iter::once(group).chain(shapes.into_iter().map(|shape| piece(Content::Shape(shape)))).collect();
+        let materials = [Tile::Stone, Tile::Bay(Opening::Clock)].map(|tile| Material { colour: Rgb(1, 2, 3), tile });
+        Design { name: "everything".to_owned(), materials: materials.to_vec(), pieces }
+    }
+
+    fn refused(shell: CellShell) -> String {
+        let stored = encode_packet(&Packet::Shell(shell));
+        decode_packet(&stored, &BlobRef::of(&stored), Level::One).map_or_else(|e| e.to_string(), |_| String::new())
+    }
+
+    #[test]
+    fn a_packet_with_a_design_that_cannot_be_drawn_is_refused() {
+        let (mut shell, _) = full();
+        shell.designs[0].pieces[0].content = Content::Group(99);
+        assert!(refused(shell).contains("design 0: piece 0 is no group"));
+        let (mut shell, _) = full();
+        shell.monuments[0].design = 1;
+        assert!(refused(shell).contains("monument 0 has design 1 of 1"));
+    }
+
     fn any_shell() -> impl Strategy<Value = CellShell> {
         let surface = prop::sample::select(&[SurfaceKind::Asphalt, SurfaceKind::Ballast][..]);
         let patch = (surface, any_polygon(), -NEAR..NEAR).prop_map(|(surface, outline, z)| GroundPatch { surface, outline, z });
-        let house = (any::<u64>(), any::<u16>(), vec(any_volume(), 0..3));
-        let house = house.prop_map(|(id, style, volumes)| HouseShell { id: Id(id), style, volumes });
+        let house = (any::<u64>(), any::<u16>(), vec(any_volume(), 0..3), any::<bool>());
+        let house = house.prop_map(|(id, style, volumes, is_monument)| HouseShell { id: Id(id), style, volumes, is_monument });
         let object = (any::<u64>(), any_pos(), -NEAR..NEAR, any::<u16>(), 1..NEAR);
         let object = object.prop_map(|(id, pos, z, heading, height)| PlanObject {
             id: Id(id),
@@ -156,7 +215,11 @@ mod tests {
         let blind = (any_pos(), any_pos(), any::<u32>(), beyond);
         let blind = blind.prop_map(|(a, b, cell, beyond)| Portal { ends: (a, b), cell, beyond });
         (any_pos(), any_polygon(), vec(patch, 0..3), vec(house, 0..4), vec(object, 0..3), vec(blind, 0..3)).prop_map(
-            |(origin, outline, ground, houses, objects, blind)| CellShell { origin, outline, ground, houses, objects, blind },
+            |(origin, outline, ground, houses, objects, blind)| {
+                let placed = |&pos: &GridPos| PlacedMonument { design: 0, pos, z: 5, heading: 35_999 };
+                let monuments = ground.first().map(|patch| patch.outline.outer.iter().map(placed).collect()).unwrap_or_default();
+                CellShell { origin, outline, ground, houses, objects, blind, designs: vec![design()], monuments }
+            },
         )
     }
 
@@ -297,9 +360,11 @@ mod tests {
             origin: GridPos(1000, -1000),
             outline: outline(0),
             ground: surfaces.iter().map(|&surface| GroundPatch { surface, outline: outline(9), z: 3 }).collect(),
-            houses: vec![HouseShell { id: Id::from_source(2, 99), style: 1, volumes }],
+            houses: vec![HouseShell { id: Id::from_source(2, 99), style: 1, volumes, is_monument: true }],
             objects: kinds.iter().map(object).collect(),
             blind: blind.to_vec(),
+            designs: vec![design()],
+            monuments: vec![PlacedMonument { design: 0, pos: GridPos(-70, 8), z: 9, heading: 100 }],
         };
         (shell, FacadeSheet { walls: [WallKind::Street, WallKind::Yard, WallKind::Party].map(wall).to_vec() })
     }
@@ -310,7 +375,7 @@ mod tests {
         let hash = |content: Vec<u8>| blake3::hash(&content).to_hex()[..16].to_owned();
         let forms = (hash(to_bytes(&WireShell::from(&shell))), hash(to_bytes(&WireSheet::from(&sheet))));
         let expected = ("2cc2f91a4037bf4c".to_owned(), "917468b7a8aa35f3".to_owned());
-        assert_eq!((crate::FORMAT_VERSION, forms), (1, expected), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((crate::FORMAT_VERSION, forms), (2, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

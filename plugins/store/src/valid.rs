@@ -74,6 +74,18 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
             return Err(format!("blind portal {i} reaches too far"));
         }
     }
+    for (i, design) in shell.designs.iter().enumerate() {
+        design.check().map_err(|error| format!("design {i}: {error}"))?;
+    }
+    for (i, placed) in shell.monuments.iter().enumerate() {
+        if usize::from(placed.design) >= shell.designs.len() {
+            return Err(format!("monument {i} has design {} of {}", placed.design, shell.designs.len()));
+        }
+        if !is_within(placed.pos, NEAR) {
+            return Err(format!("monument {i} stands too far away"));
+        }
+        check_height("its foot", placed.z).map_err(|reason| format!("monument {i}: {reason}"))?;
+    }
     Ok(())
 }
 

@@ -140,6 +140,7 @@ fn house(polygon: &Polygon, body: Body) -> Building {
         roof: body.roof,
         colour: body.colour,
         parts: Vec::new(),
+        monument: None,
     }
 }
 

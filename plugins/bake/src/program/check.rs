@@ -1,7 +1,8 @@
 use std::path::{Path, PathBuf};
 
 use anstream::{eprintln, println};
-use veduta_city::{CityGraph, CityPlan, GraphOverrides, Style, Styles, Tour, file};
+use veduta_city::{CityGraph, CityPlan, GraphOverrides, Monuments, Style, Styles, Tour, file};
+use veduta_growth::plan::Stock;
 use veduta_survey::CityWords;
 
 use super::Failure;
@@ -30,8 +31,11 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
         let overrides: GraphOverrides = file::read(path).map_err(one)?;
         let edits = overrides.validate().into_iter().map(|e| e.to_string());
         let styles = Styles(overrides.styles.clone()).validate().into_iter().map(|e| e.to_string());
-        let words = format!("{} edits, {} styles", overrides.edits.len(), overrides.styles.len());
-        return told(path, edits.chain(styles).collect(), words);
+        let stock = Stock::new().with(Vec::new(), overrides.monuments.clone());
+        let monuments = stock.monuments.validate().into_iter().map(|e| e.to_string());
+        let counts = (overrides.edits.len(), overrides.styles.len(), overrides.monuments.len());
+        let words = format!("{} edits, {} styles, {} monuments", counts.0, counts.1, counts.2);
+        return told(path, edits.chain(styles).chain(monuments).collect(), words);
     }
     if name.ends_with(".words.ron") {
         let city: CityWords = file::read(path).map_err(one)?;
@@ -52,16 +56,34 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
         let tour: Tour = file::read(path).map_err(one)?;
         return check_tour(path, &tour, towns);
     }
+    if let Some(read) = as_monuments(path) {
+        let monuments = read.map_err(one)?;
+        let words = format!("{} monuments", monuments.0.len());
+        return told(path, Stock::new().with(Vec::new(), monuments.0).monuments.validate(), words);
+    }
     if let Some(read) = as_style(path, &name) {
         let style = read.map_err(one)?;
         let words = format!("style `{}`", style.name);
         return told(path, Styles(vec![style]).validate(), words);
     }
     Err(vec![format!(
-        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .plan.ron, .words.ron, .style.ron or .tour.ron, or lie in a \
-         folder `styles`",
+        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .plan.ron, .words.ron, .style.ron, .monuments.ron or .tour.ron, or lie in \
+         a folder `styles` or `monuments`",
         path.display()
     )])
+}
+
+/// A file read as monuments, if it is meant to be one of them by its name or folder.
+pub(super) fn as_monuments(path: &Path) -> Option<Result<Monuments, file::FileError>> {
+    let name = path.file_name()?.to_string_lossy();
+    let is_meant = name.ends_with(".monuments.ron") || name.ends_with(".ron") && folder(path).is_some_and(|f| f == "monuments");
+    is_meant.then(|| file::read(path))
+}
+
+/// Name of the folder that a file lies in.
+fn folder(path: &Path) -> Option<std::ffi::OsString> {
+    // What has no folder in its path lies in the present one.
+    path.canonicalize().ok().and_then(|path| Some(path.parent()?.file_name()?.to_owned()))
 }
 
 /// A file read as a style, if it is meant to be one: by its name, its folder, or because it can be read as one.
@@ -69,9 +91,7 @@ fn as_style(path: &Path, name: &str) -> Option<Result<Style, file::FileError>> {
     if !name.ends_with(".ron") {
         return None;
     }
-    // What has no folder in its path lies in the present one.
-    let folder = path.canonicalize().ok().and_then(|path| Some(path.parent()?.file_name()?.to_owned()));
-    let is_meant = name.ends_with(".style.ron") || folder.is_some_and(|folder| folder == "styles");
+    let is_meant = name.ends_with(".style.ron") || folder(path).is_some_and(|folder| folder == "styles");
     let read = file::read(path);
     (is_meant || read.is_ok()).then_some(read)
 }

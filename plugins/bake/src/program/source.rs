@@ -64,6 +64,14 @@ fn crs(text: &str) -> Result<Crs, String> {
 }
 
 impl Source {
+    /// The input, if it is a single one.
+    pub(crate) fn only(&self) -> Option<&Path> {
+        match &self.input[..] {
+            [path] => Some(path),
+            _ => None,
+        }
+    }
+
     /// The input with all that was said of it.
     pub(crate) fn input(&self) -> Result<Input, Failure> {
         let mut input = Input::of_all(&self.input)?;

@@ -1,7 +1,9 @@
+use core::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
-use super::shape::Shape;
-use crate::{Rgb, Tile};
+use super::shape::{Shape, Unit};
+use crate::{GridPos, Rgb, Tile};
 
 /// What a part of a monument is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -63,7 +65,7 @@ pub struct Design {
     pub name: String,
     /// Pieces refer to them by index.
     pub materials: Vec<Material>,
-    /// Drawn one after the other.
+    /// Drawn one after the other; a group comes before what is in it.
     pub pieces: Vec<Piece>,
 }
 
@@ -94,8 +96,22 @@ pub struct Piece {
 pub enum Content {
     /// A solid.
     Shape(Shape<i32>),
-    /// Several, placed together.
-    Pieces(Vec<Piece>),
+    /// So many of the pieces that follow it in the list, placed together.
+    Group(u32),
+}
+
+/// A monument at its place in the plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlacedMonument {
+    /// Index of its design.
+    pub design: u16,
+    /// Where its origin stands.
+    pub pos: GridPos,
+    /// Its foot above the city's zero, grid steps.
+    pub z: i32,
+    /// Where its front looks, hundredths of a degree clockwise from north, 0 to 35,999.
+    pub heading: u16,
 }
 
 impl<N> Repeat<N> {
@@ -107,24 +123,110 @@ impl<N> Repeat<N> {
     }
 }
 
-impl Piece {
-    /// How many shapes it stands for, repetitions counted.
-    #[must_use]
-    pub fn shape_count(&self) -> u64 {
-        let copies = self.repeat.map_or(1, |repeat| u64::from((*repeat.count()).max(0).unsigned_abs()));
-        let copies = if self.mirror.is_some() { copies.saturating_mul(2) } else { copies };
-        let inner = match &self.content {
-            Content::Shape(_) => 1,
-            Content::Pieces(pieces) => pieces.iter().map(Self::shape_count).fold(0, u64::saturating_add),
-        };
-        copies.saturating_mul(inner)
-    }
+/// Most faces that a design may come to, by [`Shape::most_faces`] and repetitions counted.
+pub const MOST_FACES: u64 = 4_000_000;
+/// Most pieces that a design may have, repetitions not counted.
+pub(super) const MOST_PIECES: usize = 60_000;
+/// Deepest nesting of groups.
+pub(super) const DEEPEST: usize = 24;
+/// Most of one thing in a repetition, and most sides of a round body.
+pub(super) const MOST_COPIES: i32 = 1_000;
+/// Largest number of a shape.
+const FARTHEST: u32 = 1 << 24;
+
+/// Why a design cannot be drawn.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DesignError {
+    /// It comes to too much.
+    #[error("it comes to more than {MOST_PIECES} pieces or {MOST_FACES} faces")]
+    TooMany,
+    /// A number of a shape is out of bounds.
+    #[error("`{1}` of piece {0} is out of bounds")]
+    Number(usize, &'static str),
+    /// A group reaches beyond the list or the group that it is in, or groups are nested too deeply.
+    #[error("piece {0} is no group of pieces, or is nested more than {DEEPEST} deep")]
+    Group(usize),
+    /// A repetition out of bounds.
+    #[error("piece {0} is there a number of times that is not within 0 to {MOST_COPIES}")]
+    Copies(usize),
+    /// A material that is not there.
+    #[error("piece {0} is made of a material that is not there")]
+    Material(usize),
 }
 
 impl Design {
-    /// How many shapes it stands for, repetitions counted.
+    /// Checks that groups are whole and not too deep, that materials exist, and that it does not come to more than any machine
+    /// should draw.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check(&self) -> Result<(), DesignError> {
+        for (i, piece) in self.pieces.iter().enumerate() {
+            let copies = piece.repeat.as_ref().map_or(1, |repeat| *repeat.count());
+            if !(0..=MOST_COPIES).contains(&copies) {
+                return Err(DesignError::Copies(i));
+            }
+            let is_shape = matches!(piece.content, Content::Shape(_));
+            if let Content::Shape(shape) = &piece.content {
+                let bounded = |field, unit, &n: &i32| match unit {
+                    Unit::Count if !(0..=MOST_COPIES).contains(&n) => Err(DesignError::Number(i, field)),
+                    Unit::Length | Unit::Angle | Unit::Ratio if n.unsigned_abs() > FARTHEST => Err(DesignError::Number(i, field)),
+                    _ => Ok(n),
+                };
+                shape.try_map(&mut { bounded })?;
+            }
+            let of = piece.infill.into_iter().chain(is_shape.then_some(piece.paint));
+            if of.into_iter().any(|material| usize::from(material) >= self.materials.len()) {
+                return Err(DesignError::Material(i));
+            }
+        }
+        let faces = self.sum(0..self.pieces.len(), 0, &Shape::most_faces)?;
+        if faces > MOST_FACES || self.pieces.len() > MOST_PIECES { Err(DesignError::TooMany) } else { Ok(()) }
+    }
+
+    /// What the shapes of some pieces come to, repetitions counted.
+    fn sum(&self, mut range: Range<usize>, depth: usize, each: &dyn Fn(&Shape<i32>) -> u64) -> Result<u64, DesignError> {
+        let mut sum: u64 = 0;
+        while let Some(i) = range.next() {
+            let piece = &self.pieces[i];
+            let copies = piece.repeat.as_ref().map_or(1, |repeat| u64::from((*repeat.count()).max(0).unsigned_abs()));
+            let copies = if piece.mirror.is_some() { 2 * copies } else { copies };
+            let inner = match &piece.content {
+                Content::Shape(shape) => each(shape),
+                Content::Group(n) => {
+                    let inner = group(&range, *n).filter(|_| depth < DEEPEST).ok_or(DesignError::Group(i))?;
+                    range.start = inner.end;
+                    self.sum(inner, depth + 1, each)?
+                }
+            };
+            sum = sum.saturating_add(copies.saturating_mul(inner));
+        }
+        Ok(sum)
+    }
+
+    /// How many shapes it stands for, repetitions counted; 0 for one that does not pass [`Design::check`].
     #[must_use]
     pub fn shape_count(&self) -> u64 {
-        self.pieces.iter().map(Piece::shape_count).fold(0, u64::saturating_add)
+        self.sum(0..self.pieces.len(), 0, &|_| 1).unwrap_or(0)
     }
+
+    /// The pieces on their own level of a range of the list, each with the range of those within it.
+    pub fn level(&self, mut range: Range<usize>) -> impl Iterator<Item = (&Piece, Range<usize>)> {
+        range.end = range.end.min(self.pieces.len());
+        core::iter::from_fn(move || {
+            let piece = self.pieces.get(range.next()?)?;
+            let inner = match piece.content {
+                Content::Shape(_) => range.start..range.start,
+                Content::Group(n) => group(&range, n).unwrap_or(range.start..range.start),
+            };
+            range.start = inner.end;
+            Some((piece, inner))
+        })
+    }
+}
+
+/// The first pieces of what is left of a range, if it has so many.
+fn group(left: &Range<usize>, n: u32) -> Option<Range<usize>> {
+    let end = left.start.checked_add(n as usize)?;
+    (end <= left.end).then_some(left.start..end)
 }

@@ -1,19 +1,13 @@
 use std::collections::BTreeMap;
 
-use super::design::{Content, Design, Material, Piece, Repeat};
+use super::design::{Content, DEEPEST, Design, DesignError, MOST_COPIES, MOST_PIECES, Material, Piece, Repeat};
 use super::formula::Formula;
 use super::shape::{Shape, Unit};
 use super::{Monument, Monuments, Part};
 use crate::{GRID_PER_METRE, HIGHEST_M};
 
-/// Most shapes that a monument may come to, repetitions counted.
-const MOST_SHAPES: u64 = 60_000;
 /// Most points of one line.
 const MOST_POINTS: usize = 1_000;
-/// Deepest nesting of groups and uses.
-const DEEPEST: usize = 12;
-/// Most of one thing in a repetition, and most sides of a round body.
-const MOST_COPIES: i32 = 1_000;
 /// Steps of a ratio, and hundredths of a degree.
 const RATIO: f64 = 1024.0;
 const HUNDREDTHS: f64 = 100.0;
@@ -52,11 +46,13 @@ pub enum MonumentError {
         /// What is wrong.
         message: String,
     },
-    /// More than any machine should draw.
-    #[error("monument `{monument}` comes to more than {MOST_SHAPES} shapes")]
-    TooMany {
+    /// It cannot be drawn.
+    #[error("monument `{monument}`: {error}")]
+    Design {
         /// Which monument.
         monument: String,
+        /// Why.
+        error: DesignError,
     },
 }
 
@@ -85,12 +81,11 @@ impl Monuments {
     /// # Errors
     /// [`MonumentError`] if there is no such monument or parameter, or something in it cannot be.
     pub fn design(&self, name: &str, with: &BTreeMap<String, f64>) -> Result<Design, MonumentError> {
-        let mut resolver = Resolver { library: self, within: Vec::new(), materials: Vec::new() };
-        let pieces = resolver.monument(name, with, &BTreeMap::new())?;
-        let design = Design { name: name.to_owned(), materials: resolver.materials, pieces };
-        if design.shape_count() > MOST_SHAPES {
-            return Err(MonumentError::TooMany { monument: name.to_owned() });
-        }
+        let design = Design { name: name.to_owned(), ..Design::default() };
+        let mut resolver = Resolver { library: self, within: Vec::new(), design };
+        resolver.monument(name, with, &BTreeMap::new())?;
+        let design = resolver.design;
+        design.check().map_err(|error| MonumentError::Design { monument: name.to_owned(), error })?;
         Ok(design)
     }
 }
@@ -99,7 +94,7 @@ struct Resolver<'a> {
     library: &'a Monuments,
     /// Names of the monuments that are being worked out, outermost first.
     within: Vec<&'a str>,
-    materials: Vec<Material>,
+    design: Design,
 }
 
 /// What a monument's parts may refer to.
@@ -146,10 +141,6 @@ impl Scope<'_> {
         }
     }
 
-    fn lengths(&self, place: &Place, field: &str, of: &[Formula; 3]) -> Result<[i32; 3], MonumentError> {
-        self.three(place, field, Unit::Length, of)
-    }
-
     fn three(&self, place: &Place, field: &str, unit: Unit, [x, y, z]: &[Formula; 3]) -> Result<[i32; 3], MonumentError> {
         let whole = |of| self.whole(place, field, unit, of);
         Ok([whole(x)?, whole(y)?, whole(z)?])
@@ -162,7 +153,7 @@ impl<'a> Resolver<'a> {
         name: &str,
         with: &BTreeMap<String, f64>,
         paints: &BTreeMap<String, Material>,
-    ) -> Result<Vec<Piece>, MonumentError> {
+    ) -> Result<(), MonumentError> {
         let names = |all: &mut dyn Iterator<Item = &str>| all.collect::<Vec<_>>().join(", ");
         let library = self.library;
         let Some(monument) = library.find(name) else {
@@ -193,46 +184,47 @@ impl<'a> Resolver<'a> {
             scope.paints.insert(paint, paints.get(paint).copied().unwrap_or(*material));
         }
         self.within.push(&monument.name);
-        let pieces = self.parts(&scope, &top, &monument.parts, "");
+        self.parts(&scope, &top, &monument.parts, "")?;
         self.within.pop();
-        pieces
+        Ok(())
     }
 
-    fn parts(&mut self, scope: &Scope<'a>, within: &Place, parts: &'a [Part], paint: &str) -> Result<Vec<Piece>, MonumentError> {
-        let mut pieces = Vec::with_capacity(parts.len());
+    fn parts(&mut self, scope: &Scope<'a>, within: &Place, parts: &'a [Part], paint: &str) -> Result<(), MonumentError> {
         for (i, part) in parts.iter().enumerate() {
             let mut place = within.clone();
             place.0.push(i + 1);
             place.1 = part.shape.as_ref().map_or("", Shape::name);
-            pieces.extend(self.part(scope, &place, part, paint)?);
+            self.part(scope, &place, part, paint)?;
         }
-        Ok(pieces)
+        Ok(())
     }
 
-    /// `None` where its condition does not hold.
-    fn part(&mut self, scope: &Scope<'a>, place: &Place, part: &'a Part, paint: &str) -> Result<Option<Piece>, MonumentError> {
-        if place.0.len() > DEEPEST || self.within.len() > DEEPEST {
+    fn part(&mut self, scope: &Scope<'a>, place: &Place, part: &'a Part, paint: &str) -> Result<(), MonumentError> {
+        if place.0.len() + self.within.len() > DEEPEST {
             return Err(scope.error(place, "parts", format!("nested more than {DEEPEST} deep")));
         }
         if let Some(when) = &part.when
             && scope.value(place, "when", when)? <= 0.0
         {
-            return Ok(None);
+            return Ok(());
         }
         let repeat = part.repeat.as_ref().map(|repeat| repetition(scope, place, repeat)).transpose()?;
         if repeat.is_some_and(|repeat| *repeat.count() == 0) {
-            return Ok(None);
+            return Ok(());
         }
         let paint = if part.paint.is_empty() { paint } else { &part.paint };
         let content = match (&part.shape, &part.uses, &part.parts[..]) {
-            (Some(shape), None, []) => Content::Shape(self.shape(scope, place, shape)?),
-            (None, Some(uses), []) => Content::Pieces(self.uses(scope, place, uses, part)?),
-            (None, None, [_, ..]) => Content::Pieces(self.parts(scope, place, &part.parts, paint)?),
+            (Some(shape), None, []) => Content::Shape(shape_of(scope, place, shape)?),
+            (None, Some(_), []) | (None, None, [_, ..]) => Content::Group(0),
             _ => return Err(scope.error(place, "shape", "a part has one of `shape`, `uses` and `parts`")),
         };
         let is_shape = matches!(content, Content::Shape(_));
-        Ok(Some(Piece {
-            at: scope.lengths(place, "at", &part.at)?,
+        let infill = match part.infill.as_str() {
+            "" => None,
+            infill => Some(self.paint(scope, place, "infill", infill)?),
+        };
+        let piece = Piece {
+            at: scope.three(place, "at", Unit::Length, &part.at)?,
             turn: [
                 scope.whole(place, "tilt_deg", Unit::Angle, &part.tilt_deg)?,
                 scope.whole(place, "roll_deg", Unit::Angle, &part.roll_deg)?,
@@ -242,15 +234,26 @@ impl<'a> Resolver<'a> {
             mirror: part.mirror,
             repeat,
             paint: if is_shape { self.paint(scope, place, "paint", paint)? } else { 0 },
-            infill: match part.infill.as_str() {
-                "" => None,
-                infill => Some(self.paint(scope, place, "infill", infill)?),
-            },
+            infill,
             content,
-        }))
+        };
+        let index = self.design.pieces.len();
+        if index >= MOST_PIECES {
+            return Err(scope.error(place, "parts", DesignError::TooMany.to_string()));
+        }
+        self.design.pieces.push(piece);
+        if !is_shape {
+            match &part.uses {
+                Some(uses) => self.uses(scope, place, uses, part)?,
+                None => self.parts(scope, place, &part.parts, paint)?,
+            }
+            let inner = self.design.pieces.len() - index - 1;
+            self.design.pieces[index].content = Content::Group(inner as u32);
+        }
+        Ok(())
     }
 
-    fn uses(&mut self, scope: &Scope<'a>, place: &Place, uses: &'a str, part: &'a Part) -> Result<Vec<Piece>, MonumentError> {
+    fn uses(&mut self, scope: &Scope<'a>, place: &Place, uses: &'a str, part: &'a Part) -> Result<(), MonumentError> {
         let mut with = BTreeMap::new();
         for (name, formula) in &part.with {
             with.insert(name.clone(), scope.value(place, name, formula)?);
@@ -265,22 +268,6 @@ impl<'a> Resolver<'a> {
         self.monument(uses, &with, &paints)
     }
 
-    fn shape(&self, scope: &Scope<'a>, place: &Place, shape: &Shape<Formula>) -> Result<Shape<i32>, MonumentError> {
-        let points = match shape {
-            Shape::Lathe { profile: points, .. }
-            | Shape::Extrusion { outline: points, .. }
-            | Shape::Panel { outline: points, .. }
-            | Shape::Sweep { along: points, .. }
-            | Shape::Roof { outline: points, .. } => points.len(),
-            Shape::Tube { path, .. } => path.len(),
-            _ => 0,
-        };
-        if points > MOST_POINTS {
-            return Err(scope.error(place, "shape", format!("{points} points are more than {MOST_POINTS}")));
-        }
-        shape.try_map(&mut |field, unit, formula| scope.whole(place, field, unit, formula))
-    }
-
     /// Index of a paint among the design's materials.
     fn paint(&mut self, scope: &Scope<'a>, place: &Place, field: &str, name: &str) -> Result<u8, MonumentError> {
         let Some(&material) = scope.paints.get(name) else {
@@ -288,21 +275,39 @@ impl<'a> Resolver<'a> {
             let message = format!("there is no paint `{name}`; there are: {}", known.join(", "));
             return Err(scope.error(place, field, message));
         };
-        let found = self.materials.iter().position(|&m| m == material);
+        let found = self.design.materials.iter().position(|&m| m == material);
         let index = found.unwrap_or_else(|| {
-            self.materials.push(material);
-            self.materials.len() - 1
+            self.design.materials.push(material);
+            self.design.materials.len() - 1
         });
         u8::try_from(index).map_err(|_| scope.error(place, field, "more than 256 materials"))
     }
 }
 
+fn shape_of(scope: &Scope<'_>, place: &Place, shape: &Shape<Formula>) -> Result<Shape<i32>, MonumentError> {
+    let points = match shape {
+        Shape::Lathe { profile: points, .. }
+        | Shape::Extrusion { outline: points, .. }
+        | Shape::Panel { outline: points, .. }
+        | Shape::Sweep { along: points, .. }
+        | Shape::Roof { outline: points, .. } => points.len(),
+        Shape::Tube { path, .. } => path.len(),
+        _ => 0,
+    };
+    if points > MOST_POINTS {
+        return Err(scope.error(place, "shape", format!("{points} points are more than {MOST_POINTS}")));
+    }
+    shape.try_map(&mut |field, unit, formula| scope.whole(place, field, unit, formula))
+}
+
 fn repetition(scope: &Scope<'_>, place: &Place, repeat: &Repeat<Formula>) -> Result<Repeat<i32>, MonumentError> {
     let whole = |field, unit, formula| scope.whole(place, field, unit, formula);
     Ok(match repeat {
-        Repeat::Row { count, step, centred } => {
-            Repeat::Row { count: whole("count", Unit::Count, count)?, step: scope.lengths(place, "step", step)?, centred: *centred }
-        }
+        Repeat::Row { count, step, centred } => Repeat::Row {
+            count: whole("count", Unit::Count, count)?,
+            step: scope.three(place, "step", Unit::Length, step)?,
+            centred: *centred,
+        },
         Repeat::Around { count, arc_deg, rise } => Repeat::Around {
             count: whole("count", Unit::Count, count)?,
             arc_deg: arc_deg.as_ref().map(|n| whole("arc_deg", Unit::Angle, n)).transpose()?,

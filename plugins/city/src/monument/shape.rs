@@ -277,6 +277,43 @@ impl<N> Shape<N> {
     }
 }
 
+impl Shape<i32> {
+    /// A bound on the number of its faces, made as finely as ever.
+    #[must_use]
+    pub fn most_faces(&self) -> u64 {
+        // An arc comes to 48 chords at most.
+        let points = |line: &[PathPoint<i32>]| line.iter().map(|p| if p.bulge.is_some() { 48 } else { 1 }).sum::<u64>();
+        let around = |sides: Option<i32>| sides.map_or(48, |sides| u64::from(sides.unsigned_abs()));
+        let plate = |outline: &[PathPoint<i32>], holes: &[Hole<i32>]| {
+            4 * (points(outline) + holes.iter().map(Hole::most_points).fold(0, u64::saturating_add))
+        };
+        match self {
+            Self::Box { .. } => 6,
+            Self::Cylinder { sides, .. } | Self::Cone { sides, .. } => 3 * around(*sides),
+            Self::Sphere { .. } => 48 * 24,
+            Self::Lathe { profile, sides } => (points(profile) + 2) * around(*sides),
+            Self::Extrusion { outline, holes, .. } | Self::Panel { outline, holes, .. } => plate(outline, holes),
+            Self::Sweep { section, along, .. } => (points(section) + 1) * (points(along) + 1),
+            Self::Tube { path, sides } => (path.len() as u64 + 2) * around(*sides),
+            Self::Vault { .. } => 4 * 32,
+            Self::Roof { outline, .. } => 8 * points(outline),
+        }
+    }
+}
+
+impl Hole<i32> {
+    fn most_points(&self) -> u64 {
+        let one = match &self.shape {
+            HoleShape::Rect(..) => 4,
+            HoleShape::Arch(..) | HoleShape::Circle(_) => 50,
+            HoleShape::Foil(_, lobes) => 48 * u64::from(lobes.unsigned_abs()),
+            HoleShape::Outline(outline) => 48 * outline.len() as u64,
+        };
+        let times = |count: Option<i32>| count.map_or(1, |count| u64::from(count.unsigned_abs()));
+        one.saturating_mul(times(self.row.map(|row| row.0))).saturating_mul(times(self.around.map(|around| around.0)))
+    }
+}
+
 impl<N> Hole<N> {
     fn try_map<M, E>(&self, f: &mut impl FnMut(&'static str, Unit, &N) -> Result<M, E>) -> Result<Hole<M>, E> {
         use Unit::{Count, Length};

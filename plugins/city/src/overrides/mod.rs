@@ -9,8 +9,8 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Block, BlockKind, Building, CityGraph, Finding, Id, LinkKind, Place, Ring, RoofTags, Severity, Square, StandingObject, Style,
-    Surfacing,
+    Block, BlockKind, Building, CityGraph, Finding, Id, LinkKind, Monument, MonumentTag, Place, Ring, RoofTags, Severity, Square,
+    StandingObject, Style, Surfacing,
 };
 pub use check::OverrideError;
 use network::Outcome;
@@ -58,6 +58,9 @@ pub struct GraphOverrides {
     /// Styles added to, or put in place of, the stock ones.
     #[serde(default)]
     pub styles: Vec<Style>,
+    /// Monuments added to, or put in place of, the stock ones.
+    #[serde(default)]
+    pub monuments: Vec<Monument>,
 }
 
 /// One edit.
@@ -86,6 +89,9 @@ pub enum GraphOverride {
         /// New colour of the walls.
         #[serde(default)]
         colour: Option<crate::Rgb>,
+        /// What is seen in place of walls and roofs.
+        #[serde(default)]
+        monument: Option<MonumentTag>,
     },
     /// Take a building out.
     RemoveBuilding(Target),
@@ -312,7 +318,7 @@ impl GraphOverride {
     }
 
     fn change_building(&self, graph: &mut CityGraph) -> Outcome {
-        let Self::Building { target, name, style, height_m, levels, roof, colour } = self else { return Ok(Vec::new()) };
+        let Self::Building { target, name, style, height_m, levels, roof, colour, monument } = self else { return Ok(Vec::new()) };
         let (i, note) = find_building(graph, target)?;
         let b = &mut graph.buildings[i];
         set(&mut b.name, name.as_ref());
@@ -321,6 +327,7 @@ impl GraphOverride {
         b.height_m = height_m.or(b.height_m);
         b.levels = levels.or(b.levels);
         b.colour = colour.or(b.colour);
+        b.monument = monument.clone().or(b.monument.take());
         Ok(note.into_iter().collect())
     }
 

@@ -130,7 +130,7 @@ proptest! {
         let second = town(&moved, &is_gone);
         for (expected, edit) in edits {
             let mut after = second.clone();
-            let findings = GraphOverrides { edits: vec![edit], styles: Vec::new() }.apply(&mut after);
+            let findings = GraphOverrides { edits: vec![edit], ..GraphOverrides::default() }.apply(&mut after);
             let seen = seen(&second, &after);
             if findings.iter().any(|f| f.severity == Severity::Dropped) {
                 prop_assert!(seen.is_empty(), "an edit that was reported as left out did {seen:?}");
@@ -152,7 +152,7 @@ fn edits_with_room_about_them_are_found_again() {
         .map(|l| GraphOverride::Width { target: Target { id: l.id, at: middle_of(&first, l) }, width_m: 7.25 })
         .collect();
     let mut after = second.clone();
-    let findings = GraphOverrides { edits, styles: Vec::new() }.apply(&mut after);
+    let findings = GraphOverrides { edits, ..GraphOverrides::default() }.apply(&mut after);
     let hit = after.links.iter().filter(|l| l.width_m == 7.25).count();
     assert!(hit + findings.len() >= first.links.len() && hit * 10 > first.links.len() * 9, "{hit} of {}", first.links.len());
     let same = first.links.iter().zip(&second.links).filter(|(a, b)| a.id == b.id).count();

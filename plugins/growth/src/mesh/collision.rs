@@ -155,7 +155,7 @@ mod tests {
         let (colour, trim) = (Rgb::default(), Rgb::default());
         let volume =
             VolumeShell { footprint: square(10, 5), bottom, eaves: 4096, colour, trim, roof, has_roof: true, walls: vec![3] };
-        HouseShell { id: Id(1), style: 0, volumes: vec![volume] }
+        HouseShell { id: Id(1), style: 0, volumes: vec![volume], is_monument: false }
     }
 
     fn ground(surface: SurfaceKind, x: i32) -> GroundPatch {

@@ -4,7 +4,7 @@ use veduta_city::{CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, Wall
 use super::data::{MeshData, MeshError, Paint};
 use super::outline::{Edge, GroundHeights, engine, neighbours, wall_edge};
 use super::roof_detail::{OVERHANG_DROP_M, mitre};
-use super::wall::{Front, check, runs};
+use super::wall::{Front, check, runs, seen};
 
 /// Section of a moulding from its lower edge on the wall to its upper one: metres out of the wall, metres up; convex.
 type Section = [(f64, f64)];
@@ -41,10 +41,7 @@ struct Paints {
 pub(super) fn add_mouldings(shell: &CellShell, sheet: &FacadeSheet, mesh: &mut MeshData) {
     mesh.reserve_quads(sheet.walls.iter().filter(|wall| wall.kind == WallKind::Street).count() * 14);
     let ground = GroundHeights::new(shell);
-    let mut told = sheet.walls.as_slice();
-    for volume in shell.houses.iter().flat_map(|house| &house.volumes) {
-        let (plans, rest) = told.split_at(volume.walls.len().min(told.len()));
-        told = rest;
+    for (volume, plans) in seen(shell, sheet) {
         if plans.iter().all(|plan| plan.kind != WallKind::Street) {
             continue;
         }

@@ -75,7 +75,7 @@ fn volume(footprint: GridPolygon, shape: RoofShape, direction: u16, height: i32)
 }
 
 fn cell(volume: VolumeShell) -> CellShell {
-    CellShell { houses: vec![HouseShell { id: Id(77), style: 0, volumes: vec![volume] }], ..Default::default() }
+    CellShell { houses: vec![HouseShell { id: Id(77), style: 0, volumes: vec![volume], is_monument: false }], ..Default::default() }
 }
 
 fn sheet(shell: &CellShell, bays: u8) -> FacadeSheet {

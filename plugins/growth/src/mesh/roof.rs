@@ -19,7 +19,7 @@ pub fn roofs(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
     let mut roofer = Roofer::default();
     let lowest = GroundHeights::new(shell).lowest();
-    for house in &shell.houses {
+    for house in shell.houses.iter().filter(|house| !house.is_monument) {
         for volume in house.volumes.iter().filter(|v| v.has_roof) {
             let Some(form) = roofer.start(volume) else { continue };
             roofer.cover(&form, &mut mesh);
@@ -37,7 +37,8 @@ pub fn roofs(shell: &CellShell) -> MeshData {
 pub fn roof_coverings(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
     let mut roofer = Roofer::default();
-    for volume in shell.houses.iter().flat_map(|house| &house.volumes).filter(|v| v.has_roof) {
+    let houses = shell.houses.iter().filter(|house| !house.is_monument);
+    for volume in houses.flat_map(|house| &house.volumes).filter(|v| v.has_roof) {
         if let Some(form) = roofer.start(volume) {
             roofer.cover(&form, &mut mesh);
         }
@@ -64,13 +65,13 @@ pub(super) fn covering(volume: &VolumeShell) -> Paint {
 
 impl Roofer {
     /// Looks at a volume; `None` if its footprint is no area.
-    fn start<'a>(&mut self, volume: &'a VolumeShell) -> Option<RoofForm<'a>> {
+    pub(super) fn start<'a>(&mut self, volume: &'a VolumeShell) -> Option<RoofForm<'a>> {
         self.rings = rings(&volume.footprint);
         self.pieces.clear();
         (!self.rings.is_empty()).then(|| RoofForm::new(volume))
     }
 
-    fn cover(&mut self, form: &RoofForm<'_>, mesh: &mut MeshData) {
+    pub(super) fn cover(&mut self, form: &RoofForm<'_>, mesh: &mut MeshData) {
         let before = (mesh.positions.len(), mesh.indices.len());
         let paint = covering(form.volume);
         match form.form {
@@ -181,7 +182,7 @@ impl Roofer {
     }
 }
 
-fn cut_back(mesh: &mut MeshData, vertices: usize, indices: usize) {
+pub(super) fn cut_back(mesh: &mut MeshData, vertices: usize, indices: usize) {
     mesh.positions.truncate(vertices);
     mesh.normals.truncate(vertices);
     mesh.uvs.truncate(vertices);

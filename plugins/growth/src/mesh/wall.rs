@@ -3,17 +3,18 @@ use veduta_city::{CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, metr
 
 use super::data::{MeshData, MeshError, Paint};
 use super::form::RoofForm;
+use super::monument::{MonumentDetail, monuments};
 use super::moulding::add_mouldings;
 use super::outline::{Edge, centre_of, engine, wall_edge};
 
-/// The cell's walls as coloured outlines: one face from foot to eaves and the gable above it. Centres are the middles of the
-/// walls.
+/// The cell's walls as coloured outlines: one face from foot to eaves and the gable above it; and its monuments, coarsely. Centres
+/// are the middles of the walls.
 #[must_use]
 pub fn level1(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
     mesh.reserve_quads(wall_total(shell) * 2);
     let mut along = Vec::new();
-    for volume in shell.houses.iter().flat_map(|house| &house.volumes) {
+    for volume in shell.houses.iter().filter(|house| !house.is_monument).flat_map(|house| &house.volumes) {
         let (form, plaster) = (RoofForm::new(volume), plaster(volume));
         for &wall in &volume.walls {
             let Some(front) = Front::new(volume, wall, plaster) else { continue };
@@ -21,16 +22,18 @@ pub fn level1(shell: &CellShell) -> MeshData {
             front.gable(&form, wall, &mut along, &mut mesh);
         }
     }
+    mesh.append(&monuments(shell, MonumentDetail::COARSE));
     mesh
 }
 
-/// The cell's walls with their openings and mouldings: [`facades`] and [`mouldings`](super::mouldings).
+/// The cell's walls with their openings and mouldings, [`facades`] and [`mouldings`](super::mouldings); and its monuments.
 ///
 /// # Errors
 /// [`MeshError::SheetLength`] if the sheet is not of this shell.
 pub fn level2(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshError> {
     let mut mesh = facades(shell, sheet)?;
     add_mouldings(shell, sheet, &mut mesh);
+    mesh.append(&monuments(shell, MonumentDetail::FINE));
     Ok(mesh)
 }
 
@@ -44,10 +47,9 @@ pub fn facades(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshE
     let mut mesh = MeshData::default();
     mesh.reserve_quads(sheet.walls.len() * 5);
     let mut along = Vec::new();
-    let mut told = sheet.walls.iter();
-    for volume in shell.houses.iter().flat_map(|house| &house.volumes) {
+    for (volume, plans) in seen(shell, sheet) {
         let (form, plaster) = (RoofForm::new(volume), plaster(volume));
-        for (&wall, plan) in volume.walls.iter().zip(&mut told) {
+        for (&wall, plan) in volume.walls.iter().zip(plans) {
             let Some(front) = Front::new(volume, wall, plaster) else { continue };
             front.bays(plan, &mut mesh);
             front.gable(&form, wall, &mut along, &mut mesh);
@@ -59,6 +61,17 @@ pub fn facades(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshE
 /// Number of walls that a shell lists.
 pub(super) fn wall_total(shell: &CellShell) -> usize {
     shell.houses.iter().flat_map(|house| &house.volumes).map(|volume| volume.walls.len()).sum()
+}
+
+/// Volumes whose walls are seen, each with what a sheet tells of its walls.
+pub(super) fn seen<'a>(shell: &'a CellShell, sheet: &'a FacadeSheet) -> impl Iterator<Item = (&'a VolumeShell, &'a [Wall])> {
+    let mut told = sheet.walls.as_slice();
+    let volumes = shell.houses.iter().flat_map(|house| house.volumes.iter().map(move |volume| (house, volume)));
+    volumes.filter_map(move |(house, volume)| {
+        let (plans, rest) = told.split_at(volume.walls.len().min(told.len()));
+        told = rest;
+        (!house.is_monument).then_some((volume, plans))
+    })
 }
 
 /// Whether a sheet has as many walls as a shell.
@@ -196,7 +209,7 @@ mod tests {
         let roof = PlanRoof { shape: RoofShape::Gabled, height: 4 * m, direction: 90, colour: Rgb(0xA2, 0x4B, 0x33) };
         let (colour, trim) = (Rgb(0xD9, 0xB3, 0x6C), Rgb(0xEF, 0xE3, 0xC8));
         let volume = VolumeShell { footprint, bottom: 0, eaves: 13 * m, colour, trim, roof, has_roof: true, walls };
-        let house = HouseShell { id: Id(5), style: 0, volumes: vec![volume] };
+        let house = HouseShell { id: Id(5), style: 0, volumes: vec![volume], is_monument: false };
         CellShell { houses: vec![house], ..Default::default() }
     }
 

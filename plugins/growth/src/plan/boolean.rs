@@ -75,7 +75,7 @@ fn combine(subject: &[&[GridPos]], clip: &[&[GridPos]], keep: impl Fn(bool, bool
 }
 
 /// All rings of polygons, ready to be an operand.
-pub(super) fn rings<'a>(polygons: impl IntoIterator<Item = &'a GridPolygon>) -> Vec<&'a [GridPos]> {
+pub(crate) fn rings<'a>(polygons: impl IntoIterator<Item = &'a GridPolygon>) -> Vec<&'a [GridPos]> {
     polygons.into_iter().flat_map(GridPolygon::rings).map(Vec::as_slice).collect()
 }
 
@@ -95,7 +95,7 @@ pub(super) fn intersection(subject: &[&[GridPos]], clip: &[&[GridPos]]) -> Vec<G
 }
 
 /// What `clip` covers of `subject`, and what it leaves of it. Both come from one arrangement of edges and fit exactly.
-pub(super) fn split(subject: &[&[GridPos]], clip: &[&[GridPos]]) -> (Vec<GridPolygon>, Vec<GridPolygon>) {
+pub(crate) fn split(subject: &[&[GridPos]], clip: &[&[GridPos]]) -> (Vec<GridPolygon>, Vec<GridPolygon>) {
     arrange(subject, clip).map_or_else(Default::default, |(frame, edges)| {
         (frame.faces(&edges, |subject, clip| subject && clip), frame.faces(&edges, |subject, clip| subject && !clip))
     })

@@ -271,11 +271,11 @@ fn mark_covered(bodies: &mut [Body]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{extent, stock_styles, streets};
+    use crate::plan::{Stock, extent, streets};
 
     fn grown(text: &str) -> (Vec<Draft>, Vec<Finding>) {
         let graph: CityGraph = veduta_city::file::parse(text, "test").unwrap_or_else(|e| panic!("{e}"));
-        let (styles, mut findings) = (stock_styles(), Vec::new());
+        let (styles, mut findings) = (Stock::new().styles, Vec::new());
         let extent = extent::extent(&graph, &mut findings);
         let areas = streets::areas(&graph.blocks, &mut findings);
         let book = StyleBook::new(&styles, &areas, &mut findings);
@@ -315,7 +315,7 @@ mod tests {
             "(name: \"T\", anchor: (lat: 50, lon: 14), blocks: [(outline: [(-5,-5),(50,-5),(50,50),(-5,50)], district: \"tenement\")],
               buildings: [(id: 1, outline: [(0,0),(10,0),(10,10),(0,10)]), (id: 2, outline: [(60,0),(70,0),(70,10),(60,10)])])",
         );
-        assert_eq!(drafts[0].style, stock_styles().find("tenement").expect("stock"));
+        assert_eq!(drafts[0].style, Stock::new().styles.find("tenement").expect("stock"));
         assert_eq!(drafts[1].style, 0);
     }
 }

@@ -347,7 +347,7 @@ fn part_ways(mut drafts: Vec<Draft>, findings: &mut Vec<Finding>) -> Vec<Draft> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::stock_styles;
+    use crate::plan::Stock;
 
     fn box_of(x: f64, y: f64, w: f64, h: f64) -> Vec<DVec2> {
         [(x, y), (x + w, y), (x + w, y + h), (x, y + h)].map(|(x, y)| DVec2::new(x, y)).to_vec()
@@ -359,7 +359,7 @@ mod tests {
 
     fn grow(text: &str) -> (usize, Vec<Finding>) {
         let graph: CityGraph = veduta_city::file::parse(text, "test").unwrap_or_else(|e| panic!("{e}"));
-        let growth = crate::plan::grow(&graph, &stock_styles()).unwrap_or_else(|e| panic!("{e}"));
+        let growth = crate::plan::grow(&graph, &Stock::new()).unwrap_or_else(|e| panic!("{e}"));
         (growth.plan.houses.len(), growth.findings)
     }
 
@@ -393,7 +393,7 @@ mod tests {
 
     #[test]
     fn houses_that_touch_across_a_border_both_stand() {
-        let styles = stock_styles();
+        let styles = Stock::new().styles;
         let graph = CityGraph::default();
         let house = |x: f64, w: f64| draft(&graph, polygon(x, 0.0, w, 10.0), 0, &styles.0[0], Draw::new(1, Id(1), "t"));
         let mut findings = Vec::new();

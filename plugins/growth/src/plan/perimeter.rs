@@ -329,7 +329,7 @@ fn polygon(path: impl Iterator<Item = DVec2>) -> GridPolygon {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::stock_styles;
+    use crate::plan::Stock;
     use veduta_city::Id;
 
     fn site(of: &[(f64, f64)]) -> GridPolygon {
@@ -338,7 +338,7 @@ mod tests {
     }
 
     fn lots_of(outline: &GridPolygon) -> Vec<GridPolygon> {
-        let styles = stock_styles();
+        let styles = Stock::new().styles;
         lots(&Site { outline, houses: &[], width_m: 2.0 * inradius_m(outline) }, &styles.0[0], Draw::new(1, Id(1), "test"))
     }
 

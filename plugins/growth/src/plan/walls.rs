@@ -34,7 +34,14 @@ pub(super) fn houses(
             volumes.push(volume(draft, body, b, &facing.edges[h][b], masses, masses[h][b], look, style));
         }
         add_ground_floor(&mut volumes, &facing.edges[h], draft, look, style);
-        Some(House { id: draft.id, name: draft.name.clone(), number: draft.number.clone(), style: draft.style as u16, volumes })
+        Some(House {
+            id: draft.id,
+            name: draft.name.clone(),
+            number: draft.number.clone(),
+            style: draft.style as u16,
+            volumes,
+            monument: None,
+        })
     };
     drafts.par_iter().enumerate().filter_map(of_house).collect()
 }

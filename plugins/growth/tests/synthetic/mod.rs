@@ -110,5 +110,6 @@ pub fn building(outline: Vec<DVec2>) -> Building {
         roof: RoofTags::default(),
         colour: None,
         parts: Vec::new(),
+        monument: None,
     }
 }

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
-    CellShell, GridPos, GroundPatch, HouseShell, Id, ObjectKind, PlanObject, PlanRoof, Portal, PortalSide, Rgb, RoofShape,
-    SurfaceKind, VolumeShell,
+    CellShell, Design, GridPos, GroundPatch, HouseShell, Id, ObjectKind, PlacedMonument, PlanObject, PlanRoof, Portal, PortalSide,
+    Rgb, RoofShape, SurfaceKind, VolumeShell,
 };
 
 use super::{
@@ -21,6 +21,8 @@ pub(crate) struct WireShell {
     volumes: WireVolumes,
     objects: WireObjects,
     blind: WireBlind,
+    designs: Vec<Design>,
+    monuments: Vec<PlacedMonument>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -34,6 +36,8 @@ struct WireHouses {
     ids: Ids,
     styles: Vec<u16>,
     volumes: Vec<u32>,
+    /// Which of them are monuments.
+    monuments: Vec<u32>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -109,6 +113,7 @@ impl From<&CellShell> for WireShell {
                 ids: ids(shell.houses.iter().map(|house| house.id)),
                 styles: shell.houses.iter().map(|house| house.style).collect(),
                 volumes: shell.houses.iter().map(|house| house.volumes.len() as u32).collect(),
+                monuments: (0..).zip(&shell.houses).filter(|(_, house)| house.is_monument).map(|(i, _)| i).collect(),
             },
             volumes: WireVolumes::of(volumes()),
             objects: WireObjects::of(&shell.objects),
@@ -116,6 +121,8 @@ impl From<&CellShell> for WireShell {
                 cells: shell.blind.iter().map(|portal| portal.cell).collect(),
                 beyond: shell.blind.iter().map(|portal| code_of_side(portal.beyond)).collect(),
             },
+            designs: shell.designs.clone(),
+            monuments: shell.monuments.clone(),
         }
     }
 }
@@ -167,7 +174,8 @@ impl TryFrom<WireShell> for CellShell {
         let blind = wire.blind.pull(&mut points)?;
         points.finish()?;
         colours.finish()?;
-        Ok(Self { origin: wire.origin, outline, ground, houses, objects, blind })
+        let (designs, monuments) = (wire.designs, wire.monuments);
+        Ok(Self { origin: wire.origin, outline, ground, houses, objects, blind, designs, monuments })
     }
 }
 
@@ -201,7 +209,11 @@ impl WireHouses {
             }
             let id = ids.take()?;
             let volumes = (0..count).map(|_| volumes.take(points, colours)).collect::<Result<_, _>>()?;
-            houses.push(HouseShell { id, style, volumes });
+            houses.push(HouseShell { id, style, volumes, is_monument: false });
+        }
+        for i in self.monuments {
+            let house = houses.get_mut(i as usize).ok_or(Malformed::Reason("a monument stands for a house that is not there"))?;
+            house.is_monument = true;
         }
         ids.finish()?;
         counts.finish()?;

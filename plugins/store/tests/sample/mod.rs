@@ -83,6 +83,7 @@ fn house(draw: Draw, footprint: GridPolygon) -> House {
                 colour: colour(draw, "tiles"),
             },
         }],
+        monument: None,
     }
 }
 
@@ -97,7 +98,7 @@ fn shell_of(house: &House, origin: GridPos) -> HouseShell {
         has_roof: true,
         walls: (0..volume.walls.len() as u16).collect(),
     });
-    HouseShell { id: house.id, style: house.style, volumes: volumes.collect() }
+    HouseShell { id: house.id, style: house.style, volumes: volumes.collect(), is_monument: false }
 }
 
 fn moved(polygon: &GridPolygon, origin: GridPos) -> GridPolygon {

@@ -63,6 +63,7 @@ fn ron_house() -> Building {
         roof: Default::default(),
         colour: None,
         parts: Vec::new(),
+        monument: None,
     }
 }
 

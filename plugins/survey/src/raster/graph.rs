@@ -124,6 +124,7 @@ fn building(polygon: Polygon) -> Building {
         roof: RoofTags::default(),
         colour: None,
         parts: Vec::new(),
+        monument: None,
     }
 }
 

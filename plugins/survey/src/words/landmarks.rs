@@ -31,6 +31,7 @@ fn building(name: &str, style: &str, outline: Ring) -> Building {
         roof: RoofTags::default(),
         colour: None,
         parts: Vec::new(),
+        monument: None,
     }
 }
 

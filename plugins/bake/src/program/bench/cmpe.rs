@@ -9,9 +9,9 @@ use std::path::Path;
 use glam::DVec2;
 use rayon::prelude::*;
 use veduta_bake::{Input, survey};
-use veduta_city::{BlockKind, CellShell, CityGraph, CityPlan, FacadeSheet, House, HouseShell, Id, Styles, VolumeShell};
+use veduta_city::{BlockKind, CellShell, CityGraph, CityPlan, FacadeSheet, House, HouseShell, Id, VolumeShell};
 use veduta_growth::mesh::{self, MeshError};
-use veduta_growth::plan::grow;
+use veduta_growth::plan::{Stock, grow};
 
 use super::figures::Kind;
 use super::growth::{best, triangles};
@@ -40,7 +40,7 @@ pub(super) struct CmpeCase {
 pub(super) fn cmpe_case(
     (python, peers, work): (&Path, &Path, &Path),
     seed: u32,
-    styles: &Styles,
+    stock: &Stock,
     repeat: usize,
 ) -> Result<CmpeCase, Failure> {
     let map = Map { style: "old", seed, size: 4096, kind: Kind::Plain };
@@ -48,9 +48,9 @@ pub(super) fn cmpe_case(
     let mut input = Input::of(&folder.join("map.png"))?;
     input.raster_mut()?.legend = Some(folder.join("legend.json"));
     let graph = cut(survey(&input)?.0);
-    let plan = grow(&graph, styles)?.plan;
+    let plan = grow(&graph, stock)?.plan;
     let detailed = detailed(&plan)?;
-    let (seconds, made) = best(repeat, || -> Result<usize, Failure> { Ok(meshes(&grow(&graph, styles)?.plan, detailed)?) });
+    let (seconds, made) = best(repeat, || -> Result<usize, Failure> { Ok(meshes(&grow(&graph, stock)?.plan, detailed)?) });
     Ok(CmpeCase { seconds, links: pieces(&graph), houses: plan.houses.len(), triangles: made? })
 }
 
@@ -118,7 +118,7 @@ fn meshes(plan: &CityPlan, detailed: usize) -> Result<usize, MeshError> {
 fn shell(houses: &[House]) -> CellShell {
     let house = |house: &House| {
         let volumes = house.volumes.iter().map(|volume| VolumeShell::of(volume, (0..volume.walls.len() as u16).collect(), true));
-        HouseShell { id: house.id, style: house.style, volumes: volumes.collect() }
+        HouseShell { id: house.id, style: house.style, volumes: volumes.collect(), is_monument: false }
     };
     CellShell { houses: houses.iter().map(house).collect(), ..CellShell::default() }
 }

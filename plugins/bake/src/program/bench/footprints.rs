@@ -54,7 +54,7 @@ impl Footprints {
             let roof = PlanRoof { shape, height, direction: 0, colour: Rgb(0xA2, 0x4B, 0x33) };
             let [colour, trim] = [Rgb(0xD9, 0xB3, 0x6C), Rgb(0xEF, 0xE3, 0xC8)];
             let volume = VolumeShell { footprint, bottom: 0, eaves: 12 * 1024, colour, trim, roof, has_roof: true, walls };
-            HouseShell { id: Id(i as u64), style: 0, volumes: vec![volume] }
+            HouseShell { id: Id(i as u64), style: 0, volumes: vec![volume], is_monument: false }
         };
         CellShell { houses: self.few.iter().enumerate().map(house).collect(), ..CellShell::default() }
     }

@@ -9,7 +9,7 @@ use veduta_bake::{BakeSettings, Input, cut, survey};
 use veduta_cells::{cell_shells, facade_sheets};
 use veduta_city::{CellShell, CityGraph, FacadeSheet, RoofShape, file};
 use veduta_growth::mesh::{self, MeshData};
-use veduta_growth::plan::{Growth, grow, stock_styles};
+use veduta_growth::plan::{Growth, Stock, grow};
 
 use super::cmpe::cmpe_case;
 use super::figure::{Figure, print};
@@ -48,8 +48,8 @@ const TOWN: &str = r#"(
 /// If the peer cannot be run, or the map not be read or grown.
 pub(crate) fn growth(bench: &GrowthBench) -> Result<(), Failure> {
     let graph = graph(bench.map.as_deref())?;
-    let styles = stock_styles();
-    let (seconds, grown) = best(bench.repeat, || grow(&graph, &styles));
+    let stock = Stock::new();
+    let (seconds, grown) = best(bench.repeat, || grow(&graph, &stock));
     let Growth { plan, .. } = grown?;
     let houses = plan.houses.len() as f64;
     let mut figures = vec![Figure::new("planned_buildings_per_s", houses / seconds, "1/s")];
@@ -77,7 +77,7 @@ pub(crate) fn growth(bench: &GrowthBench) -> Result<(), Failure> {
         figures.push(prisms.beside("trimesh", footprints.peer("trimesh_prisms")));
     }
     if let Some((place, seed)) = bench.peer.maps() {
-        let case = cmpe_case(place, seed, &styles, bench.repeat)?;
+        let case = cmpe_case(place, seed, &stock, bench.repeat)?;
         figures.push(Figure::new("cmpe_4096_ms", 1e3 * case.seconds, "ms"));
         let counts = [("links", case.links), ("houses", case.houses), ("triangles", case.triangles)];
         figures.extend(counts.map(|(what, count)| Figure::new(format!("cmpe_4096_{what}"), count as f64, "1")));
