@@ -27,6 +27,10 @@ pub enum Tile {
     Wood,
     /// Foliage.
     Leaves,
+    /// Stone without joints: columns, mouldings, statues, tracery.
+    Carved,
+    /// Leaded glass: church windows.
+    Glass,
 }
 
 /// Openings in the order of their layers.
@@ -64,7 +68,7 @@ const SURFACES: [SurfaceKind; 9] = [
 
 impl Tile {
     /// Number of layers.
-    pub const COUNT: usize = 1 + OPENINGS.len() + 3 + SURFACES.len() + 3;
+    pub const COUNT: usize = 1 + OPENINGS.len() + 3 + SURFACES.len() + 5;
 
     /// The tile of an opening.
     #[must_use]
@@ -117,6 +121,8 @@ impl Tile {
             Self::Stone => stuffs,
             Self::Wood => stuffs + 1,
             Self::Leaves => stuffs + 2,
+            Self::Carved => stuffs + 3,
+            Self::Glass => stuffs + 4,
         }
     }
 
@@ -126,7 +132,7 @@ impl Tile {
             .chain(OPENINGS.map(Self::Bay))
             .chain([Self::RoofTile, Self::Slate, Self::Metal])
             .chain(SURFACES.map(Self::Ground))
-            .chain([Self::Stone, Self::Wood, Self::Leaves])
+            .chain([Self::Stone, Self::Wood, Self::Leaves, Self::Carved, Self::Glass])
     }
 
     /// Width and height in metres that one repeat of the tile covers. Bays are stretched to their wall's grid instead; for
@@ -136,7 +142,8 @@ impl Tile {
         match self {
             Self::Bay(_) => (2.8, 3.4),
             Self::Plaster => (4.0, 4.0),
-            Self::RoofTile | Self::Slate | Self::Metal | Self::Stone | Self::Wood | Self::Leaves => (2.0, 2.0),
+            Self::RoofTile | Self::Slate | Self::Metal | Self::Stone | Self::Wood | Self::Leaves | Self::Carved => (2.0, 2.0),
+            Self::Glass => (1.2, 1.2),
             Self::Ground(SurfaceKind::Cobbles | SurfaceKind::Mosaic) => (1.6, 1.6),
             Self::Ground(SurfaceKind::Water) => (8.0, 8.0),
             Self::Ground(_) => (3.2, 3.2),

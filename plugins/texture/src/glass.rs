@@ -5,7 +5,7 @@ use veduta_city::draw::Draw;
 
 use crate::canvas::{Canvas, Rect, Texel, srgb};
 use crate::hole::Hole;
-use crate::noise::{falloff, floor, mix, smoothstep};
+use crate::noise::{Noise, falloff, floor, hash, mix, smoothstep, word};
 
 /// What hangs behind the panes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,4 +141,36 @@ fn drape(cloth: Cloth, u: f32, v: f32) -> (f32, f32) {
         }
         Cloth::Blind(down) => (smoothstep(1.0 - down - 0.008, 1.0 - down + 0.008, v), 0.7 + 0.2 * wave(v * 24.0)),
     }
+}
+
+/// Leaded glass that tiles: lozenges of old glass, each at its own tilt, between cames of lead and upright bars; coloured by the
+/// vertex.
+pub(crate) fn leaded(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
+    /// Lozenges a side of the tile.
+    const ACROSS: f32 = 8.0;
+    let waves = Noise::new(draw.bits("waves"), 9, 13);
+    let key = draw.bits("panes");
+    Canvas::tiling(size, size_m, |u, v| {
+        // Half as high as wide would be squat: lozenges are one and a half times as high.
+        let (x, y) = (u * ACROSS, v * ACROSS * 0.75);
+        let (a, b) = (x + y, x - y);
+        let (i, j) = (floor(a), floor(b));
+        let (fa, fb) = (a - i as f32, b - j as f32);
+        let came = fa.min(1.0 - fa).min(fb.min(1.0 - fb)) * size_m.0 / ACROSS * 0.8;
+        // Lattice steps (1, 1) and (1, −1) are a whole tile after so many.
+        let (column, row) = (i + j, i - j);
+        let bits = hash(key, column.rem_euclid(2 * ACROSS as i32), row.rem_euclid((1.5 * ACROSS) as i32));
+        let bar = (v * 3.0 - (v * 3.0 + 0.5).floor()).abs() * size_m.1 / 3.0;
+        let wave = waves.at(u, v);
+        let pane = 1.0 + 0.5 * (word(bits, 0) - 0.5) + 0.1 * wave;
+        let hue = Vec3::new(1.0 - 0.1 * (word(bits, 1) - 0.5), 1.0, 1.0 + 0.14 * (word(bits, 1) - 0.5));
+        let lead = falloff(came - 0.006, 0.006).max(falloff(bar - 0.012, 0.006));
+        let tilt = 0.004 * ((word(bits, 2) - 0.5) * (fa - 0.5) + (word(bits, 3) - 0.5) * (fb - 0.5));
+        Texel {
+            own: Vec3::ZERO,
+            tint: hue * mix(pane, 0.35, lead),
+            height: 0.006 * lead + tilt + 0.0006 * wave,
+            rough: mix(0.16, 0.6, lead),
+        }
+    })
 }

@@ -193,6 +193,8 @@ fn draw_tile(tile: Tile, size: u32, seed: u64, bay_wall: &Canvas) -> Canvas {
         Tile::Stone => stone::ashlar(size, size_m, draw),
         Tile::Wood => timber::planks(size, size_m, draw),
         Tile::Leaves => soil::leaves(size, size_m, draw),
+        Tile::Carved => stone::carved(size, size_m, draw),
+        Tile::Glass => glass::leaded(size, size_m, draw),
     }
 }
 

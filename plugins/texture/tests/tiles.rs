@@ -158,7 +158,7 @@ fn openings_show_glass_or_timber_and_ground_its_own_colour() {
 fn coverings_are_on_the_whole_as_bright_as_their_vertex_colour() {
     let wall = 0.2;
     let tiles = paint_tiles(64, 7);
-    for tile in [Tile::RoofTile, Tile::Slate, Tile::Metal, Tile::Stone, Tile::Wood, Tile::Leaves] {
+    for tile in [Tile::RoofTile, Tile::Slate, Tile::Metal, Tile::Stone, Tile::Wood, Tile::Leaves, Tile::Carved, Tile::Glass] {
         let Some(&[r, g, b, a]) = tiles.colour_of(tile.index() as u32, tiles.mips - 1) else {
             panic!("{tile:?} has no last mip");
         };
