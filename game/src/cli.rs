@@ -8,11 +8,12 @@ use clap::{Parser, Subcommand};
 use veduta::city::{Tour, file};
 
 use crate::film::FilmOrder;
+use crate::gallery::{GalleryOrder, Sheet};
 use crate::profile::Profile;
 use crate::shot::{At, ShotOrder};
 use crate::studio::Size;
 use crate::walk::FirstTour;
-use crate::{Failure, bench, cities, film, shot, walk};
+use crate::{Failure, bench, cities, film, gallery, shot, walk};
 
 /// Walk through cities.
 #[derive(Parser, Debug)]
@@ -85,6 +86,24 @@ enum Command {
         #[arg(long, default_value = "medium")]
         profile: Profile,
     },
+    /// Draw contact sheets of every style, roof, monument and crossing.
+    Gallery {
+        /// Where the pictures go.
+        #[arg(long)]
+        out: PathBuf,
+        /// Which sheet; may be given several times; all if not given.
+        #[arg(long = "sheet")]
+        sheets: Vec<Sheet>,
+        /// Only what has this in its name; no sheet is put together then.
+        #[arg(long, value_name = "PART")]
+        only: Option<String>,
+        /// Width x height of one picture in pixels.
+        #[arg(long, default_value = "480x400")]
+        size: Size,
+        /// Quality.
+        #[arg(long, default_value = "medium")]
+        profile: Profile,
+    },
     /// Measure; prints figures as lines of JSON.
     Bench {
         /// What to measure.
@@ -147,6 +166,9 @@ fn command(command: Option<Command>) -> Result<(), Failure> {
         }
         Some(Command::Shot { city, at, out, size, hour, fov, profile }) => {
             shot::shot(&ShotOrder { city: cities::open(city.as_deref())?, at, out, size, hour, fov_deg: fov, profile })
+        }
+        Some(Command::Gallery { out, sheets, only, size, profile }) => {
+            gallery::gallery(&GalleryOrder { out, sheets, only, size, profile })
         }
         Some(Command::Bench { what, city }) => bench::bench(what, city.as_deref()),
     }

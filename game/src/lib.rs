@@ -19,6 +19,7 @@ pub mod cities;
 pub mod cli;
 pub mod encode;
 pub mod film;
+pub mod gallery;
 mod hud;
 pub mod profile;
 pub mod shot;

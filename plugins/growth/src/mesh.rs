@@ -53,7 +53,7 @@ pub use collision::{Collision, Pillar, Trimesh, collision};
 pub use data::{MeshData, MeshError};
 pub use form::RoofForm;
 pub use ground::ground;
-pub use monument::{MonumentDetail, monument, monuments};
+pub use monument::{MonumentDetail, monument, monument_bounds, monuments};
 pub use moulding::mouldings;
 pub use object::{lantern, objects};
 pub use roof::{roof_coverings, roofs};

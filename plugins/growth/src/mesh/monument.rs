@@ -39,7 +39,8 @@ impl MonumentDetail {
     pub const FINE: Self = Self { within_m: 0.008, least_m: 0.0, has_reveals: true };
 }
 
-/// All monuments that a cell draws. Centres are the monuments' positions.
+/// All monuments that a cell draws. Centres are where the outermost parts have their origins: a church's near tower shows finer than
+/// its far one.
 #[must_use]
 pub fn monuments(shell: &CellShell, detail: MonumentDetail) -> MeshData {
     let mut mesh = MeshData::default();
@@ -49,6 +50,17 @@ pub fn monuments(shell: &CellShell, detail: MonumentDetail) -> MeshData {
         }
     }
     mesh
+}
+
+/// Least and greatest corner of a design in its own frame (x right, y away from who looks at its front, z up); metres.
+#[must_use]
+pub fn monument_bounds(design: &Design) -> (DVec3, DVec3) {
+    let mut mesh = MeshData::default();
+    let placed = PlacedMonument { design: 0, pos: veduta_city::GridPos(0, 0), z: 0, heading: 18_000 };
+    monument(design, &placed, MonumentDetail::FINE, &mut mesh);
+    let own = |p: &[f32; 3]| DVec3::new(f64::from(p[0]), -f64::from(p[2]), f64::from(p[1]));
+    let corners = mesh.positions.iter().map(own);
+    corners.fold((DVec3::ZERO, DVec3::ZERO), |(low, high), p| (low.min(p), high.max(p)))
 }
 
 /// Adds one monument to a mesh.
@@ -94,6 +106,7 @@ const ON_GROUND_M: f64 = 0.02;
 
 impl Mason<'_> {
     fn pieces(&mut self, design: &Design, range: Range<usize>, within: DAffine3) {
+        let is_whole = range.len() == design.pieces.len();
         for (piece, inner) in design.level(range) {
             let own = placement(piece);
             let mirrored = match piece.mirror {
@@ -103,9 +116,13 @@ impl Mason<'_> {
             };
             for copy in copies(piece.repeat) {
                 let placed = within * copy;
-                self.piece(design, piece, inner.clone(), placed * own);
-                if let Some(mirror) = mirrored {
-                    self.piece(design, piece, inner.clone(), placed * mirror * own);
+                let sides = [Some(placed * own), mirrored.map(|mirror| placed * mirror * own)];
+                for frame in sides.into_iter().flatten() {
+                    if is_whole {
+                        let DVec3 { x, z, .. } = frame.translation;
+                        self.centre = [x as f32, z as f32];
+                    }
+                    self.piece(design, piece, inner.clone(), frame);
                 }
             }
         }
