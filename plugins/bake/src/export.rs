@@ -64,8 +64,10 @@ pub enum ExportError {
 /// [`ExportError`]; none for a plan that growth made and that fits into 4 GiB.
 pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>, ExportError> {
     let mut glb = Glb::new(settings.texture_px, plan.seed);
-    let shell = CellShell { ground: plan.ground.clone(), ..CellShell::default() };
-    let ground = glb.leaf("ground", &mesh::ground(&shell))?;
+    let shell = CellShell { ground: plan.ground.clone(), markings: plan.markings.clone(), ..CellShell::default() };
+    let mut streets = mesh::ground(&shell);
+    streets.append(&mesh::markings(&shell));
+    let ground = glb.leaf("ground", &streets)?;
     let lowest = plan.ground.iter().map(|patch| patch.z).min().unwrap_or(0);
     let land = GroundPatch { surface: SurfaceKind::Yard, outline: plan.extent.clone(), z: lowest };
     let mut houses = Vec::with_capacity(plan.houses.len());

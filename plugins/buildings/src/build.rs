@@ -107,6 +107,7 @@ fn make(order: Order) -> Made {
     match order.ready.level {
         Level::One => {
             let mut base = mesh::ground(shell);
+            base.append(&mesh::markings(shell));
             base.append(&mesh::roofs(shell));
             base.append(&mesh::objects(shell));
             parts.push((CellMeshKind::Base, base));

@@ -1,7 +1,7 @@
 //! What belongs to each cell: walls, roofs, objects, heights of the ground.
 
 use rayon::prelude::*;
-use veduta_city::{Cells, CityPlan, Finding, GridPolygon, GridPos, House, Severity, Volume, WallKind};
+use veduta_city::{Cells, CityPlan, Finding, GridPolygon, GridPos, House, Marking, Severity, Volume, WallKind};
 
 use crate::free::beside;
 use crate::locate::Locator;
@@ -18,6 +18,11 @@ pub(crate) fn assign(plan: &CityPlan, cells: &mut Cells, findings: &mut Vec<Find
     let locator = Locator::new(&cells.cells);
     let homes: Vec<Option<Home>> = plan.houses.par_iter().map(|house| home(house, &locator)).collect();
     let objects: Vec<Option<u32>> = plan.objects.iter().map(|object| locator.find_or_nearest(object.pos)).collect();
+    let middle = |marking: &Marking| {
+        let (first, last) = (marking.line.first()?, marking.line.last()?);
+        Some(GridPos::from_metres((first.to_metres() + last.to_metres()) / 2.0))
+    };
+    let markings: Vec<Option<u32>> = plan.markings.iter().map(|m| locator.find_or_nearest(middle(m)?)).collect();
     for (h, (house, home)) in (0..).zip(plan.houses.iter().zip(homes)) {
         let Some(home) = home else {
             let message = "a house without a footprint, or with more than 65,535 volumes or walls, has no cell";
@@ -32,6 +37,11 @@ pub(crate) fn assign(plan: &CityPlan, cells: &mut Cells, findings: &mut Vec<Find
     for (o, cell) in (0..).zip(objects) {
         if let Some(cell) = cell {
             cells.cells[cell as usize].objects.push(o);
+        }
+    }
+    for (m, cell) in (0..).zip(markings) {
+        if let Some(cell) = cell {
+            cells.cells[cell as usize].markings.push(m);
         }
     }
 }

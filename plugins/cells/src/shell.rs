@@ -1,6 +1,6 @@
 use rayon::prelude::*;
 use veduta_city::{
-    Cell, CellShell, Cells, CityPlan, Design, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, HouseShell,
+    Cell, CellShell, Cells, CityPlan, Design, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, HouseShell, Marking,
     PlacedMonument, PlanObject, Portal, VolumeShell,
 };
 
@@ -27,6 +27,7 @@ pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
             houses: houses(plan, cell, origin),
             objects: objects(plan, cell, origin),
             blind: blind(cells, cell, origin),
+            markings: markings(plan, cell, origin),
             designs,
             monuments,
         }
@@ -94,6 +95,11 @@ fn monuments(plan: &CityPlan, cell: &Cell, origin: GridPos) -> (Vec<Design>, Vec
 fn objects(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<PlanObject> {
     let objects = cell.objects.iter().filter_map(|&o| plan.objects.get(o as usize));
     objects.map(|object| PlanObject { pos: local(object.pos, origin), ..object.clone() }).collect()
+}
+
+fn markings(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<Marking> {
+    let markings = cell.markings.iter().filter_map(|&m| plan.markings.get(m as usize));
+    markings.map(|m| Marking { line: m.line.iter().map(|&p| local(p, origin)).collect(), ..m.clone() }).collect()
 }
 
 fn blind(cells: &Cells, cell: &Cell, origin: GridPos) -> Vec<Portal> {

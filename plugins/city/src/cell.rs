@@ -39,6 +39,9 @@ pub struct Cell {
     pub houses: Vec<u32>,
     /// Standing objects in it, as indices of the plan, ascending.
     pub objects: Vec<u32>,
+    /// Markings whose middles lie in it, as indices of the plan, ascending.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub markings: Vec<u32>,
     /// Free space that nobody can reach (enclosed courtyards), nearer to this cell than to any other: its ground comes with the
     /// cell, so that nothing is missing from above.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

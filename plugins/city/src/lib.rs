@@ -65,8 +65,8 @@ pub use overview::{HouseName, Overview};
 pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, VolumeShell};
 pub use place::{Place, PlaceKind, Viewpoint};
 pub use plan::{
-    CityPlan, GroundFloor, GroundPatch, House, Opening, PlanObject, PlanRoof, PlanStreet, Storey, SurfaceKind, Volume, Wall,
-    WallKind,
+    CityPlan, GroundFloor, GroundPatch, House, Marking, MarkingKind, Opening, PlanObject, PlanRoof, PlanStreet, Storey,
+    SurfaceKind, Volume, Wall, WallKind,
 };
 pub use style::{Range, Style, StyleError, Styles};
 pub use tile::Tile;

@@ -2,7 +2,9 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Design, GridPolygon, GridPos, GroundPatch, Id, PlacedMonument, PlanObject, PlanRoof, Portal, Rgb, Volume, Wall};
+use crate::{
+    Design, GridPolygon, GridPos, GroundPatch, Id, Marking, PlacedMonument, PlanObject, PlanRoof, Portal, Rgb, Volume, Wall,
+};
 
 /// Urban level of detail of a façade.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -100,6 +102,9 @@ pub struct CellShell {
     pub objects: Vec<PlanObject>,
     /// Blind portals on the cell's border: where walking ends.
     pub blind: Vec<Portal>,
+    /// Paint and rails on the ground.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub markings: Vec<Marking>,
     /// Designs of the monuments.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub designs: Vec<Design>,

@@ -33,6 +33,9 @@ pub struct CityPlan {
     pub houses: Vec<House>,
     /// What stands in the streets.
     pub objects: Vec<PlanObject>,
+    /// What is painted on carriageways, and tram rails.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub markings: Vec<Marking>,
     /// Centre lines with names, for maps, routes and labels.
     pub streets: Vec<PlanStreet>,
     /// Things with a name.
@@ -279,6 +282,40 @@ pub struct PlanObject {
     pub heading: u16,
     /// Height, grid steps; never 0.
     pub height: i32,
+}
+
+/// Kind of a [`Marking`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum MarkingKind {
+    /// A line.
+    Line,
+    /// A broken line, which begins with a dash: see [`Marking::DASH_M`].
+    Dashes,
+    /// Stripes along a carriageway, side by side along the marking's line, which leads across it.
+    Zebra,
+    /// The two rails of a tram.
+    Rails,
+}
+
+/// Something flat on a carriageway.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Marking {
+    /// What it is.
+    pub kind: MarkingKind,
+    /// Its middle line: two vertices or more.
+    pub line: Vec<GridPos>,
+    /// Breadth across its line, grid steps: of paint; of a zebra, the length of its stripes; of rails, the gauge.
+    pub width: i32,
+    /// Height of the ground under it above the city's zero, grid steps.
+    pub z: i32,
+}
+
+impl Marking {
+    /// Length of a dash, metres.
+    pub const DASH_M: f64 = 3.0;
+    /// Length of the gap after it, metres.
+    pub const GAP_M: f64 = 6.0;
 }
 
 /// A street's centre line.

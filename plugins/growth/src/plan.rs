@@ -46,6 +46,7 @@ mod groups;
 mod houses;
 mod index;
 mod lots;
+mod markings;
 mod massing;
 mod monuments;
 mod objects;
@@ -63,7 +64,7 @@ use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, 
 pub use stock::Stock;
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 3;
+pub const GROWTH_VERSION: u32 = 4;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -154,6 +155,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let doorsteps = index::Index::new(doors.collect());
     let site = objects::Site { ground: &on_ground, standing: &standing, doorsteps: &doorsteps };
     let objects = objects::objects(graph, &areas, &site, &mut findings);
+    let markings = markings::markings(graph, &site);
     let start = places::start(graph, &extent, &site, &mut findings);
     let plan = CityPlan {
         name: graph.name.clone(),
@@ -169,6 +171,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
         ground,
         houses,
         objects,
+        markings,
         streets: streets::centre_lines(graph),
     };
     Ok(Growth { plan, findings })

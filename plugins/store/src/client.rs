@@ -273,7 +273,7 @@ impl Client {
                 let bytes = entry.and_then(|entry| entry.packet(level)).map_or(0, |blob| u64::from(blob.bytes));
                 self.stats.bytes += bytes;
                 self.stats.bytes_level[level.index()] += bytes;
-                Ok(ClientEvent::Arrived { cell, level, packet })
+                Ok(ClientEvent::Arrived { cell, level, packet: *packet })
             }
             (what, _) => Err(StoreError::Kind {
                 expected: match what {

@@ -65,7 +65,7 @@ pub enum Payload {
     /// The overview.
     Overview(Arc<Overview>),
     /// A packet.
-    Packet(Packet),
+    Packet(Box<Packet>),
 }
 
 impl Request {
@@ -76,7 +76,9 @@ impl Request {
     pub fn decode(&self, bytes: Vec<u8>) -> Result<Payload, StoreError> {
         match (self.what, &self.blob) {
             (What::Overview, Some(blob)) => decode_overview(&bytes, blob).map(|overview| Payload::Overview(Arc::new(overview))),
-            (What::Packet { level, .. }, Some(blob)) => decode_packet(&bytes, blob, level).map(Payload::Packet),
+            (What::Packet { level, .. }, Some(blob)) => {
+                decode_packet(&bytes, blob, level).map(|packet| Payload::Packet(Box::new(packet)))
+            }
             _ => {
                 let index = Arc::new(decode_index(&bytes)?);
                 Ok(Payload::Index { index, bytes: bytes.len() as u64 })

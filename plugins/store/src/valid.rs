@@ -74,6 +74,14 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
             return Err(format!("blind portal {i} reaches too far"));
         }
     }
+    for (i, marking) in shell.markings.iter().enumerate() {
+        if marking.line.len() < 2 || !marking.line.iter().all(|&pos| is_within(pos, NEAR)) {
+            return Err(format!("marking {i} has no line, or one that reaches too far"));
+        }
+        check_height("it", marking.z)
+            .and_then(|()| check_height("its edge", marking.width))
+            .map_err(|reason| format!("marking {i}: {reason}"))?;
+    }
     for (i, design) in shell.designs.iter().enumerate() {
         design.check().map_err(|error| format!("design {i}: {error}"))?;
     }

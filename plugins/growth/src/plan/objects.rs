@@ -56,7 +56,8 @@ impl Site<'_> {
         about.find(|&p| self.is_free(p))
     }
 
-    fn surface(&self, pos: DVec2) -> Option<(SurfaceKind, i32)> {
+    /// What lies at a position, and how high.
+    pub fn surface(&self, pos: DVec2) -> Option<(SurfaceKind, i32)> {
         self.ground.at(GridPos::from_metres(pos)).next().copied()
     }
 }

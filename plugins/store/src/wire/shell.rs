@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
-    CellShell, Design, GridPos, GroundPatch, HouseShell, Id, ObjectKind, PlacedMonument, PlanObject, PlanRoof, Portal, PortalSide,
-    Rgb, RoofShape, SurfaceKind, VolumeShell,
+    CellShell, Design, GridPos, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind, PlacedMonument, PlanObject,
+    PlanRoof, Portal, PortalSide, Rgb, RoofShape, SurfaceKind, VolumeShell,
 };
 
 use super::{
@@ -21,6 +21,7 @@ pub(crate) struct WireShell {
     volumes: WireVolumes,
     objects: WireObjects,
     blind: WireBlind,
+    markings: WireMarkings,
     designs: Vec<Design>,
     monuments: Vec<PlacedMonument>,
 }
@@ -68,6 +69,13 @@ struct WireBlind {
     beyond: Vec<u64>,
 }
 
+#[derive(Serialize, Deserialize)]
+struct WireMarkings {
+    kinds: Vec<MarkingKind>,
+    widths: Vec<i32>,
+    z: Deltas,
+}
+
 /// One number for what lies beyond a portal: 0 for the edge, else one more than the cell.
 pub(super) const fn code_of_side(side: PortalSide) -> u64 {
     match side {
@@ -97,6 +105,7 @@ impl From<&CellShell> for WireShell {
             points.point(portal.ends.0);
             points.point(portal.ends.1);
         }
+        shell.markings.iter().for_each(|marking| points.line(&marking.line));
         let mut colours = TableWriter::default();
         for volume in volumes() {
             [volume.colour, volume.trim, volume.roof.colour].iter().for_each(|colour| colours.push(colour));
@@ -120,6 +129,11 @@ impl From<&CellShell> for WireShell {
             blind: WireBlind {
                 cells: shell.blind.iter().map(|portal| portal.cell).collect(),
                 beyond: shell.blind.iter().map(|portal| code_of_side(portal.beyond)).collect(),
+            },
+            markings: WireMarkings {
+                kinds: shell.markings.iter().map(|marking| marking.kind).collect(),
+                widths: shell.markings.iter().map(|marking| marking.width).collect(),
+                z: Deltas::of(shell.markings.iter().map(|marking| marking.z)),
             },
             designs: shell.designs.clone(),
             monuments: shell.monuments.clone(),
@@ -172,10 +186,11 @@ impl TryFrom<WireShell> for CellShell {
         let ground = wire.ground.pull(&mut points)?;
         let objects = wire.objects.pull(&mut points)?;
         let blind = wire.blind.pull(&mut points)?;
+        let markings = wire.markings.pull(&mut points)?;
         points.finish()?;
         colours.finish()?;
         let (designs, monuments) = (wire.designs, wire.monuments);
-        Ok(Self { origin: wire.origin, outline, ground, houses, objects, blind, designs, monuments })
+        Ok(Self { origin: wire.origin, outline, ground, houses, objects, blind, markings, designs, monuments })
     }
 }
 
@@ -300,6 +315,18 @@ impl WireObjects {
         headings.finish()?;
         heights.finish()?;
         Ok(objects)
+    }
+}
+
+impl WireMarkings {
+    fn pull(self, points: &mut PullPoints) -> Result<Vec<Marking>, Malformed> {
+        let mut widths = Pull::new("widths of markings", self.widths);
+        let mut z = Pull::new("heights of markings", self.z.numbers());
+        let marking = |kind| Ok(Marking { kind, line: points.line()?, width: widths.take()?, z: z.take()? });
+        let markings = self.kinds.into_iter().map(marking).collect::<Result<_, _>>()?;
+        widths.finish()?;
+        z.finish()?;
+        Ok(markings)
     }
 }
 

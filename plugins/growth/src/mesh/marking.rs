@@ -1,0 +1,149 @@
+use glam::DVec2;
+use veduta_city::{CellShell, Marking, MarkingKind, Rgb, Tile, metres};
+
+use super::data::{MeshData, Paint};
+use super::outline::{centre_of, engine};
+
+/// How far paint lies above the ground, metres: more than the depth buffer confuses, less than a shoe.
+const LIFT_M: f64 = 0.012;
+/// Worn white.
+const PAINT: Rgb = Rgb(0xDD, 0xDA, 0xD0);
+/// Steel that wheels keep bright, and the setts that rails lie in.
+const STEEL: Rgb = Rgb(0x8E, 0x8F, 0x8E);
+const BED: Rgb = Rgb(0x77, 0x74, 0x70);
+/// Breadth of a zebra's stripes and of the gaps between them, metres.
+const STRIPE_M: f64 = 0.5;
+/// Breadth of a rail's head and of its groove, and of the paving about a track beyond its rails; metres.
+const RAIL_M: f64 = 0.07;
+const BED_M: f64 = 0.45;
+/// Mitres at bends reach at most so many times as far as on a straight line.
+const LONGEST_MITRE: f64 = 3.0;
+/// Most dashes or stripes of one marking.
+const MOST: usize = 2_000;
+
+/// Paint and rails on the ground of a cell, facing up. Centres are the middles of the markings' lines.
+#[must_use]
+pub fn markings(shell: &CellShell) -> MeshData {
+    let mut mesh = MeshData::default();
+    for marking in &shell.markings {
+        let line: Vec<DVec2> = marking.line.iter().map(|p| p.to_metres()).collect();
+        let (Some(&first), Some(&last)) = (line.first(), line.last()) else { continue };
+        let paint = Paint::new(centre_of((first + last) / 2.0), PAINT, Tile::Plaster);
+        let layer = Layer { y: metres(marking.z) + LIFT_M, paint };
+        let width = metres(marking.width.max(0));
+        match marking.kind {
+            MarkingKind::Line => layer.strip(&line, [-width / 2.0, width / 2.0], &mut mesh),
+            MarkingKind::Dashes => {
+                let period = Marking::DASH_M + Marking::GAP_M;
+                let dashes = dashes(&line, period, Marking::DASH_M);
+                dashes.iter().for_each(|dash| layer.strip(dash, [-width / 2.0, width / 2.0], &mut mesh));
+            }
+            MarkingKind::Zebra => {
+                let stripes = dashes(&line, 2.0 * STRIPE_M, STRIPE_M);
+                stripes.iter().for_each(|stripe| layer.strip(stripe, [-width / 2.0, width / 2.0], &mut mesh));
+            }
+            MarkingKind::Rails => track(&layer, &line, width, &mut mesh),
+        }
+    }
+    mesh
+}
+
+/// A bed of setts, and two rails on it.
+fn track(layer: &Layer, line: &[DVec2], gauge: f64, mesh: &mut MeshData) {
+    let of = |colour, tile, lift: f64| Layer { y: layer.y + lift, paint: Paint::new(layer.paint.centre, colour, tile) };
+    let half = gauge / 2.0;
+    of(BED, Tile::Stone, 0.0).strip(line, [-half - BED_M, half + BED_M], mesh);
+    for side in [-1.0, 1.0] {
+        let (inner, outer) = (side * half, side * (half + RAIL_M));
+        of(STEEL, Tile::Metal, LIFT_M).strip(line, [inner.min(outer), inner.max(outer)], mesh);
+        let groove = side * (half - 0.05);
+        of(Rgb(0x3A, 0x39, 0x38), Tile::Metal, LIFT_M).strip(line, [groove.min(inner), groove.max(inner)], mesh);
+    }
+}
+
+/// The pieces of a line that a rhythm covers, from its start on.
+fn dashes(line: &[DVec2], period: f64, dash: f64) -> Vec<Vec<DVec2>> {
+    let length: f64 = line.windows(2).map(|e| e[0].distance(e[1])).sum();
+    let count = (length / period).ceil().clamp(0.0, MOST as f64) as usize;
+    let piece = |i: usize| part(line, i as f64 * period, (i as f64 * period + dash).min(length));
+    (0..count).map(piece).filter(|piece| piece.len() > 1).collect()
+}
+
+/// A line from one arc length to another.
+fn part(line: &[DVec2], from: f64, to: f64) -> Vec<DVec2> {
+    let (mut out, mut gone): (Vec<DVec2>, f64) = (Vec::new(), 0.0);
+    for e in line.windows(2) {
+        let length = e[0].distance(e[1]);
+        let (start, end) = (gone, gone + length);
+        if end > from && start < to && length > 0.0 {
+            if out.is_empty() {
+                out.push(e[0].lerp(e[1], ((from - start) / length).max(0.0)));
+            }
+            out.push(e[0].lerp(e[1], ((to - start) / length).min(1.0)));
+        }
+        gone = end;
+    }
+    out
+}
+
+/// What a marking is drawn with.
+struct Layer {
+    y: f64,
+    paint: Paint,
+}
+
+impl Layer {
+    /// A strip along a line between two distances to its left.
+    fn strip(&self, line: &[DVec2], [right, left]: [f64; 2], mesh: &mut MeshData) {
+        let way = |i: usize| line.get(i..i + 2).map(|e| (e[1] - e[0]).normalize_or_zero());
+        let mut before: Option<[DVec2; 2]> = None;
+        for (i, &p) in line.iter().enumerate() {
+            let (a, b) = (i.checked_sub(1).and_then(way), way(i));
+            let (Some(a), Some(b)) = (a.or(b), b.or(a)) else { return };
+            let mitre = (a + b).perp() / (1.0 + a.dot(b)).max(2.0 / (LONGEST_MITRE * LONGEST_MITRE));
+            let here = [p + mitre * right, p + mitre * left];
+            if let Some([r, l]) = before {
+                mesh.polygon(&[r, here[0], here[1], l].map(|p| engine(p, self.y)), self.paint);
+            }
+            before = Some(here);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use veduta_city::GridPos;
+
+    use super::*;
+
+    fn made(kind: MarkingKind, line: &[(i32, i32)], width: f64) -> MeshData {
+        let line = line.iter().map(|&(x, y)| GridPos(x * 1024, y * 1024)).collect();
+        let marking = Marking { kind, line, width: GridPos::steps(width), z: 0 };
+        let mesh = markings(&CellShell { markings: vec![marking], ..CellShell::default() });
+        mesh.validate().unwrap_or_else(|e| panic!("{e}"));
+        assert!(mesh.normals.iter().all(|n| n[1] > 0.999), "it faces up");
+        mesh
+    }
+
+    fn area(mesh: &MeshData) -> f32 {
+        let at = |i: u32| glam::Vec3::from_array(mesh.positions[i as usize]);
+        mesh.indices.chunks_exact(3).map(|t| (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).length() / 2.0).sum()
+    }
+
+    #[test]
+    fn markings_cover_what_they_should() {
+        assert!((area(&made(MarkingKind::Line, &[(0, 0), (10, 0), (10, 10)], 0.2)) - 4.0).abs() < 0.05);
+        // Three of nine metres, bent or not.
+        assert!((area(&made(MarkingKind::Dashes, &[(0, 0), (20, 0), (20, 7)], 0.1)) - 0.9).abs() < 0.01);
+        // Every other half metre of eight.
+        let zebra = made(MarkingKind::Zebra, &[(0, 0), (0, 8)], 3.0);
+        assert!((area(&zebra) - 12.0).abs() < 0.01 && zebra.triangle_count() == 16);
+        assert_eq!(made(MarkingKind::Rails, &[(0, 0), (30, 0)], 1.435).triangle_count(), 10);
+    }
+
+    #[test]
+    fn a_line_without_length_is_nothing() {
+        assert!(made(MarkingKind::Zebra, &[(3, 3), (3, 3)], 3.0).is_empty());
+        assert!(made(MarkingKind::Rails, &[(3, 3)], 3.0).is_empty());
+    }
+}
