@@ -47,7 +47,8 @@ fn yard() -> CellShell {
         has_roof: true,
         walls: vec![0, 1, 2, 3],
     };
-    let lamp = PlanObject { id: Id(2), kind: ObjectKind::Lamp, pos: GridPos(8192, -4096), z: 0, heading: 0, height: 4096 };
+    let lamp =
+        PlanObject { id: Id(2), kind: ObjectKind::Lamp, pos: GridPos(8192, -4096), z: 0, heading: 0, height: 4096, monument: None };
     CellShell {
         ground: vec![GroundPatch { surface: SurfaceKind::Cobbles, outline: outline.clone(), z: 0 }],
         outline,

@@ -19,16 +19,18 @@ pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
             outline: moved(&piece, origin),
             z: patch.z,
         });
-        let (designs, monuments) = monuments(plan, cell, origin);
+        let mut designs = Designs::default();
+        let monuments = monuments(plan, cell, origin, &mut designs);
+        let objects = objects(plan, cell, origin, &mut designs);
         CellShell {
             origin,
             outline: moved(&cell.outline, origin),
             ground: ground.collect(),
             houses: houses(plan, cell, origin),
-            objects: objects(plan, cell, origin),
+            objects,
             blind: blind(cells, cell, origin),
             markings: markings(plan, cell, origin),
-            designs,
+            designs: designs.list,
             monuments,
         }
     };
@@ -77,24 +79,43 @@ fn houses(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<HouseShell> {
     here.into_iter().filter_map(shell).collect()
 }
 
-/// Monuments of the houses whose roofs the cell carries, and their designs.
-fn monuments(plan: &CityPlan, cell: &Cell, origin: GridPos) -> (Vec<Design>, Vec<PlacedMonument>) {
-    let (mut of, mut designs, mut placed) = (Vec::new(), Vec::new(), Vec::new());
-    for monument in cell.houses.iter().filter_map(|&h| plan.houses.get(h as usize)?.monument) {
-        let Some(design) = plan.designs.get(usize::from(monument.design)) else { continue };
-        let known = of.iter().position(|&d| d == monument.design).unwrap_or_else(|| {
-            of.push(monument.design);
-            designs.push(design.clone());
-            of.len() - 1
-        });
-        placed.push(PlacedMonument { design: known as u16, pos: local(monument.pos, origin), ..monument });
-    }
-    (designs, placed)
+/// The designs of a cell's monuments, each once.
+#[derive(Default)]
+struct Designs {
+    of_plan: Vec<u16>,
+    list: Vec<Design>,
 }
 
-fn objects(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<PlanObject> {
+impl Designs {
+    /// Where a design of the plan is in the list.
+    fn index(&mut self, plan: &CityPlan, design: u16) -> Option<u16> {
+        let known = self.of_plan.iter().position(|&d| d == design);
+        let index = match known {
+            Some(index) => index,
+            None => {
+                self.list.push(plan.designs.get(usize::from(design))?.clone());
+                self.of_plan.push(design);
+                self.list.len() - 1
+            }
+        };
+        u16::try_from(index).ok()
+    }
+}
+
+/// Monuments of the houses whose roofs the cell carries.
+fn monuments(plan: &CityPlan, cell: &Cell, origin: GridPos, designs: &mut Designs) -> Vec<PlacedMonument> {
+    let placed = cell.houses.iter().filter_map(|&h| plan.houses.get(h as usize)?.monument);
+    let here = |m: PlacedMonument| Some(PlacedMonument { design: designs.index(plan, m.design)?, pos: local(m.pos, origin), ..m });
+    placed.filter_map(here).collect()
+}
+
+fn objects(plan: &CityPlan, cell: &Cell, origin: GridPos, designs: &mut Designs) -> Vec<PlanObject> {
     let objects = cell.objects.iter().filter_map(|&o| plan.objects.get(o as usize));
-    objects.map(|object| PlanObject { pos: local(object.pos, origin), ..object.clone() }).collect()
+    let mut here = |object: &PlanObject| {
+        let monument = object.monument.and_then(|design| designs.index(plan, design));
+        PlanObject { pos: local(object.pos, origin), monument, ..object.clone() }
+    };
+    objects.map(&mut here).collect()
 }
 
 fn markings(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<Marking> {

@@ -451,6 +451,9 @@ pub struct StandingObject {
     /// Name, may be empty.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
+    /// Name of the monument that it is seen as, in place of what its kind looks like; may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub monument: String,
 }
 
 impl CityGraph {

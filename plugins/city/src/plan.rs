@@ -282,6 +282,9 @@ pub struct PlanObject {
     pub heading: u16,
     /// Height, grid steps; never 0.
     pub height: i32,
+    /// Index of the design that it is seen as, in place of what its kind looks like.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub monument: Option<u16>,
 }
 
 /// Kind of a [`Marking`].

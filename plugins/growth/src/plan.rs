@@ -149,12 +149,14 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let masses = massing::masses(&drafts, &facing, &book, &mut findings);
     let looks = variety::looks(&drafts, &facing, &book);
     let mut houses = walls::houses(&drafts, &facing, &masses, &looks, &book);
-    let designs = monuments::place(graph, monuments, &mut houses, &mut findings);
+    let mut designs = monuments::Designs::new(monuments);
+    designs.of_houses(graph, &mut houses, &mut findings);
 
     let doors = walls::doorsteps(&houses).into_iter().map(|d| (GridPolygon::simple(vec![GridPos::from_metres(d)]), ()));
     let doorsteps = index::Index::new(doors.collect());
     let site = objects::Site { ground: &on_ground, standing: &standing, doorsteps: &doorsteps };
-    let objects = objects::objects(graph, &areas, &site, &mut findings);
+    let mut objects = objects::objects(graph, &areas, &site, &mut findings);
+    designs.of_objects(graph, &mut objects, &mut findings);
     let markings = markings::markings(graph, &site);
     let start = places::start(graph, &extent, &site, &mut findings);
     let plan = CityPlan {
@@ -164,7 +166,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
         seed: graph.seed,
         growth_version: GROWTH_VERSION,
         styles: styles.clone(),
-        designs,
+        designs: designs.finish(),
         start,
         extent: extent.polygon(),
         places: places::places(graph, &houses, styles),

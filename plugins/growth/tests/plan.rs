@@ -407,6 +407,7 @@ fn any_graph() -> impl Strategy<Value = CityGraph> {
                 heading_deg: height_m,
                 height_m,
                 name: String::new(),
+                monument: String::new(),
             };
             graph.objects = objects.into_iter().map(object).collect();
             graph

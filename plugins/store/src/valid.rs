@@ -68,6 +68,9 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
         check_height("its foot", object.z)
             .and_then(|()| check_height("its top", object.height))
             .map_err(|reason| format!("object {}: {reason}", object.id))?;
+        if let Some(design) = object.monument.filter(|&design| usize::from(design) >= shell.designs.len()) {
+            return Err(format!("object {} has design {design} of {}", object.id, shell.designs.len()));
+        }
     }
     for (i, portal) in shell.blind.iter().enumerate() {
         if !is_within(portal.ends.0, NEAR) || !is_within(portal.ends.1, NEAR) {

@@ -76,6 +76,7 @@ impl Collector<'_> {
             heading_deg: tags.get("direction").and_then(length::bearing).unwrap_or_else(|| heading_deg(heading)),
             height_m: tags.get("height").and_then(length::metres).filter(|h| (0.2..=80.0).contains(h)).unwrap_or(0.0),
             name: tags.text("name"),
+            monument: String::new(),
         });
     }
 }

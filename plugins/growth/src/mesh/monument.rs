@@ -49,6 +49,11 @@ pub fn monuments(shell: &CellShell, detail: MonumentDetail) -> MeshData {
             monument(design, placed, detail, &mut mesh);
         }
     }
+    for object in &shell.objects {
+        let Some((number, design)) = object.monument.and_then(|d| Some((d, shell.designs.get(usize::from(d))?))) else { continue };
+        let placed = PlacedMonument { design: number, pos: object.pos, z: object.z, heading: object.heading % 360 * 100 };
+        monument(design, &placed, detail, &mut mesh);
+    }
     mesh
 }
 

@@ -25,12 +25,12 @@ const AWNINGS: [Rgb; 3] = [Rgb(0x8C, 0x3E, 0x2C), Rgb(0x4E, 0x6A, 0x4C), Rgb(0xC
 /// Height of a lamp's light above its foot at nominal size; metres.
 const LIGHT_M: f64 = 3.7;
 
-/// All standing objects of a cell. Centres are the objects' positions.
+/// All standing objects of a cell but those that are seen as monuments. Centres are the objects' positions.
 #[must_use]
 pub fn objects(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
     let ball = Ball::new();
-    for object in &shell.objects {
+    for object in shell.objects.iter().filter(|object| object.monument.is_none()) {
         let plan = object.pos.to_metres();
         let heading = f64::from(object.heading).to_radians();
         let mut maker = Maker {
@@ -298,7 +298,7 @@ mod tests {
 
     fn one(kind: ObjectKind, heading: u16) -> MeshData {
         let height = GridPos::steps(nominal_m(kind));
-        let object = PlanObject { id: Id(3), kind, pos: GridPos(2048, 1024), z: 1024, heading, height };
+        let object = PlanObject { id: Id(3), kind, pos: GridPos(2048, 1024), z: 1024, heading, height, monument: None };
         objects(&CellShell { objects: vec![object], ..Default::default() })
     }
 
@@ -349,7 +349,8 @@ mod tests {
 
     #[test]
     fn only_lamps_shine() {
-        let lamp = PlanObject { id: Id(1), kind: ObjectKind::Lamp, pos: GridPos(0, 1024), z: 0, heading: 0, height: 4301 };
+        let lamp =
+            PlanObject { id: Id(1), kind: ObjectKind::Lamp, pos: GridPos(0, 1024), z: 0, heading: 0, height: 4301, monument: None };
         let [x, y, z] = lantern(&lamp).unwrap();
         assert!((x, z) == (0.0, -1.0) && (3.6..3.8).contains(&y));
         assert_eq!(lantern(&PlanObject { kind: ObjectKind::Bin, ..lamp }), None);

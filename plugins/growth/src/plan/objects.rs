@@ -96,6 +96,7 @@ fn placed(object: &StandingObject, seed: u64, site: &Site<'_>) -> PlanObject {
         z: site.surface(object.pos).map_or(0, |(_, z)| z),
         heading: libm::round(heading.rem_euclid(360.0)) as u16 % 360,
         height: GridPos::steps(height).max(1),
+        monument: None,
     }
 }
 
@@ -141,7 +142,15 @@ pub(super) fn objects(graph: &CityGraph, areas: &[Area<'_>], site: &Site<'_>, fi
 }
 
 fn grown(kind: ObjectKind, name: &str, pos: DVec2, heading_deg: f64) -> StandingObject {
-    StandingObject { id: Id::from_place(name, pos), kind, pos, heading_deg, height_m: 0.0, name: String::new() }
+    StandingObject {
+        id: Id::from_place(name, pos),
+        kind,
+        pos,
+        heading_deg,
+        height_m: 0.0,
+        name: String::new(),
+        monument: String::new(),
+    }
 }
 
 /// Lamps along streets, on alternating sides.

@@ -60,6 +60,8 @@ struct WireObjects {
     z: Deltas,
     headings: Vec<u16>,
     heights: Vec<i32>,
+    /// 0: as its kind looks; else one more than its design.
+    designs: Vec<u32>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -171,6 +173,7 @@ impl WireObjects {
             z: Deltas::of(objects.iter().map(|object| object.z)),
             headings: objects.iter().map(|object| object.heading).collect(),
             heights: objects.iter().map(|object| object.height).collect(),
+            designs: objects.iter().map(|object| object.monument.map_or(0, |design| u32::from(design) + 1)).collect(),
         }
     }
 }
@@ -299,6 +302,7 @@ impl WireObjects {
         let mut z = Pull::new("feet of objects", self.z.numbers());
         let mut headings = Pull::new("headings of objects", self.headings);
         let mut heights = Pull::new("heights of objects", self.heights);
+        let mut designs = Pull::new("designs of objects", self.designs);
         let mut objects = Vec::with_capacity(self.kinds.len());
         for kind in self.kinds {
             objects.push(PlanObject {
@@ -308,12 +312,18 @@ impl WireObjects {
                 z: z.take()?,
                 heading: headings.take()?,
                 height: heights.take()?,
+                monument: match designs.take()?.checked_sub(1).map(u16::try_from) {
+                    None => None,
+                    Some(Ok(design)) => Some(design),
+                    Some(Err(_)) => return Err(Malformed::Reason("an object's design is too large a number")),
+                },
             });
         }
         ids.finish()?;
         z.finish()?;
         headings.finish()?;
         heights.finish()?;
+        designs.finish()?;
         Ok(objects)
     }
 }

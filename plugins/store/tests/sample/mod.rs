@@ -178,8 +178,15 @@ fn add_cell(plan: &mut CityPlan, city: &mut City, c: usize, count: usize, each: 
         shell.ground.push(GroundPatch { surface, outline: moved(&quad(start, front, c0, c1), origin), z });
     }
     let pos = at(start + M, 4 * M);
-    let lamp =
-        PlanObject { id: Id::from_place("lamp", pos.to_metres()), kind: ObjectKind::Lamp, pos, z: 150, heading: 90, height: 5 * M };
+    let lamp = PlanObject {
+        id: Id::from_place("lamp", pos.to_metres()),
+        kind: ObjectKind::Lamp,
+        pos,
+        z: 150,
+        heading: 90,
+        height: 5 * M,
+        monument: None,
+    };
     cell.objects.push(plan.objects.len() as u32);
     shell.objects.push(PlanObject { pos: pos - origin, ..lamp.clone() });
     plan.objects.push(lamp);

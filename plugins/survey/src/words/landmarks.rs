@@ -268,7 +268,7 @@ pub(super) fn centrepiece(outline: &Ring, n: usize, is_old: bool) -> StandingObj
         (_, true) => ObjectKind::Well,
         _ => ObjectKind::Statue,
     };
-    StandingObject { id: Id::NONE, kind, pos, heading_deg: 0.0, height_m: 0.0, name: String::new() }
+    StandingObject { id: Id::NONE, kind, pos, heading_deg: 0.0, height_m: 0.0, name: String::new(), monument: String::new() }
 }
 
 /// Roads that lead on from the gates of a closed town: a piece outside each.
