@@ -89,7 +89,8 @@ pub fn survey(input: &Input) -> Result<(CityGraph, Stock, Vec<Finding>), BakeErr
         let overrides = read_overrides(&beside)?;
         findings.extend(overrides.apply(&mut graph));
         graph.fill_ids();
-        stock = stock.with(overrides.styles, overrides.monuments);
+        let told = |error| BakeError::Styles { path: beside.clone(), errors: vec![error] };
+        stock = stock.with(&overrides.styles, overrides.monuments).map_err(told)?;
         let errors = stock.styles.validate();
         if !errors.is_empty() {
             return Err(BakeError::Styles { path: beside, errors });

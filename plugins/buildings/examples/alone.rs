@@ -7,7 +7,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use veduta_buildings::BuildingsPlugin;
 use veduta_city::{
-    CellShell, GridPolygon, GridPos, GroundPatch, HouseShell, Id, Level, ObjectKind, PlanObject, PlanRoof, Rgb, RoofShape,
+    CellShell, Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Id, Level, ObjectKind, PlanObject, PlanRoof, Rgb, RoofShape,
     SurfaceKind, VolumeShell,
 };
 use veduta_ecs::{Cell, CellContent, CellReady, LevelFade};
@@ -44,6 +44,7 @@ fn yard() -> CellShell {
         colour: Rgb(0xEA, 0xD7, 0xA0),
         trim: Rgb(0xF1, 0xED, 0xE2),
         roof,
+        gable: Gable::Plain,
         has_roof: true,
         walls: vec![0, 1, 2, 3],
     };

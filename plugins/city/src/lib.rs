@@ -68,7 +68,7 @@ pub use plan::{
     CityPlan, GroundFloor, GroundPatch, House, Marking, MarkingKind, Opening, PlanObject, PlanRoof, PlanStreet, Storey,
     SurfaceKind, Volume, Wall, WallKind,
 };
-pub use style::{Range, Style, StyleError, Styles};
+pub use style::{Gable, Range, Stand, Style, StyleDraft, StyleError, Styles};
 pub use tile::Tile;
 pub use tour::{Ease, LookAt, Step, Tour, Where};
 pub use width::{ProfileError, WidthAt};

@@ -82,6 +82,7 @@ mod tests {
             colour: Rgb::default(),
             trim: Rgb::default(),
             roof: PlanRoof { shape: RoofShape::Flat, height: 5, direction: 0, colour: Rgb::default() },
+            gable: Default::default(),
             walls: Vec::new(),
         };
         let house = House {

@@ -3,7 +3,7 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Design, GridPolygon, GridPos, GroundPatch, Id, Marking, PlacedMonument, PlanObject, PlanRoof, Portal, Rgb, Volume, Wall,
+    Design, Gable, GridPolygon, GridPos, GroundPatch, Id, Marking, PlacedMonument, PlanObject, PlanRoof, Portal, Rgb, Volume, Wall,
 };
 
 /// Urban level of detail of a façade.
@@ -143,6 +143,8 @@ pub struct VolumeShell {
     pub trim: Rgb,
     /// The roof. Always told, so that gables can be built; drawn with the cell that has `has_roof`.
     pub roof: PlanRoof,
+    /// Shape of its gables.
+    pub gable: Gable,
     /// Whether this cell draws the roof (and the underside, where the volume hangs in the air).
     pub has_roof: bool,
     /// Which edges' walls this cell draws: indices in the order of [`crate::Volume::walls`], ascending.
@@ -160,6 +162,7 @@ impl VolumeShell {
             colour: volume.colour,
             trim: volume.trim,
             roof: volume.roof,
+            gable: volume.gable,
             has_roof,
             walls,
         }

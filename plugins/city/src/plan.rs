@@ -1,6 +1,8 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{Anchor, Design, GridPolygon, GridPos, Id, ObjectKind, Place, PlacedMonument, Rgb, RoofShape, Styles, Viewpoint};
+use crate::{
+    Anchor, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Place, PlacedMonument, Rgb, RoofShape, Styles, Viewpoint,
+};
 
 /// The city plan: everything that will stand and lie in the city, on the grid, with every choice made that looks at
 /// neighbours. It is what growth makes and what is cut into cells.
@@ -128,8 +130,15 @@ pub struct Volume {
     pub trim: Rgb,
     /// Roof.
     pub roof: PlanRoof,
+    /// Shape of its gables.
+    #[serde(default, skip_serializing_if = "is_plain")]
+    pub gable: Gable,
     /// One for each edge: of the outer ring in order, then of each hole in order.
     pub walls: Vec<Wall>,
+}
+
+fn is_plain(gable: &Gable) -> bool {
+    *gable == Gable::Plain
 }
 
 impl Volume {

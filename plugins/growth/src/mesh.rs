@@ -34,6 +34,7 @@
 mod collision;
 mod data;
 mod form;
+mod gable;
 mod ground;
 mod hip;
 mod lathe;

@@ -54,6 +54,7 @@ mod outline;
 mod perimeter;
 mod places;
 mod relation;
+mod stand;
 mod stock;
 mod streets;
 mod variety;

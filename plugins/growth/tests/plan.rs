@@ -306,7 +306,7 @@ fn unsound_input_is_refused() {
     assert!(matches!(grow(&crossing(), &stock), Err(GrowthError::Styles(e)) if e.len() == 1));
     let nameless =
         veduta_city::file::parse("(name: \"m\", parts: [(uses: \"nothing\")])", "test").unwrap_or_else(|e| panic!("{e}"));
-    let stock = Stock::new().with(Vec::new(), vec![nameless]);
+    let stock = Stock::new().with(&[], vec![nameless]).unwrap_or_else(|e| panic!("{e}"));
     assert!(matches!(grow(&crossing(), &stock), Err(GrowthError::Monuments(e)) if e.len() == 1));
 }
 

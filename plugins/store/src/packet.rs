@@ -100,7 +100,7 @@ mod tests {
     use proptest::prelude::*;
     use veduta_city::monument::{Axis, Content, Head, Hole, HoleShape, Material, PathPoint, Piece, Repeat, Shape};
     use veduta_city::{
-        Design, GridPolygon, GridPos, GroundFloor, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind, Opening,
+        Design, Gable, GridPolygon, GridPos, GroundFloor, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind, Opening,
         PlacedMonument, PlanObject, PlanRoof, Portal, PortalSide, Rgb, RoofShape, Storey, SurfaceKind, Tile, VolumeShell, Wall,
         WallKind,
     };
@@ -134,6 +134,7 @@ mod tests {
                 colour,
                 trim,
                 roof,
+                gable: if has_roof { Gable::Volute } else { Gable::Plain },
                 has_roof,
                 walls,
             },
@@ -357,6 +358,7 @@ mod tests {
             colour: Rgb(1, 2, 3),
             trim: Rgb(4, 5, 6),
             roof: PlanRoof { shape, height: 77, direction: 300, colour: Rgb(7, 8, 9) },
+            gable: [Gable::Plain, Gable::Stepped, Gable::Volute, Gable::Pediment][n % 4],
             has_roof: n % 2 == 0,
             walls: vec![0, 2],
         };

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use anstream::{eprintln, println};
-use veduta_city::{CityGraph, CityPlan, GraphOverrides, Monuments, Style, Styles, Tour, file};
+use veduta_city::{CityGraph, CityPlan, GraphOverrides, Monuments, StyleDraft, Styles, Tour, file};
 use veduta_growth::plan::Stock;
 use veduta_survey::CityWords;
 
@@ -30,8 +30,9 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
     if name.ends_with(".overrides.ron") {
         let overrides: GraphOverrides = file::read(path).map_err(one)?;
         let edits = overrides.validate().into_iter().map(|e| e.to_string());
-        let styles = Styles(overrides.styles.clone()).validate().into_iter().map(|e| e.to_string());
-        let stock = Stock::new().with(Vec::new(), overrides.monuments.clone());
+        let stock = Stock::new().with(&overrides.styles, overrides.monuments.clone());
+        let stock = stock.map_err(|e| vec![format!("{}: {e}", path.display())])?;
+        let styles = stock.styles.validate().into_iter().map(|e| e.to_string());
         let monuments = stock.monuments.validate().into_iter().map(|e| e.to_string());
         let counts = (overrides.edits.len(), overrides.styles.len(), overrides.monuments.len());
         let words = format!("{} edits, {} styles, {} monuments", counts.0, counts.1, counts.2);
@@ -59,11 +60,13 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
     if let Some(read) = as_monuments(path) {
         let monuments = read.map_err(one)?;
         let words = format!("{} monuments", monuments.0.len());
-        return told(path, Stock::new().with(Vec::new(), monuments.0).monuments.validate(), words);
+        let stock = Stock::new().with(&[], monuments.0).map_err(|e| vec![e.to_string()])?;
+        return told(path, stock.monuments.validate(), words);
     }
     if let Some(read) = as_style(path, &name) {
-        let style = read.map_err(one)?;
-        let words = format!("style `{}`", style.name);
+        let draft = read.map_err(one)?;
+        let words = format!("style `{}`", draft.name);
+        let style = draft.finish(&Stock::new().styles).map_err(|e| vec![format!("{}: {e}", path.display())])?;
         return told(path, Styles(vec![style]).validate(), words);
     }
     Err(vec![format!(
@@ -87,7 +90,7 @@ fn folder(path: &Path) -> Option<std::ffi::OsString> {
 }
 
 /// A file read as a style, if it is meant to be one: by its name, its folder, or because it can be read as one.
-fn as_style(path: &Path, name: &str) -> Option<Result<Style, file::FileError>> {
+fn as_style(path: &Path, name: &str) -> Option<Result<StyleDraft, file::FileError>> {
     if !name.ends_with(".ron") {
         return None;
     }

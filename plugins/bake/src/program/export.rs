@@ -31,7 +31,7 @@ pub(crate) fn monuments(
     settings: &ExportSettings,
     output: &Path,
 ) -> Result<(), Failure> {
-    let stock = Stock::new().with(Vec::new(), read.to_vec()).monuments;
+    let stock = Stock::new().with(&[], read.to_vec())?.monuments;
     let with: BTreeMap<String, f64> = with.into_iter().collect();
     let designs = match one {
         Some(name) => vec![stock.design(name, &with)?],

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Block, BlockKind, Building, CityGraph, Finding, Id, LinkKind, Monument, MonumentTag, Place, Ring, RoofTags, Severity, Square,
-    StandingObject, Style, Surfacing,
+    StandingObject, StyleDraft, Surfacing,
 };
 pub use check::OverrideError;
 use network::Outcome;
@@ -57,7 +57,7 @@ pub struct GraphOverrides {
     pub edits: Vec<GraphOverride>,
     /// Styles added to, or put in place of, the stock ones.
     #[serde(default)]
-    pub styles: Vec<Style>,
+    pub styles: Vec<StyleDraft>,
     /// Monuments added to, or put in place of, the stock ones.
     #[serde(default)]
     pub monuments: Vec<Monument>,

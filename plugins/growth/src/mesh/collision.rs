@@ -141,7 +141,7 @@ fn pillar(object: &PlanObject) -> Pillar {
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::{GridPolygon, GridPos, GroundPatch, HouseShell, Id, PlanRoof, Portal, PortalSide, Rgb, VolumeShell};
+    use veduta_city::{Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Id, PlanRoof, Portal, PortalSide, Rgb, VolumeShell};
 
     use super::*;
 
@@ -153,8 +153,17 @@ mod tests {
     fn house(bottom: i32) -> HouseShell {
         let roof = PlanRoof { shape: Default::default(), height: 1024, direction: 0, colour: Rgb::default() };
         let (colour, trim) = (Rgb::default(), Rgb::default());
-        let volume =
-            VolumeShell { footprint: square(10, 5), bottom, eaves: 4096, colour, trim, roof, has_roof: true, walls: vec![3] };
+        let volume = VolumeShell {
+            footprint: square(10, 5),
+            bottom,
+            eaves: 4096,
+            colour,
+            trim,
+            roof,
+            gable: Gable::Plain,
+            has_roof: true,
+            walls: vec![3],
+        };
         HouseShell { id: Id(1), style: 0, volumes: vec![volume], is_monument: false }
     }
 

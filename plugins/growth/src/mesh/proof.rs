@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use veduta_city::{
-    CellShell, FacadeSheet, GridPolygon, GridPos, GridRing, GroundFloor, GroundPatch, HouseShell, Id, Opening, PlanRoof, Rgb,
-    RoofShape, Storey, SurfaceKind, VolumeShell, Wall, WallKind,
+    CellShell, FacadeSheet, Gable, GridPolygon, GridPos, GridRing, GroundFloor, GroundPatch, HouseShell, Id, Opening, PlanRoof,
+    Rgb, RoofShape, Storey, SurfaceKind, VolumeShell, Wall, WallKind,
 };
 
 use super::outline::{contains, rings, wall_count};
@@ -71,7 +71,7 @@ fn volume(footprint: GridPolygon, shape: RoofShape, direction: u16, height: i32)
     let walls = (0..wall_count(&footprint) as u16).collect();
     let roof = PlanRoof { shape, height, direction, colour: Rgb(0xA2, 0x4B, 0x33) };
     let (colour, trim) = (Rgb(0xD9, 0xB3, 0x6C), Rgb(0xEF, 0xE3, 0xC8));
-    VolumeShell { footprint, bottom: 512, eaves: 512 + 13 * 1024, colour, trim, roof, has_roof: true, walls }
+    VolumeShell { footprint, bottom: 512, eaves: 512 + 13 * 1024, colour, trim, roof, gable: Gable::Plain, has_roof: true, walls }
 }
 
 fn cell(volume: VolumeShell) -> CellShell {

@@ -3,6 +3,7 @@ use veduta_city::{CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, metr
 
 use super::data::{MeshData, MeshError, Paint};
 use super::form::RoofForm;
+use super::gable;
 use super::monument::{MonumentDetail, monuments};
 use super::moulding::add_mouldings;
 use super::outline::{Edge, centre_of, engine, wall_edge};
@@ -164,6 +165,11 @@ impl Front {
     /// The gable above the wall, up to the roof.
     fn gable(&self, form: &RoofForm<'_>, wall: u16, along: &mut Vec<(f64, f64)>, mesh: &mut MeshData) {
         form.along_wall(wall.into(), along);
+        let volume = form.volume;
+        if gable::is_shaped(volume.gable, along) {
+            let trim = Paint::new(self.plaster.centre, volume.trim, Tile::Carved);
+            return gable::gable(volume.gable, &self.edge, self.eaves, along, [self.plaster, trim], mesh);
+        }
         for pair in along.windows(2) {
             let [(from, low), (to, high)] = [pair[0], pair[1]];
             if to - from < 1e-9 || low.max(high) < 1e-4 {
@@ -199,7 +205,7 @@ pub(super) fn runs(wall: &Wall, storey: usize) -> impl Iterator<Item = (u8, u8, 
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::{GridPolygon, GridPos, GroundFloor, HouseShell, Id, PlanRoof, Rgb, RoofShape, Storey, WallKind};
+    use veduta_city::{Gable, GridPolygon, GridPos, GroundFloor, HouseShell, Id, PlanRoof, Rgb, RoofShape, Storey, WallKind};
 
     use super::*;
 
@@ -208,7 +214,8 @@ mod tests {
         let footprint = GridPolygon::simple(vec![GridPos(0, 0), GridPos(9 * m, 0), GridPos(9 * m, 12 * m), GridPos(0, 12 * m)]);
         let roof = PlanRoof { shape: RoofShape::Gabled, height: 4 * m, direction: 90, colour: Rgb(0xA2, 0x4B, 0x33) };
         let (colour, trim) = (Rgb(0xD9, 0xB3, 0x6C), Rgb(0xEF, 0xE3, 0xC8));
-        let volume = VolumeShell { footprint, bottom: 0, eaves: 13 * m, colour, trim, roof, has_roof: true, walls };
+        let volume =
+            VolumeShell { footprint, bottom: 0, eaves: 13 * m, colour, trim, roof, gable: Gable::Plain, has_roof: true, walls };
         let house = HouseShell { id: Id(5), style: 0, volumes: vec![volume], is_monument: false };
         CellShell { houses: vec![house], ..Default::default() }
     }

@@ -5,16 +5,16 @@ use std::collections::HashMap;
 use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::draw::Draw;
-use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, LinkKind, RoofTags, Severity, Style};
+use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, LinkKind, Severity, Style};
 
 use super::band::{pieces, quad, stations};
 use super::extent::Extent;
 use super::ground;
-use super::houses::{Body, Draft, Grown, StyleBook};
+use super::houses::{Draft, Grown, StyleBook};
 use super::index::Index;
 use super::perimeter::{self, Site};
 use super::streets::{self, Layer, Rank};
-use super::{Area, boolean, massing, outline, relation};
+use super::{Area, boolean, massing, outline, relation, stand};
 
 /// A built block is grown only where given buildings cover less than this share of it.
 const MOST_COVERED: f64 = 0.35;
@@ -205,7 +205,7 @@ fn grow_plot(
             out.extend(
                 grow_site(&Site { outline: &site, houses: &houses, width_m }, look, draw)
                     .into_iter()
-                    .map(|lot| draft(graph, lot, style, look, draw)),
+                    .filter_map(|lot| draft(graph, lot, style, look, draw)),
             );
         }
     }
@@ -283,31 +283,24 @@ fn is_buildable(footprint: &GridPolygon) -> bool {
     area >= LEAST_LOT_M2 && 2.0 * area / outline::perimeter_m(footprint).max(1.0) >= LEAST_WIDTH_M / 2.0
 }
 
-fn draft(graph: &CityGraph, footprint: GridPolygon, style_index: usize, style: &Style, row: Draw) -> Draft {
-    let id = Id::from_place("grown house", footprint.centroid());
+/// The house of a lot; `None` where its style leaves no room for one.
+fn draft(graph: &CityGraph, lot: GridPolygon, style_index: usize, style: &Style, row: Draw) -> Option<Draft> {
+    let id = Id::from_place("grown house", lot.centroid());
     let (ground, upper) = massing::storey_heights(style, row);
     let (low, high) = (usize::from(style.storeys.0), usize::from(style.storeys.1));
     let storeys = low + row.below("storeys", high.saturating_sub(low) + 1);
     let eaves_m = ground + (storeys.max(1) - 1) as f64 * upper;
-    let body = Body {
-        footprint,
-        bottom_m: 0.0,
-        height_m: None,
-        levels: None,
-        roof: RoofTags::default(),
-        colour: None,
-        opening: None,
-        is_covered: false,
-    };
-    Draft {
+    let own = Draw::new(graph.seed, id, "house");
+    let bodies = stand::bodies(lot, style, (ground, upper, storeys), own)?;
+    Some(Draft {
         id,
         name: String::new(),
         number: String::new(),
         style: style_index,
-        draw: Draw::new(graph.seed, id, "house"),
+        draw: own,
         grown: Some(Grown { eaves_m }),
-        bodies: vec![body],
-    }
+        bodies,
+    })
 }
 
 /// Cuts grown houses that reach a little over others of another block (walls that follow a bent border are straightened on each
@@ -395,7 +388,9 @@ mod tests {
     fn houses_that_touch_across_a_border_both_stand() {
         let styles = Stock::new().styles;
         let graph = CityGraph::default();
-        let house = |x: f64, w: f64| draft(&graph, polygon(x, 0.0, w, 10.0), 0, &styles.0[0], Draw::new(1, Id(1), "t"));
+        let house = |x: f64, w: f64| {
+            draft(&graph, polygon(x, 0.0, w, 10.0), 0, &styles.0[0], Draw::new(1, Id(1), "t")).expect("a house in a row")
+        };
         let mut findings = Vec::new();
         let stand = part_ways(vec![house(0.0, 10.05), house(10.0, 10.0), house(15.0, 10.0)], &mut findings);
         assert_eq!((stand.len(), findings.len()), (2, 1));

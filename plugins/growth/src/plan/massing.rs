@@ -19,6 +19,8 @@ const LEVEL_ROOF_M2: f64 = 2_000.0;
 const SHED_M2: f64 = 30.0;
 /// Neighbouring eaves of grown houses differ at least by this; metres.
 const EAVES_STEP_M: f64 = 0.3;
+/// Widest front of houses whose kind shows its gables, metres.
+const WIDEST_GABLE_M: f64 = 16.0;
 /// Most that a grown house's eaves leave its row's; metres.
 const EAVES_SPREAD_M: f64 = 1.1;
 
@@ -81,13 +83,13 @@ fn mass(
     let draw = draft.draw.part(index as u64);
     let bounds = outline::smallest_box(&body.footprint.outer);
     let shape = shape(body, style, draw);
-    let ridge = ridge(body, shape, edges, &bounds, draft, draw);
+    let ridge = ridge(body, shape, edges, &bounds, draft, style.gable_fronts, draw);
     let span = span_m(body, ridge, &bounds, shape);
     let natural = roof_height_m(shape, span, draw.between("pitch", style.pitch_deg.0, style.pitch_deg.1));
     let least = if body.bottom_m > 0.0 { LEAST_HANGING_WALL_M } else { LEAST_WALL_M };
     let (eaves_m, roof_m) = match (grown, body.height_m) {
-        (Some(eaves), _) => (eaves, body.roof.height_m.unwrap_or(natural.min(eaves * 0.75))),
-        (None, Some(top)) => under_ridge(draft, body, top, natural, least, style, findings),
+        (Some(eaves), None) => (eaves, body.roof.height_m.unwrap_or(natural.min(eaves * 0.75))),
+        (_, Some(top)) => under_ridge(draft, body, top, natural, least, style, findings),
         (None, None) => {
             let eaves = eaves_from_storeys(body, style, draw).max(body.bottom_m + least);
             (eaves, body.roof.height_m.unwrap_or_else(|| natural.min(most_roof_m(eaves - body.bottom_m, style))))
@@ -176,7 +178,7 @@ fn shape(body: &Body, style: &Style, draw: Draw) -> RoofShape {
 }
 
 /// Unit vector along the ridge; for skillions along the fall.
-fn ridge(body: &Body, shape: RoofShape, edges: &[Edge], bounds: &Box2, draft: &Draft, draw: Draw) -> DVec2 {
+fn ridge(body: &Body, shape: RoofShape, edges: &[Edge], bounds: &Box2, draft: &Draft, gable_fronts: f64, draw: Draw) -> DVec2 {
     let skillion = shape == RoofShape::Skillion;
     if let Some(degrees) = body.roof.direction_deg {
         let angle = degrees.to_radians();
@@ -189,13 +191,13 @@ fn ridge(body: &Body, shape: RoofShape, edges: &[Edge], bounds: &Box2, draft: &D
     if body.roof.across {
         return bounds.along.perp();
     }
-    // In a row, ridges run along the street; now and then an old house shows it its gable.
+    // In a row, ridges run along the street, unless a house shows it its gable.
     let in_row = edges.iter().any(|e| e.party.iter().any(|&(_, share)| share > 0.5));
     let street = edges.iter().filter(|e| e.is_public).max_by(|a, b| a.length_m().total_cmp(&b.length_m()));
     if let (true, Some(street)) = (in_row || draft.grown.is_some(), street) {
         let along = (street.b - street.a).normalize_or(DVec2::X);
-        let is_narrow = street.length_m() < 9.5;
-        return if is_narrow && draw.chance("gable to the street", 0.15) { along.perp() } else { along };
+        let is_narrow = street.length_m() < if gable_fronts > 0.3 { WIDEST_GABLE_M } else { 9.5 };
+        return if is_narrow && draw.chance("gable to the street", gable_fronts) { along.perp() } else { along };
     }
     bounds.along
 }

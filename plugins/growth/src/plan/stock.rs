@@ -1,9 +1,9 @@
 //! The stock styles and monuments, as they lie in `assets/styles` and `assets/monuments`.
 
-use veduta_city::{Monument, Monuments, Style, Styles, file};
+use veduta_city::{Monument, Monuments, StyleDraft, StyleError, Styles, file};
 
-/// Name and text of every stock style, in the order in which plans number them.
-const STOCK: [(&str, &str); 9] = [
+/// Name and text of every stock style, in the order in which plans number them; each comes after those that it inherits from.
+const STOCK: [(&str, &str); 15] = [
     ("old_town.ron", include_str!("../../../../assets/styles/old_town.ron")),
     ("church.ron", include_str!("../../../../assets/styles/church.ron")),
     ("tower.ron", include_str!("../../../../assets/styles/tower.ron")),
@@ -13,6 +13,12 @@ const STOCK: [(&str, &str); 9] = [
     ("suburban.ron", include_str!("../../../../assets/styles/suburban.ron")),
     ("modern.ron", include_str!("../../../../assets/styles/modern.ron")),
     ("industrial.ron", include_str!("../../../../assets/styles/industrial.ron")),
+    ("medieval.ron", include_str!("../../../../assets/styles/medieval.ron")),
+    ("renaissance.ron", include_str!("../../../../assets/styles/renaissance.ron")),
+    ("baroque.ron", include_str!("../../../../assets/styles/baroque.ron")),
+    ("classicist.ron", include_str!("../../../../assets/styles/classicist.ron")),
+    ("art_nouveau.ron", include_str!("../../../../assets/styles/art_nouveau.ron")),
+    ("skyscraper.ron", include_str!("../../../../assets/styles/skyscraper.ron")),
 ];
 
 /// What growth draws from.
@@ -26,15 +32,17 @@ pub struct Stock {
 
 impl Stock {
     /// The styles and monuments that come with growth.
-    #[must_use]
     pub fn new() -> Self {
         Self { styles: styles(), monuments: monuments() }
     }
 
     /// Adds styles and monuments, or puts them in place of those of the same name.
-    #[must_use]
-    pub fn with(mut self, styles: Vec<Style>, monuments: Vec<Monument>) -> Self {
+    ///
+    /// # Errors
+    /// [`StyleError`] if a style inherits from one that is not there, or leaves out what nothing else gives.
+    pub fn with(mut self, styles: &[StyleDraft], monuments: Vec<Monument>) -> Result<Self, StyleError> {
         for style in styles {
+            let style = style.finish(&self.styles)?;
             match self.styles.find(&style.name) {
                 Some(i) => self.styles.0[i] = style,
                 None => self.styles.0.push(style),
@@ -46,19 +54,26 @@ impl Stock {
                 None => self.monuments.0.push(monument),
             }
         }
-        self
+        Ok(self)
     }
 }
 
-/// The styles that come with growth: `old_town` (the one for houses that nothing else decides about), `church`, `tower`,
-/// `clock_tower`, `monument`, `tenement`, `suburban`, `modern`, `industrial`.
+/// The styles that come with growth; the first is for houses that nothing else decides about.
 fn styles() -> Styles {
+    let mut styles = Styles::default();
     // Each text is part of the program, and a test reads every one: none is ever left out.
-    Styles(STOCK.iter().filter_map(|(name, text)| file::parse(text, name).ok()).collect())
+    for (name, text) in STOCK {
+        styles.0.extend(file::parse::<StyleDraft>(text, name).ok().and_then(|draft| draft.finish(&styles).ok()));
+    }
+    styles
 }
 
 /// Name and text of every file of stock monuments.
-const MONUMENTS: [(&str, &str); 1] = [("solids.ron", include_str!("../../../../assets/monuments/solids.ron"))];
+const MONUMENTS: [(&str, &str); 3] = [
+    ("solids.ron", include_str!("../../../../assets/monuments/solids.ron")),
+    ("gothic.ron", include_str!("../../../../assets/monuments/gothic.ron")),
+    ("prague_towers.ron", include_str!("../../../../assets/monuments/prague_towers.ron")),
+];
 
 /// The monuments that come with growth, and the parts that they are put together from: see `assets/monuments`.
 fn monuments() -> Monuments {
@@ -73,7 +88,8 @@ mod tests {
     #[test]
     fn every_stock_style_and_monument_reads_and_is_sound() {
         for (name, text) in STOCK {
-            let style: Style = file::parse(text, name).unwrap_or_else(|e| panic!("{e}"));
+            let style: StyleDraft = file::parse(text, name).unwrap_or_else(|e| panic!("{e}"));
+            style.finish(&styles()).unwrap_or_else(|e| panic!("{e}"));
             assert_eq!(format!("{}.ron", style.name), name);
         }
         assert_eq!(styles().0.len(), STOCK.len());

@@ -1,6 +1,6 @@
 //! Looks of houses, drawn one by one and then set apart: no two neighbours alike.
 
-use veduta_city::{Opening, Rgb, Style};
+use veduta_city::{Gable, Opening, Rgb, Style};
 
 use super::facing::{Edge, Facing};
 use super::houses::{Draft, StyleBook};
@@ -37,6 +37,8 @@ pub(super) struct Look {
     pub door: Opening,
     /// Distance between window axes, metres.
     pub bay_m: f64,
+    /// Shape of its gables.
+    pub gable: Gable,
 }
 
 impl Look {
@@ -54,6 +56,8 @@ impl Look {
             ground: opening("ground windows", &style.ground_windows),
             door: opening("door", &style.doors),
             bay_m: d.between("bay", style.bay_m.0, style.bay_m.1),
+            // A map's buildings keep the roofs that it tells.
+            gable: draft.grown.and_then(|_| d.pick("gable", &style.gables).copied()).unwrap_or_default(),
         }
     }
 

@@ -77,6 +77,7 @@ fn volume(
         colour,
         trim: bounded(colour.scaled(style.trim)),
         roof: PlanRoof { colour: roof, ..mass.roof },
+        gable: look.gable,
         walls: edges.iter().map(wall).collect(),
     }
 }

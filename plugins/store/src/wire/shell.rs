@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
-    CellShell, Design, GridPos, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind, PlacedMonument, PlanObject,
+    CellShell, Design, Gable, GridPos, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind, PlacedMonument, PlanObject,
     PlanRoof, Portal, PortalSide, Rgb, RoofShape, SurfaceKind, VolumeShell,
 };
 
@@ -49,6 +49,7 @@ struct WireVolumes {
     shapes: Vec<RoofShape>,
     roof_heights: Vec<i32>,
     directions: Vec<u16>,
+    gables: Vec<Gable>,
     has_roof: Vec<bool>,
     walls: Lists,
 }
@@ -159,6 +160,7 @@ impl WireVolumes {
             shapes: volumes.clone().map(|volume| volume.roof.shape).collect(),
             roof_heights: volumes.clone().map(|volume| volume.roof.height).collect(),
             directions: volumes.clone().map(|volume| volume.roof.direction).collect(),
+            gables: volumes.clone().map(|volume| volume.gable).collect(),
             has_roof: volumes.map(|volume| volume.has_roof).collect(),
             walls,
         }
@@ -246,6 +248,7 @@ struct PullVolumes {
     shapes: Pull<RoofShape>,
     roof_heights: Pull<i32>,
     directions: Pull<u16>,
+    gables: Pull<Gable>,
     has_roof: Pull<bool>,
     walls: PullLists,
 }
@@ -258,6 +261,7 @@ impl WireVolumes {
             shapes: Pull::new("roofs", self.shapes),
             roof_heights: Pull::new("heights of roofs", self.roof_heights),
             directions: Pull::new("directions of roofs", self.directions),
+            gables: Pull::new("gables", self.gables),
             has_roof: Pull::new("marks of roofs", self.has_roof),
             walls: self.walls.pull(),
         }
@@ -280,6 +284,7 @@ impl PullVolumes {
                 direction: self.directions.take()?,
                 colour: colours.take()?,
             },
+            gable: self.gables.take()?,
             has_roof: self.has_roof.take()?,
             walls: walls.map_err(|_| Malformed::Reason("a wall's index is too large"))?,
         })
@@ -291,6 +296,7 @@ impl PullVolumes {
         self.shapes.finish()?;
         self.roof_heights.finish()?;
         self.directions.finish()?;
+        self.gables.finish()?;
         self.has_roof.finish()?;
         self.walls.finish()
     }

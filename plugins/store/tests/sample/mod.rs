@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::DVec2;
 use veduta_city::draw::Draw;
 use veduta_city::{
-    Anchor, Cell, CellShell, Cells, CityPlan, FacadeSheet, GridPolygon, GridPos, GroundFloor, GroundPatch, House, HouseShell, Id,
-    ObjectKind, Opening, Place, PlaceKind, PlanObject, PlanRoof, PlanStreet, Portal, PortalSide, Rgb, RoofShape, Storey,
-    SurfaceKind, Viewpoint, Volume, VolumeShell, Wall, WallKind,
+    Anchor, Cell, CellShell, Cells, CityPlan, FacadeSheet, Gable, GridPolygon, GridPos, GroundFloor, GroundPatch, House,
+    HouseShell, Id, ObjectKind, Opening, Place, PlaceKind, PlanObject, PlanRoof, PlanStreet, Portal, PortalSide, Rgb, RoofShape,
+    Storey, SurfaceKind, Viewpoint, Volume, VolumeShell, Wall, WallKind,
 };
 use veduta_store::{CityStats, StoreError, write_city};
 
@@ -82,6 +82,7 @@ fn house(draw: Draw, footprint: GridPolygon) -> House {
                 direction: 74,
                 colour: colour(draw, "tiles"),
             },
+            gable: Gable::Plain,
         }],
         monument: None,
     }
@@ -95,6 +96,7 @@ fn shell_of(house: &House, origin: GridPos) -> HouseShell {
         colour: volume.colour,
         trim: volume.trim,
         roof: volume.roof,
+        gable: volume.gable,
         has_roof: true,
         walls: (0..volume.walls.len() as u16).collect(),
     });

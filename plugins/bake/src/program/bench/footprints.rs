@@ -8,7 +8,7 @@ use std::process::Command;
 use clap::Args;
 use glam::DVec2;
 use serde::Deserialize;
-use veduta_city::{CellShell, GridPolygon, GridPos, HouseShell, Id, PlanRoof, Rgb, RoofShape, VolumeShell};
+use veduta_city::{CellShell, Gable, GridPolygon, GridPos, HouseShell, Id, PlanRoof, Rgb, RoofShape, VolumeShell};
 
 use super::programs::run;
 use crate::program::Failure;
@@ -53,7 +53,17 @@ impl Footprints {
             let walls = (0..ring.len() as u16).collect();
             let roof = PlanRoof { shape, height, direction: 0, colour: Rgb(0xA2, 0x4B, 0x33) };
             let [colour, trim] = [Rgb(0xD9, 0xB3, 0x6C), Rgb(0xEF, 0xE3, 0xC8)];
-            let volume = VolumeShell { footprint, bottom: 0, eaves: 12 * 1024, colour, trim, roof, has_roof: true, walls };
+            let volume = VolumeShell {
+                footprint,
+                bottom: 0,
+                eaves: 12 * 1024,
+                colour,
+                trim,
+                roof,
+                gable: Gable::Plain,
+                has_roof: true,
+                walls,
+            };
             HouseShell { id: Id(i as u64), style: 0, volumes: vec![volume], is_monument: false }
         };
         CellShell { houses: self.few.iter().enumerate().map(house).collect(), ..CellShell::default() }

@@ -1,6 +1,6 @@
 use glam::{DVec2, DVec3};
 use veduta_city::monument::PathPoint;
-use veduta_city::{GridPolygon, GridPos, PlanRoof, Rgb, RoofShape, VolumeShell};
+use veduta_city::{Gable, GridPolygon, GridPos, PlanRoof, Rgb, RoofShape, VolumeShell};
 
 use super::Mason;
 use super::path::line;
@@ -34,6 +34,7 @@ impl Mason<'_> {
             colour: Rgb::default(),
             trim: Rgb::default(),
             roof,
+            gable: Gable::Plain,
             has_roof: true,
             walls: Vec::new(),
         };
