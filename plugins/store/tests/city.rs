@@ -3,7 +3,7 @@
 mod sample;
 
 use sample::{City, TempDir, city, files};
-use veduta_city::{CityPlan, GridPos, Level, Overview, PortalSide, Style};
+use veduta_city::{CityPlan, Gable, GridPos, Level, Overview, PortalSide, Stand, Style};
 use veduta_store::*;
 
 fn index_of(dir: &std::path::Path) -> CityIndex {
@@ -95,6 +95,9 @@ fn styles_travel_with_the_city() {
         ground_windows: vec![veduta_city::Opening::Window],
         doors: vec![veduta_city::Opening::Door],
         shops: 0.5,
+        gables: vec![Gable::Volute],
+        gable_fronts: 0.5,
+        stand: Stand::Detached(3.0),
     };
     city.plan.styles.0.push(style);
     city.write(&temp.0).expect("written");

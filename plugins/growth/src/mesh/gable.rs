@@ -1,7 +1,7 @@
 //! Gable walls that rise above their roofs.
 
 use glam::{DVec2, DVec3};
-use veduta_city::Gable;
+use veduta_city::{Gable, Opening, Tile};
 
 use super::data::{MeshData, Paint};
 use super::outline::{Edge, Triangulator, engine};
@@ -12,6 +12,10 @@ const THICK_M: f64 = 0.42;
 const CLEAR_M: f64 = 0.3;
 const COPING_M: f64 = 0.09;
 const COPING_HEIGHT_M: f64 = 0.16;
+/// Size of the bay of a window in a gable, how high over the eaves it begins, and how far it stands before the wall; metres.
+const WINDOW_M: (f64, f64) = (1.7, 1.9);
+const WINDOW_FOOT_M: f64 = 0.5;
+const PROUD_M: f64 = 0.012;
 /// Height of a step as near as the gable divides, metres.
 const STEP_M: f64 = 1.25;
 
@@ -44,9 +48,17 @@ pub(super) fn is_shaped(gable: Gable, along: &[(f64, f64)]) -> bool {
     gable != Gable::Plain && along.len() == 3 && along[0].1 < 0.05 && along[2].1 < 0.05 && along[1].1 > 1.2
 }
 
-/// The gable above a wall: front, back and copings. `along`: where the roof meets it, as shares of its length and metres above the
-/// eaves.
-pub(super) fn gable(shape: Gable, edge: &Edge, eaves: f64, along: &[(f64, f64)], [plaster, trim]: [Paint; 2], mesh: &mut MeshData) {
+/// The gable above a wall: front, back and copings, and windows of the attic if wanted. `along`: where the roof meets it, as shares of
+/// its length and metres above the eaves.
+pub(super) fn gable(
+    shape: Gable,
+    edge: &Edge,
+    eaves: f64,
+    along: &[(f64, f64)],
+    [plaster, trim]: [Paint; 2],
+    has_windows: bool,
+    mesh: &mut MeshData,
+) {
     let (middle, height) = (along[1].0 * edge.length, along[1].1);
     let half = half(shape, height, middle.min(edge.length - middle));
     let left = half.iter().map(|&(share, h)| DVec2::new(middle * share, h));
@@ -66,6 +78,21 @@ pub(super) fn gable(shape: Gable, edge: &Edge, eaves: f64, along: &[(f64, f64)],
     });
     for pair in line.windows(2) {
         coping(pair, &at, trim, mesh);
+    }
+    if has_windows {
+        let paint = plaster.with_tile(Tile::Bay(Opening::AtticWindow));
+        for (row, foot) in [WINDOW_FOOT_M, WINDOW_FOOT_M + WINDOW_M.1 + 0.5].into_iter().enumerate() {
+            // As wide as the roof is at the windows' heads.
+            let room = edge.length * (1.0 - (foot + WINDOW_M.1) / height) - 0.8;
+            let count = (room / (WINDOW_M.0 + 0.5)).floor().clamp(0.0, 3.0 - row as f64);
+            for i in 0..count as u32 {
+                let x = middle + (f64::from(i) - (count - 1.0) / 2.0) * (WINDOW_M.0 + 0.5);
+                let (low, high) = (DVec2::new(x - WINDOW_M.0 / 2.0, foot), DVec2::new(x + WINDOW_M.0 / 2.0, foot + WINDOW_M.1));
+                let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)].map(|p| at(p, -PROUD_M));
+                let uvs = [(0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0)].map(|(u, v)| DVec2::new(u, v));
+                mesh.quad(corners, edge.normal(), uvs, paint);
+            }
+        }
     }
 }
 
@@ -115,7 +142,7 @@ fn half(shape: Gable, height: f64, half_m: f64) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::{Rgb, Tile};
+    use veduta_city::Rgb;
 
     use super::*;
 
@@ -145,7 +172,11 @@ mod tests {
             let along = [(0.0, 0.0), (0.5, 4.5), (1.0, 0.0)];
             assert!(is_shaped(shape, &along) && !is_shaped(Gable::Plain, &along));
             let mut mesh = MeshData::default();
-            gable(shape, &edge, 10.0, &along, [paint; 2], &mut mesh);
+            gable(shape, &edge, 10.0, &along, [paint; 2], false, &mut mesh);
+            let mut with_windows = MeshData::default();
+            gable(shape, &edge, 10.0, &along, [paint; 2], true, &mut with_windows);
+            let windows = with_windows.triangle_count() - mesh.triangle_count();
+            assert_eq!(windows, 2, "{shape:?}: there is room for one");
             mesh.validate().unwrap_or_else(|e| panic!("{e}"));
             let front: f32 = facing(&mesh, [0.0, 0.0, 1.0]);
             let back: f32 = facing(&mesh, [0.0, 0.0, -1.0]);

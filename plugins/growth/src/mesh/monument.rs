@@ -34,7 +34,7 @@ pub struct MonumentDetail {
 
 impl MonumentDetail {
     /// For the outline level: what is seen from afar.
-    pub const COARSE: Self = Self { within_m: 0.08, least_m: 0.25, has_reveals: false };
+    pub const COARSE: Self = Self { within_m: 0.12, least_m: 0.45, has_reveals: false };
     /// For the finer levels.
     pub const FINE: Self = Self { within_m: 0.008, least_m: 0.0, has_reveals: true };
 }

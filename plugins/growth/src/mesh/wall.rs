@@ -1,5 +1,5 @@
 use glam::DVec2;
-use veduta_city::{CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, metres};
+use veduta_city::{CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, WallKind, metres};
 
 use super::data::{MeshData, MeshError, Paint};
 use super::form::RoofForm;
@@ -20,7 +20,7 @@ pub fn level1(shell: &CellShell) -> MeshData {
         for &wall in &volume.walls {
             let Some(front) = Front::new(volume, wall, plaster) else { continue };
             front.plain(&mut mesh);
-            front.gable(&form, wall, &mut along, &mut mesh);
+            front.gable(&form, wall, false, &mut along, &mut mesh);
         }
     }
     mesh.append(&monuments(shell, MonumentDetail::COARSE));
@@ -53,7 +53,7 @@ pub fn facades(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshE
         for (&wall, plan) in volume.walls.iter().zip(plans) {
             let Some(front) = Front::new(volume, wall, plaster) else { continue };
             front.bays(plan, &mut mesh);
-            front.gable(&form, wall, &mut along, &mut mesh);
+            front.gable(&form, wall, plan.kind == WallKind::Street, &mut along, &mut mesh);
         }
     }
     Ok(mesh)
@@ -163,12 +163,12 @@ impl Front {
     }
 
     /// The gable above the wall, up to the roof.
-    fn gable(&self, form: &RoofForm<'_>, wall: u16, along: &mut Vec<(f64, f64)>, mesh: &mut MeshData) {
+    fn gable(&self, form: &RoofForm<'_>, wall: u16, has_windows: bool, along: &mut Vec<(f64, f64)>, mesh: &mut MeshData) {
         form.along_wall(wall.into(), along);
         let volume = form.volume;
         if gable::is_shaped(volume.gable, along) {
             let trim = Paint::new(self.plaster.centre, volume.trim, Tile::Carved);
-            return gable::gable(volume.gable, &self.edge, self.eaves, along, [self.plaster, trim], mesh);
+            return gable::gable(volume.gable, &self.edge, self.eaves, along, [self.plaster, trim], has_windows, mesh);
         }
         for pair in along.windows(2) {
             let [(from, low), (to, high)] = [pair[0], pair[1]];

@@ -69,9 +69,11 @@ fn styles() -> Styles {
 }
 
 /// Name and text of every file of stock monuments.
-const MONUMENTS: [(&str, &str); 3] = [
+const MONUMENTS: [(&str, &str); 5] = [
     ("solids.ron", include_str!("../../../../assets/monuments/solids.ron")),
+    ("classical.ron", include_str!("../../../../assets/monuments/classical.ron")),
     ("gothic.ron", include_str!("../../../../assets/monuments/gothic.ron")),
+    ("baroque.ron", include_str!("../../../../assets/monuments/baroque.ron")),
     ("prague_towers.ron", include_str!("../../../../assets/monuments/prague_towers.ron")),
 ];
 
@@ -101,5 +103,24 @@ mod tests {
         }
         let wrong: Vec<String> = monuments().validate().iter().map(ToString::to_string).collect();
         assert_eq!(wrong, [""; 0]);
+    }
+
+    #[test]
+    fn every_file_of_the_assets_is_part_of_the_stock() {
+        let files = |folder: &str| {
+            let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets").join(folder);
+            let all = std::fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+            let names = all.map(|file| file.unwrap_or_else(|e| panic!("{e}")).file_name().to_string_lossy().into_owned());
+            let mut names: Vec<String> = names.filter(|name| name.ends_with(".ron")).collect();
+            names.sort_unstable();
+            names
+        };
+        let listed = |list: &[(&str, &str)]| {
+            let mut names: Vec<String> = list.iter().map(|(name, _)| (*name).to_owned()).collect();
+            names.sort_unstable();
+            names
+        };
+        assert_eq!(files("styles"), listed(&STOCK));
+        assert_eq!(files("monuments"), listed(&MONUMENTS));
     }
 }

@@ -50,7 +50,8 @@ pub(super) fn line(points: &[PathPoint<i32>], closed: bool, within_m: f64) -> Ve
 /// The points between the ends of an arc.
 fn arc(from: DVec2, to: DVec2, bulge: f64, within_m: f64, out: &mut Vec<DVec2>) {
     let chord = to - from;
-    if bulge.abs() < 1e-3 || chord.length() < 1e-6 {
+    // Arcs that rise less than what chords may stay off are chords.
+    if bulge.abs() * chord.length() / 2.0 < within_m.max(1e-6) {
         return;
     }
     let angle = 4.0 * libm::atan(bulge);

@@ -187,3 +187,31 @@ fn a_bay_is_stretched_over_what_it_covers() {
         .fold(([9.0_f32; 2], [-9.0_f32; 2]), |(l, h), uv| ([l[0].min(uv[0]), l[1].min(uv[1])], [h[0].max(uv[0]), h[1].max(uv[1])]));
     assert!(reach.0.iter().all(|c| c.abs() < 1e-3) && reach.1.iter().all(|c| (c - 1.0).abs() < 1e-3), "{reach:?}");
 }
+
+#[test]
+fn every_stock_monument_is_sound_and_lighter_from_afar() {
+    let monuments = crate::plan::Stock::new().monuments;
+    for monument in &monuments.0 {
+        let name = &monument.name;
+        let design = monuments.design(name, &std::collections::BTreeMap::new()).unwrap_or_else(|e| panic!("{e}"));
+        let [fine, coarse] = [MonumentDetail::FINE, MonumentDetail::COARSE].map(|detail| {
+            let placed = veduta_city::PlacedMonument { design: 0, pos: GridPos(0, 0), z: 0, heading: 0 };
+            let mut mesh = MeshData::default();
+            super::monument(&design, &placed, detail, &mut mesh);
+            mesh.validate().unwrap_or_else(|e| panic!("{name}: {e}"));
+            mesh
+        });
+        assert!((1..=80_000).contains(&fine.triangle_count()), "{name}: {} triangles", fine.triangle_count());
+        assert!(coarse.triangle_count() <= fine.triangle_count(), "{name}");
+        let is_large = fine.triangle_count() > 20_000;
+        assert!(!is_large || 10 * coarse.triangle_count() < 9 * fine.triangle_count(), "{name}: {}", coarse.triangle_count());
+        // The outline is the same from afar.
+        let reach = |mesh: &MeshData| {
+            let none = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
+            mesh.positions.iter().map(|p| Vec3::from_array(*p)).fold(none, |(l, h), p| (l.min(p), h.max(p)))
+        };
+        let (near, far) = (reach(&fine), reach(&coarse));
+        let apart = (near.0 - far.0).abs().max((near.1 - far.1).abs());
+        assert!(!is_large || apart.max_element() < 1.6, "{name} is {apart} smaller from afar");
+    }
+}
