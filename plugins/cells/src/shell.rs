@@ -1,19 +1,21 @@
 use rayon::prelude::*;
 use veduta_city::{
-    Cell, CellShell, Cells, CityPlan, Design, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, HouseShell, Marking,
-    PlacedMonument, PlanObject, Portal, VolumeShell,
+    Cell, CellShell, Cells, CityPlan, Design, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, House, HouseShell,
+    Marking, PlacedMonument, PlanObject, Portal, Volume, VolumeShell,
 };
 
+use crate::overlay::{Keep, combine, turned_rings};
 use crate::patches::Patches;
 
 /// Content of every cell's level-1 packet: ground (of its yards, too), houses, objects and blind portals, relative to the packet's
-/// origin. Ground under houses is left out.
+/// origin. Ground under houses is left out, but not under monuments, which need not fill their buildings' footprints.
 #[must_use]
 pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
     let patches = Patches::new(&plan.ground);
     let shell = |cell: &Cell| {
         let origin = origin(cell);
-        let windows = core::iter::once(&cell.outline).chain(&cell.yards);
+        let footings = footings(plan, cell);
+        let windows = core::iter::once(&cell.outline).chain(&cell.yards).chain(&footings);
         let ground = windows.flat_map(|window| patches.clipped(window)).map(|(patch, piece)| GroundPatch {
             surface: patch.surface,
             outline: moved(&piece, origin),
@@ -77,6 +79,20 @@ fn houses(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<HouseShell> {
         Some(HouseShell { id: house.id, style: house.style, volumes: volumes.collect(), is_monument })
     };
     here.into_iter().filter_map(shell).collect()
+}
+
+/// The ground that monuments whose roofs the cell carries stand on, as polygons apart from each other.
+fn footings(plan: &CityPlan, cell: &Cell) -> Vec<GridPolygon> {
+    let monuments = cell.houses.iter().filter_map(|&h| plan.houses.get(h as usize)).filter(|house| house.monument.is_some());
+    let rings: Vec<GridRing> = monuments.flat_map(footing).collect();
+    if rings.is_empty() { Vec::new() } else { combine(Keep::FirstAlone, rings, [], true) }
+}
+
+/// Rings of the volumes of a house that stand on the ground.
+fn footing(house: &House) -> Vec<GridRing> {
+    let foot = house.volumes.iter().map(|volume| volume.bottom).min().unwrap_or(0);
+    let stands = |volume: &&Volume| volume.bottom.saturating_sub(foot) < GRID_PER_METRE;
+    house.volumes.iter().filter(stands).flat_map(|volume| turned_rings(&volume.footprint)).collect()
 }
 
 /// The designs of a cell's monuments, each once.

@@ -7,7 +7,10 @@ use std::collections::BTreeSet;
 use common::{at, house, patch, plan, rect, volume, with_hole};
 use glam::DVec2;
 use veduta_cells::{CellsError, Partition, PartitionSettings, cell_shells, check, facade_sheets, partition};
-use veduta_city::{CityPlan, GridPolygon, GridPos, House, Id, Place, PlaceKind, PlanStreet, Severity, SurfaceKind, WallKind};
+use veduta_city::{
+    CityPlan, Design, GridPolygon, GridPos, House, Id, Place, PlaceKind, PlacedMonument, PlanStreet, Severity, SurfaceKind, Volume,
+    WallKind,
+};
 
 fn cut(plan: &CityPlan) -> Partition {
     let partition = partition(plan, &PartitionSettings::default());
@@ -107,6 +110,24 @@ fn an_enclosed_courtyard_is_no_cell_but_its_ground_is_told() {
     let yard_m2: f64 =
         shells.iter().flat_map(|s| &s.ground).filter(|g| g.surface == SurfaceKind::Yard).map(|g| g.outline.area_m2()).sum();
     assert!((yard_m2 - 400.0).abs() < 1e-6, "the courtyard alone, not what lies under the house: {yard_m2}");
+}
+
+#[test]
+fn the_ground_under_a_monument_is_told_once() {
+    let mut plan = plan(rect(0.0, 0.0, 100.0, 100.0), [rect(20.0, 20.0, 60.0, 60.0)]);
+    // Two volumes over each other, and one that hangs.
+    let mut volumes = plan.houses[0].volumes.clone();
+    let hanging = Volume { bottom: 9 * 1024, footprint: rect(10.0, 10.0, 30.0, 30.0), ..volumes[0].clone() };
+    volumes.extend([Volume { footprint: rect(40.0, 40.0, 70.0, 60.0), ..volumes[0].clone() }, hanging]);
+    plan.houses[0].volumes = volumes;
+    plan.designs = vec![Design::default()];
+    let told_m2 = |plan: &CityPlan| -> f64 {
+        let shells = cell_shells(plan, &cut(plan).cells);
+        shells.iter().flat_map(|s| &s.ground).map(|g| g.outline.area_m2()).sum()
+    };
+    assert!((told_m2(&plan) - (10_000.0 - 1_800.0)).abs() < 1e-6, "{}", told_m2(&plan));
+    plan.houses[0].monument = Some(PlacedMonument { design: 0, pos: at(40.0, 40.0), z: 0, heading: 0 });
+    assert!((told_m2(&plan) - 10_000.0).abs() < 1e-6, "{}", told_m2(&plan));
 }
 
 #[test]
