@@ -243,6 +243,19 @@ pub(crate) fn ashlar(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
     })
 }
 
+/// Carved stone that tiles: grain, soft weather and dark runs, without joints; coloured by the vertex.
+pub(crate) fn carved(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
+    let grain = Fractal::new(draw.bits("grain"), 64, 64, 2, 0.7);
+    let weather = Fractal::new(draw.bits("weather"), 5, 4, 4, 0.6);
+    let runs = Fractal::new(draw.bits("runs"), 19, 2, 3, 0.6);
+    Canvas::tiling(size, size_m, |u, v| {
+        let (grain, weather, run) = (grain.at(u, v), weather.at(u, v), runs.at(u, v));
+        let shade = 1.0 + 0.06 * grain + 0.11 * weather - 0.13 * smoothstep(0.1, 0.9, run);
+        let warm = Vec3::new(1.0, 1.0 - 0.01 * weather, 1.0 - 0.05 * weather);
+        Texel { own: Vec3::ZERO, tint: warm * shade, height: 0.0022 * grain, rough: 0.84 + 0.05 * weather }
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -266,17 +279,4 @@ mod tests {
         let mean = canvas.texels.iter().map(|t| t.tint.x).sum::<f32>() / 4096.0;
         assert!((0.85..1.1).contains(&mean), "mean {mean}");
     }
-}
-
-/// Carved stone that tiles: grain, soft weather and dark runs, without joints; coloured by the vertex.
-pub(crate) fn carved(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
-    let grain = Fractal::new(draw.bits("grain"), 64, 64, 2, 0.7);
-    let weather = Fractal::new(draw.bits("weather"), 5, 4, 4, 0.6);
-    let runs = Fractal::new(draw.bits("runs"), 19, 2, 3, 0.6);
-    Canvas::tiling(size, size_m, |u, v| {
-        let (grain, weather, run) = (grain.at(u, v), weather.at(u, v), runs.at(u, v));
-        let shade = 1.0 + 0.06 * grain + 0.11 * weather - 0.13 * smoothstep(0.1, 0.9, run);
-        let warm = Vec3::new(1.0, 1.0 - 0.01 * weather, 1.0 - 0.05 * weather);
-        Texel { own: Vec3::ZERO, tint: warm * shade, height: 0.0022 * grain, rough: 0.84 + 0.05 * weather }
-    })
 }
