@@ -78,7 +78,7 @@ pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>,
     let mut shapes = Shapes::new();
     let mut objects = Vec::with_capacity(plan.objects.len());
     for object in &plan.objects {
-        objects.extend(export_object(&mut glb, &mut shapes, object)?);
+        objects.extend(export_object(&mut glb, &mut shapes, &plan.designs, object)?);
     }
     let objects = glb.node(Node { name: "objects", children: objects, ..Node::default() })?;
     let extras = json!({
@@ -189,16 +189,29 @@ fn shell(house: &House, volume: &Volume, ground: &GroundPatch, walls: Vec<u16>, 
 const VARIANTS: u64 = 4;
 
 /// Meshes of objects by kind, height and variant.
-type Shapes = BTreeMap<(ObjectKind, i32, u64), Option<glb::Mesh>>;
+type Shapes = BTreeMap<(ObjectKind, i32, u64, Option<u16>), Option<glb::Mesh>>;
 
-fn export_object(glb: &mut Glb, shapes: &mut Shapes, object: &PlanObject) -> Result<Option<glb::NodeIndex>, ExportError> {
-    let key = (object.kind, object.height, object.id.0 % VARIANTS);
+fn export_object(
+    glb: &mut Glb,
+    shapes: &mut Shapes,
+    designs: &[Design],
+    object: &PlanObject,
+) -> Result<Option<glb::NodeIndex>, ExportError> {
+    let design = object.monument.and_then(|design| designs.get(usize::from(design)));
+    let key = (object.kind, object.height, object.id.0 % VARIANTS, object.monument);
     let mesh = match shapes.get(&key) {
         Some(&known) => known,
         None => {
             let at_origin = PlanObject { pos: GridPos(0, 0), z: 0, heading: 0, ..object.clone() };
-            let shell = CellShell { objects: vec![at_origin], ..CellShell::default() };
-            *shapes.entry(key).or_insert(glb.mesh(&mesh::objects(&shell))?)
+            let mut made = MeshData::default();
+            match design {
+                Some(design) => {
+                    let placed = PlacedMonument { design: 0, pos: GridPos(0, 0), z: 0, heading: 0 };
+                    mesh::monument(design, &placed, MonumentDetail::FINE, &mut made);
+                }
+                None => made = mesh::objects(&CellShell { objects: vec![at_origin], ..CellShell::default() }),
+            }
+            *shapes.entry(key).or_insert(glb.mesh(&made)?)
         }
     };
     if mesh.is_none() {

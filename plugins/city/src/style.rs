@@ -49,7 +49,7 @@ pub struct Style {
     pub doors: Vec<Opening>,
     /// Share of ground-floor bays that are shops, 0 to 1.
     pub shops: f64,
-    /// Shapes to choose from of gables that show a street their front.
+    /// Shapes of gable walls to choose from.
     #[serde(default = "Style::plain_gables")]
     pub gables: Vec<Gable>,
     /// Share of narrow houses in a row that show the street their gable, 0 to 1.
@@ -60,7 +60,7 @@ pub struct Style {
     pub stand: Stand,
 }
 
-/// Shape of a gable wall, where it shows a street its front.
+/// Shape of a grown house's gable walls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub enum Gable {
     /// Under the roof.
@@ -81,7 +81,7 @@ pub enum Stand {
     /// From party wall to party wall.
     #[default]
     Row,
-    /// Apart from its lot's edges by at least so much, metres.
+    /// Apart from its lot's edges by about so much, metres.
     Detached(f64),
     /// A podium of so many storeys over the whole lot; what stands on it steps back twice, each time to such a share of its width.
     Setbacks {
@@ -275,7 +275,11 @@ impl Styles {
             let stand = match s.stand {
                 Stand::Row => None,
                 Stand::Detached(apart_m) => Some(("stand", Range(apart_m, apart_m))),
-                Stand::Setbacks { share, .. } => Some(("stand", share)),
+                Stand::Setbacks { podium, share } if podium.0 > 0 && podium.0 <= podium.1 && share.1 <= 1.0 => {
+                    Some(("stand", share))
+                }
+                // A range that is none, to be told.
+                Stand::Setbacks { share, .. } => Some(("stand", Range(0.0, share.1))),
             };
             for (field, Range(low, high)) in ranges.into_iter().chain(stand) {
                 if !(low > 0.0 && low <= high && high < 1000.0) {

@@ -60,7 +60,7 @@ mod streets;
 mod variety;
 mod walls;
 
-use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, GridPos, MonumentError, StyleError};
+use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, GridPos, StyleError};
 
 pub use stock::Stock;
 
@@ -85,9 +85,6 @@ pub enum GrowthError {
     /// The styles are unsound.
     #[error("the styles have {} mistakes; the first: {}", .0.len(), first(.0))]
     Styles(Vec<StyleError>),
-    /// The monuments are unsound.
-    #[error("the monuments have {} mistakes; the first: {}", .0.len(), first(.0))]
-    Monuments(Vec<MonumentError>),
     /// There is no style, or there are more than plans can number.
     #[error("{0} styles: there need to be 1 to 65,535")]
     StyleCount(usize),
@@ -113,7 +110,7 @@ impl Area<'_> {
 /// and places. Things without an id are given one first ([`CityGraph::fill_ids`]).
 ///
 /// # Errors
-/// [`GrowthError`] if the graph, the styles or the monuments do not pass their own validation.
+/// [`GrowthError`] if the graph or the styles do not pass their own validation. A monument that cannot be built is a finding.
 pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let Stock { styles, monuments } = stock;
     let mut graph = graph.clone();
@@ -129,10 +126,6 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     }
     if styles.0.is_empty() || styles.0.len() > usize::from(u16::MAX) {
         return Err(GrowthError::StyleCount(styles.0.len()));
-    }
-    let mistakes = monuments.validate();
-    if !mistakes.is_empty() {
-        return Err(GrowthError::Monuments(mistakes));
     }
     let mut findings = Vec::new();
     let extent = extent::extent(graph, &mut findings);

@@ -304,10 +304,6 @@ fn unsound_input_is_refused() {
     let mut stock = Stock::new();
     stock.styles.0[0].walls.clear();
     assert!(matches!(grow(&crossing(), &stock), Err(GrowthError::Styles(e)) if e.len() == 1));
-    let nameless =
-        veduta_city::file::parse("(name: \"m\", parts: [(uses: \"nothing\")])", "test").unwrap_or_else(|e| panic!("{e}"));
-    let stock = Stock::new().with(&[], vec![nameless]).unwrap_or_else(|e| panic!("{e}"));
-    assert!(matches!(grow(&crossing(), &stock), Err(GrowthError::Monuments(e)) if e.len() == 1));
 }
 
 /// Any graph that passes its validation, sound in meaning or not.

@@ -8,6 +8,9 @@ use proptest::prelude::*;
 use veduta_city::{CityGraph, CityPlan, GridPos, GroundPatch, Id, Link, LinkKind, Node, StreetClass, SurfaceKind, WidthAt};
 use veduta_growth::plan::{Stock, grow};
 
+/// Read once for all graphs.
+static STOCK: std::sync::LazyLock<Stock> = std::sync::LazyLock::new(Stock::new);
+
 /// The patch at a position; `None` on a border.
 fn patch_at(plan: &CityPlan, p: GridPos) -> Option<&GroundPatch> {
     plan.ground.iter().find(|patch| patch.outline.contains(p))
@@ -42,7 +45,7 @@ fn prove_streets(graph: &CityGraph, plan: &CityPlan) {
 }
 
 fn check(graph: &CityGraph) {
-    let growth = grow(graph, &Stock::new()).unwrap_or_else(|e| panic!("{e}"));
+    let growth = grow(graph, &STOCK).unwrap_or_else(|e| panic!("{e}"));
     prove_partition(&growth.plan);
     prove_streets(graph, &growth.plan);
     prove_mesh(&growth.plan);

@@ -11,6 +11,9 @@ use crate::{BlobRef, CellEntry, CityIndex};
 /// A reason in a sentence without a full stop.
 type Check = Result<(), String>;
 
+/// Most faces of all monuments of a cell together, and most vertices of one marking.
+const MOST_FACES: u64 = 16_000_000;
+const LONGEST_LINE: usize = 256;
 const FAR: u32 = 1 << 30;
 const NEAR: u32 = 1 << 27;
 
@@ -78,7 +81,7 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
         }
     }
     for (i, marking) in shell.markings.iter().enumerate() {
-        if marking.line.len() < 2 || !marking.line.iter().all(|&pos| is_within(pos, NEAR)) {
+        if !(2..=LONGEST_LINE).contains(&marking.line.len()) || !marking.line.iter().all(|&pos| is_within(pos, NEAR)) {
             return Err(format!("marking {i} has no line, or one that reaches too far"));
         }
         check_height("it", marking.z)
@@ -96,6 +99,11 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
             return Err(format!("monument {i} stands too far away"));
         }
         check_height("its foot", placed.z).map_err(|reason| format!("monument {i}: {reason}"))?;
+    }
+    let placed = shell.monuments.iter().map(|m| m.design).chain(shell.objects.iter().filter_map(|object| object.monument));
+    let faces = placed.filter_map(|d| shell.designs.get(usize::from(d))?.most_faces().ok());
+    if faces.fold(0, u64::saturating_add) > MOST_FACES {
+        return Err(format!("its monuments come to more than {MOST_FACES} faces"));
     }
     Ok(())
 }

@@ -131,6 +131,8 @@ pub(super) const MOST_PIECES: usize = 60_000;
 pub(super) const DEEPEST: usize = 24;
 /// Most of one thing in a repetition, and most sides of a round body.
 pub(super) const MOST_COPIES: i32 = 1_000;
+/// Largest scale, 1/1024.
+const MOST_SCALE: u32 = 100 * 1024;
 /// Largest number of a shape.
 const FARTHEST: u32 = 1 << 24;
 
@@ -166,6 +168,13 @@ impl Design {
             if !(0..=MOST_COPIES).contains(&copies) {
                 return Err(DesignError::Copies(i));
             }
+            let is_far = |n: &i32| n.unsigned_abs() > FARTHEST;
+            if piece.at.iter().any(is_far) || piece.turn.iter().any(is_far) {
+                return Err(DesignError::Number(i, "at"));
+            }
+            if piece.scale.iter().any(|&n| n == 0 || n.unsigned_abs() > MOST_SCALE) {
+                return Err(DesignError::Number(i, "scale"));
+            }
             let is_shape = matches!(piece.content, Content::Shape(_));
             if let Content::Shape(shape) = &piece.content {
                 let bounded = |field, unit, &n: &i32| match unit {
@@ -180,12 +189,25 @@ impl Design {
                 return Err(DesignError::Material(i));
             }
         }
-        let faces = self.sum(0..self.pieces.len(), 0, &Shape::most_faces)?;
-        if faces > MOST_FACES || self.pieces.len() > MOST_PIECES { Err(DesignError::TooMany) } else { Ok(()) }
+        if self.most_faces()? > MOST_FACES || self.pieces.len() > MOST_PIECES { Err(DesignError::TooMany) } else { Ok(()) }
+    }
+
+    /// A bound on the number of faces that it comes to, repetitions and the walk of groups counted.
+    ///
+    /// # Errors
+    /// [`DesignError::Group`] if its groups are not whole.
+    pub fn most_faces(&self) -> Result<u64, DesignError> {
+        self.sum(0..self.pieces.len(), 0, true, &Shape::most_faces)
     }
 
     /// What the shapes of some pieces come to, repetitions counted.
-    fn sum(&self, mut range: Range<usize>, depth: usize, each: &dyn Fn(&Shape<i32>) -> u64) -> Result<u64, DesignError> {
+    fn sum(
+        &self,
+        mut range: Range<usize>,
+        depth: usize,
+        counts_groups: bool,
+        each: &dyn Fn(&Shape<i32>) -> u64,
+    ) -> Result<u64, DesignError> {
         let mut sum: u64 = 0;
         while let Some(i) = range.next() {
             let piece = &self.pieces[i];
@@ -196,10 +218,12 @@ impl Design {
                 Content::Group(n) => {
                     let inner = group(&range, *n).filter(|_| depth < DEEPEST).ok_or(DesignError::Group(i))?;
                     range.start = inner.end;
-                    self.sum(inner, depth + 1, each)?
+                    self.sum(inner, depth + 1, counts_groups, each)?
                 }
             };
-            sum = sum.saturating_add(copies.saturating_mul(inner));
+            // A group costs its walk even where there is nothing in it.
+            let own = u64::from(matches!(piece.content, Content::Group(_)) && counts_groups);
+            sum = sum.saturating_add(copies.saturating_mul(inner.saturating_add(own)));
         }
         Ok(sum)
     }
@@ -207,7 +231,7 @@ impl Design {
     /// How many shapes it stands for, repetitions counted; 0 for one that does not pass [`Design::check`].
     #[must_use]
     pub fn shape_count(&self) -> u64 {
-        self.sum(0..self.pieces.len(), 0, &|_| 1).unwrap_or(0)
+        self.sum(0..self.pieces.len(), 0, false, &|_| 1).unwrap_or(0)
     }
 
     /// The pieces on their own level of a range of the list, each with the range of those within it.

@@ -283,9 +283,13 @@ impl Shape<i32> {
     pub fn most_faces(&self) -> u64 {
         // An arc comes to 48 chords at most.
         let points = |line: &[PathPoint<i32>]| line.iter().map(|p| if p.bulge.is_some() { 48 } else { 1 }).sum::<u64>();
-        let around = |sides: Option<i32>| sides.map_or(48, |sides| u64::from(sides.unsigned_abs()));
+        // Fewer than three sides stand for round ones.
+        let around = |sides: Option<i32>| sides.filter(|&n| n >= 3).map_or(48, |sides| u64::from(sides.unsigned_abs()));
         let plate = |outline: &[PathPoint<i32>], holes: &[Hole<i32>]| {
-            4 * (points(outline) + holes.iter().map(Hole::most_points).fold(0, u64::saturating_add))
+            // Holes are compared with one another and cut together.
+            let in_holes = holes.iter().map(Hole::most_points).fold(0, u64::saturating_add);
+            let all = points(outline).saturating_add(in_holes);
+            all.saturating_mul(4).saturating_add(all.saturating_mul(in_holes) / 1024)
         };
         match self {
             Self::Box { .. } => 6,
@@ -296,7 +300,7 @@ impl Shape<i32> {
             Self::Sweep { section, along, .. } => (points(section) + 1) * (points(along) + 1),
             Self::Tube { path, sides } => (path.len() as u64 + 2) * around(*sides),
             Self::Vault { .. } => 4 * 32,
-            Self::Roof { outline, .. } => 8 * points(outline),
+            Self::Roof { outline, .. } => 70 * points(outline),
         }
     }
 }
@@ -306,7 +310,7 @@ impl Hole<i32> {
         let one = match &self.shape {
             HoleShape::Rect(..) => 4,
             HoleShape::Arch(..) | HoleShape::Circle(_) => 50,
-            HoleShape::Foil(_, lobes) => 48 * u64::from(lobes.unsigned_abs()),
+            HoleShape::Foil(_, lobes) => 48 * u64::from(lobes.unsigned_abs().max(2)),
             HoleShape::Outline(outline) => 48 * outline.len() as u64,
         };
         let times = |count: Option<i32>| count.map_or(1, |count| u64::from(count.unsigned_abs()));

@@ -19,7 +19,7 @@ const BED_M: f64 = 0.45;
 /// Mitres at bends reach at most so many times as far as on a straight line.
 const LONGEST_MITRE: f64 = 3.0;
 /// Most dashes or stripes of one marking.
-const MOST: usize = 2_000;
+const MOST: usize = 100;
 
 /// Paint and rails on the ground of a cell, facing up. Centres are the middles of the markings' lines.
 #[must_use]

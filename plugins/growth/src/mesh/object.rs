@@ -53,7 +53,7 @@ pub fn objects(shell: &CellShell) -> MeshData {
 #[must_use]
 pub fn lantern(object: &PlanObject) -> Option<[f32; 3]> {
     let light = engine(object.pos.to_metres(), metres(object.z) + LIGHT_M * scale_of(object));
-    (object.kind == ObjectKind::Lamp).then(|| light.as_vec3().to_array())
+    (object.kind == ObjectKind::Lamp && object.monument.is_none()).then(|| light.as_vec3().to_array())
 }
 
 /// Height that a kind is modelled in; metres.

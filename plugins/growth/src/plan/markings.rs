@@ -49,7 +49,7 @@ impl Street<'_> {
         width_at_m(self.link, share) / 2.0 - pavement_m(self.class, width_m(self.link))
     }
 
-    /// The place at a distance from one end, how far to the left of the way from there, and the way.
+    /// The place at a distance from one end, so far to the left of the way from there.
     fn at(&self, from_start: bool, s_m: f64, left_m: f64) -> Option<DVec2> {
         let (p, way) = match from_start {
             true => super::streets::along(&self.line, s_m)?,
@@ -230,8 +230,9 @@ impl Marks<'_, '_> {
     /// Adds a line to the left of another, over some of its length, piece by piece.
     fn pieces(&mut self, kind: MarkingKind, line: &[DVec2], range: core::ops::Range<f64>, left_m: f64, width_m: f64) {
         let mut start = range.start;
-        while start + LEAST_M.min(range.end - range.start) <= range.end && start < range.end {
-            let end = (start + PIECE_M).min(range.end);
+        while start < range.end {
+            // The last piece takes a rest that would be too short for itself.
+            let end = if range.end - start < PIECE_M + LEAST_M { range.end } else { start + PIECE_M };
             self.add(kind, &beside(line, start, end, left_m), width_m);
             start = end;
         }

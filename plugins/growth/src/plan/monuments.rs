@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec2;
 use veduta_city::{
-    CityGraph, Design, Finding, GridPos, House, Id, MonumentTag, Monuments, PlacedMonument, PlanObject, Severity, StandingObject,
+    CityGraph, Design, Finding, GridPolygon, GridPos, House, Id, MonumentTag, Monuments, PlacedMonument, PlanObject, Ring,
+    Severity, StandingObject,
 };
 
 /// The designs of a city, each once, in the order in which they are first needed.
@@ -38,12 +39,13 @@ impl<'a> Designs<'a> {
     /// Puts the monuments that a graph names in place of their buildings. A building whose monument cannot be made keeps its walls and
     /// roofs.
     pub fn of_houses(&mut self, graph: &CityGraph, houses: &mut [House], findings: &mut Vec<Finding>) {
-        let tags: HashMap<Id, &MonumentTag> =
-            graph.buildings.iter().filter_map(|building| Some((building.id, building.monument.as_ref()?))).collect();
+        let tagged =
+            graph.buildings.iter().filter_map(|building| Some((building.id, (building.monument.as_ref()?, &building.outline))));
+        let tags: HashMap<Id, (&MonumentTag, &Ring)> = tagged.collect();
         for house in houses {
-            let Some(tag) = tags.get(&house.id) else { continue };
-            let Some(first) = house.volumes.first() else { continue };
-            let pos = tag.pos.unwrap_or_else(|| first.footprint.centroid());
+            let Some(&(tag, outline)) = tags.get(&house.id) else { continue };
+            let middle = || GridPolygon::simple(outline.iter().map(|&p| GridPos::from_metres(p)).collect()).centroid();
+            let pos = tag.pos.unwrap_or_else(middle);
             match self.number(&tag.name, &tag.with) {
                 Ok(design) => {
                     let z = house.volumes.iter().map(|volume| volume.bottom).min().unwrap_or(0);

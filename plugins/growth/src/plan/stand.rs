@@ -78,16 +78,18 @@ fn setbacks(
         return vec![Body { height_m: Some(top(storeys)), roof: flat, ..body(lot) }];
     }
     let second = podium + ((storeys - podium) as f64 * draw.between("second", 0.55, 0.8)) as usize;
-    let mut out = vec![Body { height_m: Some(top(podium)), roof: flat, is_covered: true, ..body(lot) }];
+    let mut out = vec![Body { height_m: Some(top(podium)), roof: flat, ..body(lot) }];
     for (i, (from, to)) in [(podium, second), (second, storeys)].into_iter().enumerate() {
-        let below = &out[i].footprint;
-        let (centre, share) = (below.centroid(), draw.part(i as u64).between("share", share.0, share.1));
-        let ring = below.outer.iter().map(|p| GridPos::from_metres(centre + (p.to_metres() - centre) * share)).collect();
+        let Some(below) = out.last_mut() else { break };
+        let (centre, share) = (below.footprint.centroid(), draw.part(i as u64).between("share", share.0, share.1));
+        let ring = below.footprint.outer.iter().map(|p| GridPos::from_metres(centre + (p.to_metres() - centre) * share)).collect();
         let step = body(GridPolygon::simple(ring));
-        if to > from && step.footprint.area_m2() > LEAST_STEP_M2 {
-            let is_covered = i == 0;
-            out.push(Body { bottom_m: top(from), height_m: Some(top(to)), roof: flat, is_covered, ..step });
+        if to <= from || step.footprint.area_m2() < LEAST_STEP_M2 {
+            below.height_m = Some(top(storeys));
+            break;
         }
+        below.is_covered = true;
+        out.push(Body { bottom_m: top(from), height_m: Some(top(to)), roof: flat, ..step });
     }
     out
 }
@@ -141,6 +143,15 @@ mod tests {
             }
             let top = bodies[2].height_m.expect("it is told");
             assert!((top - (5.5 + 25.0 * 3.7)).abs() < 1e-9, "{top}");
+        }
+        // A lot too small for steps goes up as it is, one too small for the second step ends with the first.
+        for (side, count) in [(7.0, 1), (10.0, 1), (12.0, 2)] {
+            let lot = lot(&[(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)]);
+            for i in 0..50 {
+                let bodies = bodies(lot.clone(), style, (5.5, 3.7, 26), Draw::new(1, Id(i), "t")).expect("a house");
+                let top = bodies[bodies.len() - 1].height_m.expect("it is told");
+                assert!(bodies.len() <= count + 1 && (top - (5.5 + 25.0 * 3.7)).abs() < 1e-9, "{side}: {top}");
+            }
         }
         let ell = lot(&[(0.0, 0.0), (30.0, 0.0), (30.0, 10.0), (10.0, 10.0), (10.0, 30.0), (0.0, 30.0)]);
         assert_eq!(bodies(ell, style, (5.5, 3.7, 26), Draw::new(1, Id(1), "t")).map(|b| b.len()), Some(1));

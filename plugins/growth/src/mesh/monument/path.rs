@@ -196,7 +196,8 @@ fn arched(width: f64, height: f64, head: Head, within_m: f64) -> Vec<DVec2> {
     let half = width / 2.0;
     let spring = (height - head_rise(head) * half).max(0.0);
     let mut out = vec![DVec2::new(-half, 0.0), DVec2::new(half, 0.0)];
-    let n = chords(half, within_m).max(8) / 2;
+    // An even number, so that the crown is a corner.
+    let n = (chords(half, within_m).max(8) / 2).next_multiple_of(2);
     if head == Head::Flat {
         out.extend([DVec2::new(half, height), DVec2::new(-half, height)]);
         return out;
@@ -235,11 +236,13 @@ pub(super) fn head_curve(head: Head, t: f64) -> f64 {
 /// Circles side by side about a middle, within a radius.
 fn foil(radius: f64, lobes: i32, within_m: f64) -> Vec<DVec2> {
     let step = 2.0 * PI / f64::from(lobes);
-    // Neighbouring lobes meet in cusps at two fifths of the radius.
-    let cusp = |k: i32| unit(PI / 2.0 + step * (f64::from(k) - 0.5)) * radius * 0.45;
+    // Cusps lie at 0.45 of the radius, or farther out where so many circles side by side would cross again.
+    let (sin, cos) = (libm::sin(step / 2.0), libm::cos(step / 2.0));
+    let out = (cos / (1.0 + sin) + 0.01).max(0.45);
+    let cusp = |k: i32| unit(PI / 2.0 + step * (f64::from(k) - 0.5)) * radius * out;
     let half_chord = cusp(0).distance(cusp(1)) / 2.0;
     let middle = (cusp(0) + cusp(1)).length() / 2.0;
-    let bulge = ((radius - middle) / half_chord.max(1e-6)).min(4.0);
+    let bulge = (radius - middle) / half_chord.max(1e-6);
     let mut out = Vec::new();
     for k in 0..lobes {
         arc(cusp(k), cusp(k + 1), bulge, within_m, &mut out);
