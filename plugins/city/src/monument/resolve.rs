@@ -82,7 +82,7 @@ impl Monuments {
     /// [`MonumentError`] if there is no such monument or parameter, or something in it cannot be.
     pub fn design(&self, name: &str, with: &BTreeMap<String, f64>) -> Result<Design, MonumentError> {
         let design = Design { name: name.to_owned(), ..Design::default() };
-        let mut resolver = Resolver { library: self, within: Vec::new(), design };
+        let mut resolver = Resolver { stock: self, within: Vec::new(), design };
         resolver.monument(name, with, &BTreeMap::new())?;
         let design = resolver.design;
         design.check().map_err(|error| MonumentError::Design { monument: name.to_owned(), error })?;
@@ -91,7 +91,7 @@ impl Monuments {
 }
 
 struct Resolver<'a> {
-    library: &'a Monuments,
+    stock: &'a Monuments,
     /// Names of the monuments that are being worked out, outermost first.
     within: Vec<&'a str>,
     design: Design,
@@ -155,7 +155,7 @@ impl<'a> Resolver<'a> {
         paints: &BTreeMap<String, Material>,
     ) -> Result<(), MonumentError> {
         let names = |all: &mut dyn Iterator<Item = &str>| all.collect::<Vec<_>>().join(", ");
-        let library = self.library;
+        let library = self.stock;
         let Some(monument) = library.find(name) else {
             let known = names(&mut library.0.iter().map(|m| m.name.as_str()));
             return Err(MonumentError::Unknown { name: name.to_owned(), known });

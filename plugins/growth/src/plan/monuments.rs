@@ -10,14 +10,14 @@ use veduta_city::{
 
 /// The designs of a city, each once, in the order in which they are first needed.
 pub(super) struct Designs<'a> {
-    library: &'a Monuments,
+    stock: &'a Monuments,
     list: Vec<Design>,
     known: HashMap<Design, u16>,
 }
 
 impl<'a> Designs<'a> {
-    pub fn new(library: &'a Monuments) -> Self {
-        Self { library, list: Vec::new(), known: HashMap::new() }
+    pub fn new(stock: &'a Monuments) -> Self {
+        Self { stock, list: Vec::new(), known: HashMap::new() }
     }
 
     pub fn finish(self) -> Vec<Design> {
@@ -26,7 +26,7 @@ impl<'a> Designs<'a> {
 
     /// Number of a monument's design with some parameters, or why there is none.
     fn number(&mut self, name: &str, with: &BTreeMap<String, f64>) -> Result<u16, String> {
-        let design = self.library.design(name, with).map_err(|error| error.to_string())?;
+        let design = self.stock.design(name, with).map_err(|error| error.to_string())?;
         if let Some(&number) = self.known.get(&design) {
             return Ok(number);
         }
@@ -63,7 +63,7 @@ impl<'a> Designs<'a> {
             graph.objects.iter().filter(|object| !object.monument.is_empty()).map(|object| (object.id, object)).collect();
         for object in objects {
             let Some(given) = named.get(&object.id) else { continue };
-            let has_height = self.library.find(&given.monument).is_some_and(|m| m.parameters.contains_key("height"));
+            let has_height = self.stock.find(&given.monument).is_some_and(|m| m.parameters.contains_key("height"));
             let height = (given.height_m > 0.0 && has_height).then(|| ("height".to_owned(), given.height_m));
             match self.number(&given.monument, &height.into_iter().collect()) {
                 Ok(design) => object.monument = Some(design),
