@@ -1,7 +1,8 @@
 use std::path::PathBuf;
 
 use veduta_city::file::FileError;
-use veduta_city::{GraphError, MonumentError, OverrideError, StyleError};
+use veduta_city::{GraphError, OverrideError};
+use veduta_growth::plan::StockError;
 
 /// A bake that came to nothing. What stood at the output's place before still stands.
 #[derive(Debug, thiserror::Error)]
@@ -73,21 +74,13 @@ pub enum BakeError {
         /// What is wrong.
         errors: Vec<OverrideError>,
     },
-    /// The styles are not ones to draw from.
+    /// The styles cannot be drawn from, or the monuments cannot be built.
     #[error("{path}: {}", list(.errors))]
-    Styles {
+    Stock {
         /// Which file.
         path: PathBuf,
         /// What is wrong.
-        errors: Vec<StyleError>,
-    },
-    /// The monuments cannot be built.
-    #[error("{path}: {}", list(.errors))]
-    Monuments {
-        /// Which file.
-        path: PathBuf,
-        /// What is wrong.
-        errors: Vec<MonumentError>,
+        errors: Vec<StockError>,
     },
     /// The graph could not be grown.
     #[error("{0}")]

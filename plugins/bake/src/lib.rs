@@ -46,4 +46,4 @@ pub use terrain::lay_on_ground;
 pub use vector_map::{LayerFile, VectorMap};
 pub use veduta_cells::PARTITION_VERSION;
 pub use veduta_growth::mesh::monument_bounds;
-pub use veduta_growth::plan::{GROWTH_VERSION, Stock};
+pub use veduta_growth::plan::{GROWTH_VERSION, Stock, StockError};

@@ -89,16 +89,8 @@ pub fn survey(input: &Input) -> Result<(CityGraph, Stock, Vec<Finding>), BakeErr
         let overrides = read_overrides(&beside)?;
         findings.extend(overrides.apply(&mut graph));
         graph.fill_ids();
-        let told = |error| BakeError::Styles { path: beside.clone(), errors: vec![error] };
+        let told = |errors| BakeError::Stock { path: beside.clone(), errors };
         stock = stock.with(&overrides.styles, overrides.monuments).map_err(told)?;
-        let errors = stock.styles.validate();
-        if !errors.is_empty() {
-            return Err(BakeError::Styles { path: beside, errors });
-        }
-        let errors = stock.monuments.validate();
-        if !errors.is_empty() {
-            return Err(BakeError::Monuments { path: beside, errors });
-        }
     }
     let (old, new): (Vec<_>, Vec<_>) = graph.validate().into_iter().partition(|error| own.contains(error));
     if !new.is_empty() {

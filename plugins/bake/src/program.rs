@@ -232,8 +232,8 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
         }
         Command::Export { source, output, monument, with, texture } => {
             let settings = ExportSettings { texture_px: texture };
-            match source.only().and_then(check::as_monuments) {
-                Some(read) => export::monuments(&read?.0, monument.as_deref(), with, &settings, &output)?,
+            match source.only().and_then(|path| Some((path, check::as_monuments(path)?))) {
+                Some((path, read)) => export::monuments((path, &read?.0), monument.as_deref(), with, &settings, &output)?,
                 None => export::city(&planned(&source, None, quiet)?.plan, &settings, &output)?,
             }
         }

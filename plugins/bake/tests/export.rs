@@ -1,5 +1,6 @@
 //! Exported models hold what the plan holds, and are sound binary glTF.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use gltf_json::accessor::{ComponentType, GenericComponentType};
@@ -7,7 +8,7 @@ use gltf_json::mesh::Semantic;
 use gltf_json::validation::{Checked::Valid, Validate};
 use gltf_json::{Accessor, Index, Root};
 use veduta_bake::{BakeSettings, ExportSettings, Input, export_glb, plan};
-use veduta_city::{CellShell, CityPlan, FacadeSheet, HouseShell, VolumeShell, WallKind};
+use veduta_city::{CellShell, CityPlan, FacadeSheet, HouseShell, ObjectKind, PlacedMonument, PlanObject, VolumeShell, WallKind};
 use veduta_growth::mesh;
 
 fn planned(path: &str) -> CityPlan {
@@ -122,6 +123,21 @@ fn an_object_stands_where_it_stands_in_the_game() {
         assert_eq!(node.translation, Some([pos.x as f32, veduta_city::metres(object.z) as f32, -pos.y as f32]));
     }
     assert!(!plan.objects.is_empty());
+}
+
+#[test]
+fn a_monument_is_not_taken_for_a_statue_of_its_kind() {
+    let mut plan = planned("tests/places/crossroads/crossroads.osm");
+    let stock = veduta_bake::Stock::new().monuments;
+    plan.designs = vec![stock.design("obelisk", &BTreeMap::new()).unwrap_or_else(|e| panic!("{e}"))];
+    let statue = PlanObject { kind: ObjectKind::Statue, height: 3072, ..plan.objects[0].clone() };
+    let placed = PlacedMonument { design: 0, pos: statue.pos, z: statue.z, heading: 0 };
+    plan.objects = vec![statue.clone(), PlanObject { monument: Some(placed.design), ..statue.clone() }, statue];
+    let glb = export_glb(&plan, &ExportSettings { texture_px: 16 }).unwrap_or_else(|e| panic!("{e}"));
+    let (root, _) = opened(&glb);
+    let meshes: Vec<_> = root.nodes.iter().filter(|node| node.translation.is_some()).map(|node| node.mesh).collect();
+    assert_eq!(meshes.len(), 3);
+    assert!(meshes[0].is_some() && meshes[0] == meshes[2] && meshes[0] != meshes[1] && meshes[1].is_some());
 }
 
 #[test]

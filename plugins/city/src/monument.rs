@@ -260,6 +260,19 @@ mod tests {
         assert_eq!(design(100_000).check(), Err(DesignError::Group(24)));
     }
 
+    #[test]
+    fn groups_of_nothing_cost_their_walk() {
+        let group = |n: u32| {
+            let repeat = Some(Repeat::Row { count: 1_000, step: [0; 3], centred: false });
+            Piece { repeat, content: Content::Group(n), ..piece() }
+        };
+        let design = |depth: u32| Design { pieces: (0..depth).rev().map(group).collect(), ..Design::default() };
+        assert_eq!((design(1).most_faces(), design(1).check()), (Ok(1_000), Ok(())));
+        assert_eq!(design(2).check(), Ok(()));
+        assert_eq!(design(3).check(), Err(DesignError::TooMany));
+        assert_eq!((design(20).check(), design(20).shape_count()), (Err(DesignError::TooMany), 0));
+    }
+
     fn piece() -> Piece {
         let content = Content::Group(0);
         Piece { at: [0; 3], turn: [0; 3], scale: [1024; 3], mirror: None, repeat: None, paint: 0, infill: None, content }

@@ -104,7 +104,7 @@ impl Style {
 
 /// A style as a person writes it: what is not given is that of the style that it inherits from. See [`Style`] for the fields.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields)]
 #[allow(missing_docs)]
 pub struct StyleDraft {
     pub name: String,

@@ -62,7 +62,7 @@ mod walls;
 
 use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, GridPos, StyleError};
 
-pub use stock::Stock;
+pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
 pub const GROWTH_VERSION: u32 = 4;

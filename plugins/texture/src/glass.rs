@@ -151,7 +151,7 @@ pub(crate) fn leaded(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
     let waves = Noise::new(draw.bits("waves"), 9, 13);
     let key = draw.bits("panes");
     Canvas::tiling(size, size_m, |u, v| {
-        // Half as high as wide would be squat: lozenges are one and a half times as high.
+        // Half as high as wide would be squat: lozenges are one and a third times as high.
         let (x, y) = (u * ACROSS, v * ACROSS * 0.75);
         let (a, b) = (x + y, x - y);
         let (i, j) = (floor(a), floor(b));

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anstream::println;
-use veduta_bake::{ExportSettings, export_glb, export_monuments};
+use veduta_bake::{BakeError, ExportSettings, export_glb, export_monuments};
 use veduta_city::{CityPlan, Monument, file};
 use veduta_growth::plan::Stock;
 
@@ -25,13 +25,15 @@ pub(crate) fn city(plan: &CityPlan, settings: &ExportSettings, output: &Path) ->
 
 /// Monuments of a file, which may use the stock's.
 pub(crate) fn monuments(
-    read: &[Monument],
+    (path, read): (&Path, &[Monument]),
     one: Option<&str>,
     with: Vec<(String, f64)>,
     settings: &ExportSettings,
     output: &Path,
 ) -> Result<(), Failure> {
-    let stock = Stock::new().with(&[], read.to_vec())?.monuments;
+    let stock = Stock::new().with(&[], read.to_vec());
+    let stock = stock.map_err(|errors| BakeError::Stock { path: path.to_path_buf(), errors })?.monuments;
+
     let with: BTreeMap<String, f64> = with.into_iter().collect();
     let designs = match one {
         Some(name) => vec![stock.design(name, &with)?],

@@ -115,7 +115,7 @@ pub enum Shape<N> {
         shape: RoofShape,
         /// Eaves to ridge, metres.
         height: N,
-        /// The way the ridge runs, degrees clockwise from y.
+        /// The way the ridge runs, or the way down of a skillion; whole degrees clockwise from y.
         #[serde(default = "none")]
         direction_deg: Option<N>,
     },

@@ -74,7 +74,7 @@ pub fn monument(design: &Design, placed: &PlacedMonument, detail: MonumentDetail
     let heading = (f64::from(placed.heading) / 100.0).to_radians();
     let front = DVec2::new(libm::sin(heading), libm::cos(heading));
     // Right as seen by who looks at the front.
-    let axes = DMat3::from_cols(engine(-front.perp(), 0.0) * -1.0, engine(-front, 0.0), DVec3::Y);
+    let axes = DMat3::from_cols(engine(front.perp(), 0.0), engine(-front, 0.0), DVec3::Y);
     let foot = metres(placed.z);
     let frame = DAffine3::from_mat3_translation(axes, engine(plan, foot));
     let mut mason = Mason {

@@ -10,7 +10,7 @@ use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, GroundPat
 use super::band::{pieces, quad, stations};
 use super::extent::Extent;
 use super::ground;
-use super::houses::{Draft, Grown, StyleBook};
+use super::houses::{Body, Draft, Grown, StyleBook};
 use super::index::Index;
 use super::perimeter::{self, Site};
 use super::streets::{self, Layer, Rank};
@@ -177,6 +177,7 @@ fn grow_plot(
     findings: &mut Vec<Finding>,
 ) -> Vec<Draft> {
     let mut out = Vec::new();
+    let mut count = 0;
     let mut narrow: Vec<DVec2> = Vec::new();
     for outline in &plot.outline {
         let houses: Vec<&GridPolygon> = obstacles.houses.near(outline, 0.0).into_iter().map(|(p, ())| p).collect();
@@ -202,24 +203,18 @@ fn grow_plot(
             let style = book.of_district(&plot.district);
             let Some(look) = book.style(style) else { continue };
             let draw = Draw::new(graph.seed, Id::from_place("site", site.centroid()), "lots");
-            out.extend(
-                grow_site(&Site { outline: &site, houses: &houses, width_m }, look, draw)
-                    .into_iter()
-                    .filter_map(|lot| draft(graph, lot, style, look, draw)),
-            );
+            let lots = grow_site(&Site { outline: &site, houses: &houses, width_m }, look, draw);
+            count += lots.len();
+            let lots = lots.into_iter().filter(is_buildable);
+            out.extend(lots.filter_map(|lot| draft(graph, lot, style, look, draw)));
         }
     }
     if let Some(&first) = narrow.first() {
         let message = format!("block: {} pieces of it are narrower than {NARROWEST_SITE_M} m and not built on", narrow.len());
         findings.push(Finding::new(Severity::Note, plot.id, Some(first), message));
     }
-    if out.is_empty() {
-        return out;
-    }
-    let before = out.len();
-    out.retain(|d| is_buildable(&d.bodies[0].footprint));
-    if out.len() < before {
-        let message = format!("block: {} of {before} lots are too small or thin to build on", before - out.len());
+    if out.len() < count {
+        let message = format!("block: {} of {count} lots are too small or thin to build on", count - out.len());
         findings.push(Finding::new(Severity::Note, plot.id, plot.outline.first().map(GridPolygon::centroid), message));
     }
     out
@@ -326,7 +321,18 @@ fn part_ways(mut drafts: Vec<Draft>, findings: &mut Vec<Finding>) -> Vec<Draft> 
         let rest = rest.into_iter().max_by(|a, b| a.area_m2().total_cmp(&b.area_m2()));
         let enough = (1.0 - MOST_CUT) * footprint.area_m2();
         match rest.filter(|rest| rest.area_m2() >= enough && is_buildable(rest)) {
-            Some(rest) => drafts[i].bodies[0].footprint = rest,
+            Some(rest) => {
+                // Steps stand on the rest, or not at all.
+                let bodies = &mut drafts[i].bodies;
+                bodies[0].footprint = rest;
+                let stands = |pair: &[Body]| {
+                    let (below, step) = (&pair[0].footprint, &pair[1].footprint);
+                    boolean::overlap_m2(step, below) > step.area_m2() - TOLERATED_M2
+                };
+                let count = 1 + bodies.windows(2).take_while(|pair| stands(pair)).count();
+                bodies.truncate(count);
+                bodies[count - 1].is_covered = false;
+            }
             None => {
                 stands[i] = false;
                 let message = "grown house: blocks overlap here, and another house stands on its lot";
@@ -396,5 +402,23 @@ mod tests {
         assert_eq!((stand.len(), findings.len()), (2, 1));
         let overlap = boolean::overlap_m2(&stand[0].bodies[0].footprint, &stand[1].bodies[0].footprint);
         assert_eq!(overlap, 0.0);
+    }
+
+    #[test]
+    fn steps_stand_on_what_is_left_of_their_podium() {
+        let styles = Stock::new().styles;
+        let stand = veduta_city::Stand::Setbacks { podium: (4, 4), share: veduta_city::Range(0.95, 0.95) };
+        let tower = Style { stand, ..styles.0[styles.find("skyscraper").expect("stock")].clone() };
+        let house = |x: f64, w: f64, style: &Style| {
+            draft(&CityGraph::default(), polygon(x, 0.0, w, 40.0), 0, style, Draw::new(1, Id(1), "t")).expect("room")
+        };
+        // Steps are a metre narrower on each side than what they stand on.
+        for (cut, count) in [(0.0, 3), (0.5, 3), (1.5, 1), (3.0, 1)] {
+            let next = house(-20.0, 20.0 + cut, &styles.0[0]);
+            let stand = part_ways(vec![next, house(0.0, 40.0, &tower)], &mut Vec::new());
+            let bodies = &stand[1].bodies;
+            assert_eq!(bodies.len(), count, "{cut} m cut off");
+            assert!(bodies.iter().enumerate().all(|(i, body)| body.is_covered == (i + 1 < count)), "{cut} m cut off");
+        }
     }
 }

@@ -66,13 +66,6 @@ struct End {
     is_start: bool,
 }
 
-/// What a crossroads takes of the end of a street.
-#[derive(Clone, Copy, Default)]
-struct Taken {
-    /// Length along the street without lines, metres.
-    length_m: f64,
-}
-
 /// All markings, in the order of links.
 pub(super) fn markings(graph: &CityGraph, site: &Site<'_>) -> Vec<Marking> {
     let at = graph.node_positions();
@@ -103,11 +96,12 @@ pub(super) fn markings(graph: &CityGraph, site: &Site<'_>) -> Vec<Marking> {
         }
     }
     let mut marks = Marks { site, out: Vec::new() };
-    let mut taken = vec![[Taken::default(); 2]; streets.len()];
+    // Length along each street, from its start and from its end, that crossroads leave without lines; metres.
+    let mut taken = vec![[0.0; 2]; streets.len()];
     for (node, mut arms) in nodes {
         crossing(graph.seed, node, &mut arms, &streets, &mut taken, &mut marks);
     }
-    for (street, taken) in streets.iter().zip(&taken) {
+    for (street, &taken) in streets.iter().zip(&taken) {
         lines(street, taken, &mut marks);
     }
     for link in graph.links.iter().filter(|link| link.kind == LinkKind::Railway { tram: true } && link.layer >= 0) {
@@ -118,14 +112,7 @@ pub(super) fn markings(graph: &CityGraph, site: &Site<'_>) -> Vec<Marking> {
 }
 
 /// Zebras and stop lines of a node, and how far each of its streets is without lines.
-fn crossing(
-    seed: u64,
-    node: Id,
-    arms: &mut [Arm<End>],
-    streets: &[Street<'_>],
-    taken: &mut [[Taken; 2]],
-    marks: &mut Marks<'_, '_>,
-) {
+fn crossing(seed: u64, node: Id, arms: &mut [Arm<End>], streets: &[Street<'_>], taken: &mut [[f64; 2]], marks: &mut Marks<'_, '_>) {
     if arms.len() < 3 {
         return;
     }
@@ -164,7 +151,7 @@ fn crossing(
                 at = stop + STOP_M;
             }
         }
-        taken[end.street][usize::from(!end.is_start)].length_m = at + 0.8;
+        taken[end.street][usize::from(!end.is_start)] = at + 0.8;
     }
 }
 
@@ -181,8 +168,8 @@ fn corner_m<T>(before: &Arm<T>, after: &Arm<T>, gap: f64) -> (f64, f64) {
 }
 
 /// The lines along a street.
-fn lines(street: &Street<'_>, taken: &[Taken; 2], marks: &mut Marks<'_, '_>) {
-    let (from, to) = (taken[0].length_m, street.length_m - taken[1].length_m);
+fn lines(street: &Street<'_>, taken: [f64; 2], marks: &mut Marks<'_, '_>) {
+    let (from, to) = (taken[0], street.length_m - taken[1]);
     let half = (0..=8).map(|i| street.half_m(f64::from(i) / 8.0)).fold(f64::INFINITY, f64::min);
     let width = 2.0 * half;
     if to - from < LEAST_M || width < TWO_LANES_M {
@@ -313,6 +300,24 @@ mod tests {
         assert_eq!(all.len(), 9);
         let length: f64 = all.iter().map(|m| m.line[0].to_metres().distance(m.line[1].to_metres())).sum();
         assert!((length - 240.0).abs() < 0.01, "{length}");
+    }
+
+    #[test]
+    fn rails_have_no_gap_at_any_length() {
+        for length in [1.0, 2.0, 5.0, 26.0, 27.0, 28.0, 29.0, 30.0, 31.0, 55.5, 60.0] {
+            let text = format!(
+                "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 1, pos: (0, 0)), (id: 2, pos: ({length}, 0)), (id: 3, pos: (0, 80))],
+                  links: [(from: 1, to: 2, kind: Railway(tram: true)), (from: 1, to: 3, kind: Street(Lane))])"
+            );
+            let graph: CityGraph = veduta_city::file::parse(&text, "t").unwrap_or_else(|e| panic!("{e}"));
+            let all = grow(&graph, &Stock::new()).unwrap_or_else(|e| panic!("{e}")).plan.markings;
+            let mut pieces: Vec<(f64, f64)> =
+                all.iter().map(|m| (m.line[0].to_metres().x, m.line[m.line.len() - 1].to_metres().x)).collect();
+            pieces.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            assert!(pieces.windows(2).all(|pair| (pair[0].1 - pair[1].0).abs() < 1e-9), "{length} m: {pieces:?}");
+            let (from, to) = (pieces.first().map(|p| p.0), pieces.last().map(|p| p.1));
+            assert!(from == Some(0.0) && to.is_some_and(|to| (to - length).abs() < 0.002), "{length} m: {pieces:?}");
+        }
     }
 
     #[test]

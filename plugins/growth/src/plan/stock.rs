@@ -1,6 +1,6 @@
 //! The stock styles and monuments, as they lie in `assets/styles` and `assets/monuments`.
 
-use veduta_city::{Monument, Monuments, StyleDraft, StyleError, Styles, file};
+use veduta_city::{Monument, MonumentError, Monuments, StyleDraft, StyleError, Styles, file};
 
 /// Name and text of every stock style, in the order in which plans number them; each comes after those that it inherits from.
 const STOCK: [(&str, &str); 15] = [
@@ -30,6 +30,17 @@ pub struct Stock {
     pub monuments: Monuments,
 }
 
+/// What is wrong with styles or monuments that are brought.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum StockError {
+    /// A style cannot be drawn from.
+    #[error(transparent)]
+    Style(#[from] StyleError),
+    /// A monument cannot be built.
+    #[error(transparent)]
+    Monument(#[from] MonumentError),
+}
+
 impl Stock {
     /// The styles and monuments that come with growth.
     pub fn new() -> Self {
@@ -39,13 +50,28 @@ impl Stock {
     /// Adds styles and monuments, or puts them in place of those of the same name.
     ///
     /// # Errors
-    /// [`StyleError`] if a style inherits from one that is not there, or leaves out what nothing else gives.
-    pub fn with(mut self, styles: &[StyleDraft], monuments: Vec<Monument>) -> Result<Self, StyleError> {
-        for style in styles {
-            let style = style.finish(&self.styles)?;
-            match self.styles.find(&style.name) {
-                Some(i) => self.styles.0[i] = style,
-                None => self.styles.0.push(style),
+    /// Everything that is then wrong with any of them: two of those brought share a name, a style inherits from one that is not
+    /// there, a monument cannot be built.
+    pub fn with(mut self, styles: &[StyleDraft], monuments: Vec<Monument>) -> Result<Self, Vec<StockError>> {
+        let mut errors: Vec<StockError> = Vec::new();
+        for (i, draft) in styles.iter().enumerate() {
+            if styles[..i].iter().any(|other| other.name == draft.name) {
+                errors.push(StyleError::Twice(draft.name.clone()).into());
+                continue;
+            }
+            match (draft.finish(&self.styles), self.styles.find(&draft.name)) {
+                (Ok(style), Some(i)) => self.styles.0[i] = style,
+                (Ok(style), None) => self.styles.0.push(style),
+                (Err(error), _) => errors.push(error.into()),
+            }
+        }
+        errors.extend(self.styles.validate().into_iter().map(StockError::from));
+        if monuments.is_empty() {
+            return if errors.is_empty() { Ok(self) } else { Err(errors) };
+        }
+        for (i, monument) in monuments.iter().enumerate() {
+            if monuments[..i].iter().any(|other| other.name == monument.name) {
+                errors.push(MonumentError::Twice(monument.name.clone()).into());
             }
         }
         for monument in monuments {
@@ -54,7 +80,8 @@ impl Stock {
                 None => self.monuments.0.push(monument),
             }
         }
-        Ok(self)
+        errors.extend(self.monuments.validate().into_iter().map(StockError::from));
+        if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 }
 
@@ -103,6 +130,29 @@ mod tests {
         }
         let wrong: Vec<String> = monuments().validate().iter().map(ToString::to_string).collect();
         assert_eq!(wrong, [""; 0]);
+    }
+
+    #[test]
+    fn two_of_one_name_are_told() {
+        let style = |name: &str| StyleDraft { name: name.to_owned(), inherits: Some("church".to_owned()), ..StyleDraft::default() };
+        let monument = |name: &str| {
+            let text = format!("(name: \"{name}\", parts: [])");
+            file::parse::<Monument>(&text, "test").unwrap_or_else(|e| panic!("{e}"))
+        };
+        let told = |styles: &[StyleDraft], monuments: Vec<Monument>| {
+            let errors = Stock::new().with(styles, monuments).err().unwrap_or_default();
+            errors.iter().map(ToString::to_string).collect::<Vec<_>>()
+        };
+        for name in ["mine", "old_town"] {
+            assert_eq!(told(&[style(name), style(name)], Vec::new()), [format!("two styles are called `{name}`")]);
+        }
+        for name in ["mine", "obelisk"] {
+            let errors = told(&[], vec![monument(name), monument(name)]);
+            assert_eq!(errors, [format!("two monuments are called `{name}`")]);
+        }
+        let stock = Stock::new().with(&[style("mine"), style("old_town")], vec![monument("mine"), monument("obelisk")]);
+        let counts = stock.map(|stock| (stock.styles.0.len(), stock.monuments.0.len()));
+        assert_eq!(counts, Ok((styles().0.len() + 1, monuments().0.len() + 1)));
     }
 
     #[test]

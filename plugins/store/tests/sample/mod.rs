@@ -89,16 +89,9 @@ fn house(draw: Draw, footprint: GridPolygon) -> House {
 }
 
 fn shell_of(house: &House, origin: GridPos) -> HouseShell {
-    let volumes = house.volumes.iter().map(|volume| VolumeShell {
-        footprint: moved(&volume.footprint, origin),
-        bottom: volume.bottom,
-        eaves: volume.eaves,
-        colour: volume.colour,
-        trim: volume.trim,
-        roof: volume.roof,
-        gable: volume.gable,
-        has_roof: true,
-        walls: (0..volume.walls.len() as u16).collect(),
+    let volumes = house.volumes.iter().map(|volume| {
+        let walls = (0..volume.walls.len() as u16).collect();
+        VolumeShell { footprint: moved(&volume.footprint, origin), ..VolumeShell::of(volume, walls, true) }
     });
     HouseShell { id: house.id, style: house.style, volumes: volumes.collect(), is_monument: false }
 }

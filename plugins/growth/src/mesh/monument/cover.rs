@@ -25,7 +25,7 @@ impl Mason<'_> {
             ring.reverse();
         }
         let footprint = GridPolygon::simple(ring.iter().map(|&p| GridPos::from_metres(p)).collect());
-        let direction = (direction.rem_euclid(36_000) / 100) as u16;
+        let direction = ((direction + 50).rem_euclid(36_000) / 100) as u16;
         let roof = PlanRoof { shape, height: height.max(0), direction, colour: Rgb::default() };
         let volume = VolumeShell {
             footprint,

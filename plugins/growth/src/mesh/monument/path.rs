@@ -207,7 +207,12 @@ fn arched(width: f64, height: f64, head: Head, within_m: f64) -> Vec<DVec2> {
         let t = libm::cos(PI * i as f64 / n as f64);
         DVec2::new(half * t, spring + rise * head_curve(head, t))
     }));
-    out.dedup_by(|a, b| a.distance_squared(*b) < 1e-8);
+    // A head that springs from the foot begins and ends with its corners.
+    let is_one = |a: DVec2, b: DVec2| a.distance_squared(b) < 1e-8;
+    out.dedup_by(|a, b| is_one(*a, *b));
+    if out.first().zip(out.last()).is_some_and(|(&a, &b)| is_one(a, b)) {
+        out.pop();
+    }
     out
 }
 
@@ -280,10 +285,38 @@ mod tests {
     fn heads_begin_at_their_springs_and_end_at_the_crown() {
         for head in [Head::Round, Head::Pointed, Head::Segmental] {
             assert!((head_curve(head, 0.0) - 1.0).abs() < 1e-9 && head_curve(head, 1.0).abs() < 1e-9, "{head:?}");
-            let outline = arched(2.0, 5.0, head, 0.01);
-            let top = outline.iter().map(|p| p.y).fold(0.0, f64::max);
-            assert!((top - 5.0).abs() < 1e-9 && area(&outline) > 8.0, "{head:?}: {top}");
+            for width in [0.3, 0.5, 0.6, 1.0, 1.5, 2.0, 7.0] {
+                let outline = arched(width, 5.0, head, 0.01);
+                let top = outline.iter().copied().fold(DVec2::ZERO, |top, p| if p.y > top.y { p } else { top });
+                assert!((top - DVec2::new(0.0, 5.0)).length() < 1e-9, "{head:?} {width}: {top}");
+                // Foot to spring, and no corner twice.
+                let spring = 5.0 - head_rise(head) * width / 2.0;
+                assert!(area(&outline) > width * spring.max(0.0), "{head:?} {width}: {}", area(&outline));
+                assert!(edges(&outline).all(|(a, b)| a.distance(b) > 1e-4), "{head:?} {width}");
+            }
         }
+    }
+
+    #[test]
+    fn foils_do_not_cross_themselves() {
+        for lobes in 2..=24 {
+            let outline = foil(1.0, lobes, 0.005);
+            let all: Vec<(DVec2, DVec2)> = edges(&outline).collect();
+            for (i, &(a, b)) in all.iter().enumerate() {
+                let apart = all.iter().enumerate().skip(i + 2).filter(|(j, _)| (j + 1) % all.len() != i);
+                for (_, &(c, d)) in apart {
+                    let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p) > 0.0;
+                    let do_cross = side(a, b, c) != side(a, b, d) && side(c, d, a) != side(c, d, b);
+                    assert!(!do_cross, "{lobes} lobes: {a} to {b} crosses {c} to {d}");
+                }
+            }
+            let reach = outline.iter().map(|p| p.length()).fold(0.0, f64::max);
+            assert!(area(&outline) > 0.9 && (reach - 1.0).abs() < 0.01, "{lobes} lobes: {} {reach}", area(&outline));
+        }
+    }
+
+    fn edges(ring: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> {
+        ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
     }
 
     #[test]

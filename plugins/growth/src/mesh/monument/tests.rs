@@ -115,6 +115,24 @@ fn bodies_are_closed_and_not_inside_out() {
 }
 
 #[test]
+fn no_shape_comes_to_more_faces_than_it_tells() {
+    let without_sides = [
+        ("cylinder of no sides", "Cylinder(radius: 3, height: 3, sides: 0)"),
+        ("cone of two", "Cone(radius: 30, height: 3, sides: 2)"),
+        ("lathe of one", "Lathe(profile: [(2, 0), (2, 1), (1.6, 1, 0.4), (1.6, 0.4)], sides: 1)"),
+        ("tube of none", "Tube(path: [(0, 0, 0, 2), (0.5, 0, 1, 1.5), (0.6, 0.4, 2, 0)], sides: 0)"),
+        ("many-lobed", "Panel(outline: [(3, 0), (-3, 0, 1), (3, 0, 1)], depth: 0.4, holes: [(at: (0, 0), shape: Foil(2.5, 24))])"),
+    ];
+    for (name, shape) in SHAPES.into_iter().chain(without_sides) {
+        let design = design(shape, "");
+        let mesh = made(&design, 0, MonumentDetail::FINE);
+        let told = design.most_faces().unwrap_or_else(|e| panic!("{name}: {e}"));
+        // A face is a ring of corners; rings of four come to two triangles.
+        assert!(mesh.triangle_count() as u64 <= 2 * told, "{name}: {} triangles, {told} faces told", mesh.triangle_count());
+    }
+}
+
+#[test]
 fn known_bodies_have_their_volumes() {
     for (shape, expected) in [
         ("Box(size: (2, 3, 4))", 24.0),
