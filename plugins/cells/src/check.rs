@@ -148,8 +148,7 @@ fn check_free(plan: &CityPlan, cells: &Cells, errors: &mut Vec<CellsError>) {
     let rings = cells.cells.iter().flat_map(|cell| turned_rings(&cell.outline));
     let mut beyond = combine(Keep::FirstAlone, rings, free.iter().flat_map(turned_rings), false);
     beyond.retain(|piece| {
-        let perimeter_m: f64 =
-            piece.rings().flat_map(|ring| edges(ring)).map(|(a, b)| (b.to_metres() - a.to_metres()).length()).sum();
+        let perimeter_m: f64 = piece.edges().map(|(a, b)| (b.to_metres() - a.to_metres()).length()).sum();
         2.0 * piece.area_m2() > SLIVER_M * perimeter_m
     });
     if !beyond.is_empty() {

@@ -6,7 +6,7 @@ use rstar::{
 };
 use veduta_city::{Cell, GridPos};
 
-use crate::overlay::{Bounds, edges};
+use crate::overlay::Bounds;
 
 /// Finds cells by place.
 pub(crate) struct Locator<'a> {
@@ -43,7 +43,7 @@ impl<'a> Locator<'a> {
         let side = SIDE.max(width.max(height) / MOST + 1);
         let (columns, rows) = (width / side + 1, height / side + 1);
         let edges = (0..).zip(cells).flat_map(|(i, cell)| {
-            let edges = cell.outline.rings().flat_map(|ring| edges(ring));
+            let edges = cell.outline.edges();
             edges.map(move |(a, b)| GeomWithData::new(Line::new(float(a), float(b)), i))
         });
         let tree = RTree::bulk_load(edges.collect());

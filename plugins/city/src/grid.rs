@@ -90,6 +90,11 @@ impl GridPolygon {
         core::iter::once(&self.outer).chain(&self.holes)
     }
 
+    /// The edges of all rings, in order.
+    pub fn edges(&self) -> impl Iterator<Item = (GridPos, GridPos)> + '_ {
+        self.rings().flat_map(|ring| ring_edges(ring))
+    }
+
     /// Area in square metres, holes taken off.
     #[must_use]
     pub fn area_m2(&self) -> f64 {
@@ -100,7 +105,7 @@ impl GridPolygon {
     /// Whether a position lies inside (even–odd rule; a position on the border may count either way).
     #[must_use]
     pub fn contains(&self, p: GridPos) -> bool {
-        self.rings().filter(|ring| ring_contains(ring, p)).count() % 2 == 1
+        self.holes.iter().fold(ring_contains(&self.outer, p), |inside, hole| inside != ring_contains(hole, p))
     }
 
     /// Least and greatest corner of the outer ring; `None` if it is empty.

@@ -160,9 +160,8 @@ impl Tiles {
 
     /// The segments that each tile's ground touches.
     fn bins(&self, segments: &[Segment]) -> Cells {
-        let mut bins = Gathering::of_side(self.extent.lo, self.shift, (self.columns, self.rows));
-        segments.iter().zip(0..).for_each(|(s, i)| bins.edge(s.a, s.b, i));
-        bins.sorted()
+        let bins = Gathering::of_side(self.extent.lo, self.shift, (self.columns, self.rows));
+        bins.each(segments, |own, segment, i| own.edge(segment.a, segment.b, i as u32)).sorted()
     }
 
     /// Hot points of each tile with those of its neighbours that lie on its sides.
@@ -227,7 +226,7 @@ mod tests {
     const SIDE: i32 = 1 << TILE_SHIFT;
 
     fn twice_area(polygon: &GridPolygon) -> i64 {
-        polygon.rings().flat_map(|ring| ring_edges(ring)).map(|(a, b)| GridPos(0, 0).cross(a, b)).sum()
+        polygon.edges().map(|(a, b)| GridPos(0, 0).cross(a, b)).sum()
     }
 
     /// Every edge runs once each way but for those of the extent, and the areas make up the extent: nothing overlaps, and

@@ -2,10 +2,10 @@
 
 use glam::DVec2;
 use rayon::prelude::*;
-use veduta_city::{GridPos, SurfaceKind};
+use veduta_city::{GridPolygon, GridPos, SurfaceKind};
 
 use super::ground::Ground;
-use super::houses::Draft;
+use super::houses::{Body, Draft};
 use super::index::{Cells, Gathering, Index, joined};
 use super::outline;
 
@@ -54,47 +54,45 @@ pub(super) struct Facing {
 
 /// The edges of all footprints, and which run where.
 struct Edges {
-    all: Vec<(BodyRef, DVec2, DVec2)>,
+    all: Vec<(BodyRef, GridPos, GridPos)>,
     cells: Cells,
 }
 
 impl Edges {
     fn of(drafts: &[Draft]) -> Self {
-        let bodies = || {
-            drafts.iter().enumerate().flat_map(|(h, draft)| draft.bodies.iter().enumerate().map(move |(b, body)| ((h, b), body)))
-        };
-        let boxes = bodies().filter_map(|(_, body)| body.footprint.bounds());
-        let Some(bounds) = boxes.reduce(joined) else { return Self { all: Vec::new(), cells: Cells::default() } };
-        let mut all = Vec::new();
-        let mut gathering = Gathering::new(bounds, drafts.len());
-        for (at, body) in bodies() {
-            for (p, q) in body.footprint.rings().flat_map(|r| outline::edges(r)) {
-                gathering.edge(p, q, all.len() as u32);
-                all.push((at, p.to_metres(), q.to_metres()));
-            }
-        }
-        Self { all, cells: gathering.sorted() }
+        let bodies: Vec<(BodyRef, &GridPolygon)> = bodies_of(drafts).map(|(at, body)| (at, &body.footprint)).collect();
+        let edges = |&(at, footprint): &(BodyRef, &'_ GridPolygon)| footprint.edges().map(move |(p, q)| (at, p, q)).collect();
+        let all: Vec<(BodyRef, GridPos, GridPos)> = bodies.par_iter().flat_map_iter::<_, Vec<_>>(edges).collect();
+        let boxes = all.iter().map(|&(_, p, q)| (GridPos(p.0.min(q.0), p.1.min(q.1)), GridPos(p.0.max(q.0), p.1.max(q.1))));
+        let Some(bounds) = boxes.reduce(joined) else { return Self { all, cells: Cells::default() } };
+        let gathering = Gathering::new(bounds, drafts.len());
+        let cells = gathering.each(&all, |own, &(_, p, q), i| own.edge(p, q, i as u32)).sorted();
+        Self { all, cells }
     }
 }
 
 /// An index of the bodies that stand on the ground, for questions about places.
 pub(super) fn bodies(drafts: &[Draft]) -> Index<(BodyRef, f64)> {
-    let all = drafts.iter().enumerate().flat_map(|(h, d)| d.bodies.iter().enumerate().map(move |(b, body)| ((h, b), body)));
-    Index::new(all.map(|(at, body)| (body.footprint.clone(), (at, body.bottom_m))).collect())
+    Index::new(bodies_of(drafts).map(|(at, body)| (body.footprint.clone(), (at, body.bottom_m))).collect())
+}
+
+/// All bodies of all houses.
+fn bodies_of(drafts: &[Draft]) -> impl Iterator<Item = (BodyRef, &Body)> {
+    drafts.iter().enumerate().flat_map(|(h, draft)| draft.bodies.iter().enumerate().map(move |(b, body)| ((h, b), body)))
 }
 
 /// Looks out of every wall.
 pub(super) fn facing(drafts: &[Draft], standing: &Index<(BodyRef, f64)>, ground: &Ground) -> Facing {
     let walls = Edges::of(drafts);
     let of_house = |(h, draft): (usize, &Draft)| {
-        let mut view = View { walls: &walls, standing, ground, found: Vec::new(), near: Vec::new() };
+        let mut view = View { drafts, walls: &walls, standing, ground, around: Vec::new(), spans: Vec::new(), near: Vec::new() };
         let mut of_body = |b: usize| -> Vec<Edge> {
-            let rings = draft.bodies[b].footprint.rings();
-            rings.flat_map(|r| outline::edges(r)).map(|(a, c)| view.edge((h, b), a, c)).collect()
+            let footprint = &draft.bodies[b].footprint;
+            view.look_around((h, b), footprint);
+            footprint.edges().map(|(a, c)| view.edge((h, b), a, c)).collect()
         };
         let edges: Vec<Vec<Edge>> = (0..draft.bodies.len()).map(&mut of_body).collect();
         view.near.sort_unstable();
-        view.near.dedup();
         (edges, view.near)
     };
     let (edges, neighbours) = drafts.par_iter().enumerate().map(of_house).unzip();
@@ -103,39 +101,75 @@ pub(super) fn facing(drafts: &[Draft], standing: &Index<(BodyRef, f64)>, ground:
 
 /// What can be seen from a house's walls.
 struct View<'a> {
+    drafts: &'a [Draft],
     walls: &'a Edges,
     standing: &'a Index<(BodyRef, f64)>,
     ground: &'a Ground,
-    /// Numbers of edges near the one that is looked at.
-    found: Vec<u32>,
-    /// Houses near any of them.
+    /// Edges of others about the body that is looked at.
+    around: Vec<(BodyRef, GridPos, GridPos)>,
+    /// The parts of it that others run along.
+    spans: Vec<(BodyRef, f64, f64)>,
+    /// Houses near any of them, each once.
     near: Vec<usize>,
 }
 
+/// A box, and all that comes near it.
+fn reach(low: GridPos, high: GridPos) -> (GridPos, GridPos) {
+    let reach = GridPos::steps(NEAR_M) + 1;
+    let less = |p: GridPos| GridPos(p.0.saturating_sub(reach), p.1.saturating_sub(reach));
+    let more = |p: GridPos| GridPos(p.0.saturating_add(reach), p.1.saturating_add(reach));
+    (less(low), more(high))
+}
+
+/// Whether the box about two corners meets another.
+fn do_meet((p, q): (GridPos, GridPos), (low, high): (GridPos, GridPos)) -> bool {
+    let meet = |p: i32, q: i32, low: i32, high: i32| p.max(q) >= low && p.min(q) <= high;
+    meet(p.0, q.0, low.0, high.0) && meet(p.1, q.1, low.1, high.1)
+}
+
 impl View<'_> {
+    /// Finds the edges of others near a body.
+    fn look_around(&mut self, me: BodyRef, footprint: &GridPolygon) {
+        self.around.clear();
+        let Some((low, high)) = footprint.bounds() else { return };
+        let (low, high) = reach(low, high);
+        let mut found = Vec::new();
+        self.walls.cells.within(low, high, |note| note, &mut found);
+        let edges = found.into_iter().map(|number| self.walls.all[number as usize]);
+        self.around.extend(edges.filter(|&(body, p, q)| body != me && do_meet((p, q), (low, high))));
+    }
+
     fn edge(&mut self, me: BodyRef, a: GridPos, b: GridPos) -> Edge {
-        let reach = GridPos::steps(NEAR_M) + 1;
-        let low = GridPos(a.0.min(b.0).saturating_sub(reach), a.1.min(b.1).saturating_sub(reach));
-        let high = GridPos(a.0.max(b.0).saturating_add(reach), a.1.max(b.1).saturating_add(reach));
-        self.walls.cells.within(low, high, |note| note, &mut self.found);
+        let about = reach(GridPos(a.0.min(b.0), a.1.min(b.1)), GridPos(a.0.max(b.0), a.1.max(b.1)));
+        let (grid_a, grid_b, mut twin) = (a, b, None);
         let (a, b) = (a.to_metres(), b.to_metres());
-        let mut spans: Vec<(BodyRef, f64, f64)> = Vec::new();
-        for &number in &self.found {
-            let (body, p, q) = self.walls.all[number as usize];
-            if body == me {
+        self.spans.clear();
+        for &(body, p, q) in &self.around {
+            if !do_meet((p, q), about) {
                 continue;
             }
-            if body.0 != me.0 && gap_m(a, b, p, q) <= NEAR_M {
+            if (p, q) == (grid_b, grid_a) {
+                twin = Some(body);
+            }
+            let (p, q) = (p.to_metres(), q.to_metres());
+            if body.0 != me.0 && !self.near.contains(&body.0) && gap_m(a, b, p, q) <= NEAR_M {
                 self.near.push(body.0);
             }
             if let Some((from, to)) = covered(a, b, p, q) {
-                spans.push((body, from, to));
+                self.spans.push((body, from, to));
             }
         }
-        spans.sort_unstable_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
+        self.spans.sort_unstable_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
         let mut party: Vec<(BodyRef, f64)> =
-            spans.chunk_by(|x, y| x.0 == y.0).map(|of_body| (of_body[0].0, share(of_body))).collect();
+            self.spans.chunk_by(|x, y| x.0 == y.0).map(|of_body| (of_body[0].0, share(of_body))).collect();
         let edge = Edge { a, b, party: Vec::new(), is_public: false };
+        // All that is before a party wall is the neighbour whose wall it is too.
+        if twin
+            .is_some_and(|(house, body)| matches!(&self.drafts[house].bodies[..], [one] if body == 0 && one.bottom_m < HEADROOM_M))
+        {
+            party.retain(|&(_, share)| share > 0.05);
+            return Edge { party, ..edge };
+        }
         let out = edge.outward();
         for t in [0.17, 0.5, 0.83] {
             let before = GridPos::from_metres(a.lerp(b, t) + out * 0.1);
@@ -162,13 +196,14 @@ fn gap_m(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> f64 {
 
 /// The part of a–b, as parameters 0 to 1, that p–q runs along; `None` if it does not.
 fn covered(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> Option<(f64, f64)> {
-    let length = a.distance(b);
-    let u = (b - a).try_normalize()?;
-    let v = (q - p).try_normalize()?;
+    let (way, other) = (b - a, q - p);
+    let (dot, squares) = (way.dot(other), way.length_squared() * other.length_squared());
     // Side by side means opposite directions within about 10°.
-    if u.dot(v) > -0.985 {
+    if dot >= 0.0 || dot * dot < 0.985 * 0.985 * squares {
         return None;
     }
+    let length = way.length();
+    let u = way / length;
     let (dp, dq) = ((p - a).perp_dot(u), (q - a).perp_dot(u));
     if dp.abs().min(dq.abs()) > PARTY_M || (dp + dq).abs() / 2.0 > 2.0 * PARTY_M {
         return None;
@@ -190,9 +225,14 @@ fn share(spans: &[(BodyRef, f64, f64)]) -> f64 {
 
 /// Whether most of an edge looks at public ground before it looks at a house.
 fn is_public(edge: &Edge, standing: &Index<(BodyRef, f64)>, ground: &Ground) -> bool {
-    let stands: &[f64] = if edge.length_m() < 6.0 { &[0.5] } else { &[0.2, 0.5, 0.8] };
-    let seen = stands.iter().filter(|&&t| sees_public(edge.a.lerp(edge.b, t), edge.outward(), standing, ground)).count();
-    2 * seen > stands.len()
+    let out = edge.outward();
+    let sees = |t: f64| sees_public(edge.a.lerp(edge.b, t), out, standing, ground);
+    let middle = sees(0.5);
+    if edge.length_m() < 6.0 {
+        return middle;
+    }
+    // Two of three decide.
+    if sees(0.2) == middle { middle } else { sees(0.8) }
 }
 
 fn sees_public(from: DVec2, out: DVec2, standing: &Index<(BodyRef, f64)>, ground: &Ground) -> bool {

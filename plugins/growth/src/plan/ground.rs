@@ -7,8 +7,8 @@ use super::arrangement::arrange;
 use super::extent::Extent;
 use super::groups::Groups;
 use super::index::Index;
+use super::inradius::inradius_m;
 use super::lots::NARROWEST_SITE_M;
-use super::perimeter::inradius_m;
 use super::streets::Layer;
 use super::{outline, relation};
 
@@ -33,7 +33,7 @@ pub(super) fn pave_verges<T: Sync>(ground: &mut [GroundPatch], extent: &Extent, 
     let is_yard = |patch: &GroundPatch| patch.surface == SurfaceKind::Yard;
     let mut edges: Vec<(GridPos, GridPos, bool, u32)> = Vec::new();
     for (patch, i) in ground.iter().zip(0..).filter(|(patch, _)| is_yard(patch)) {
-        edges.extend(patch.outline.rings().flat_map(|ring| ring_edges(ring)).map(|(a, b)| (a.min(b), a.max(b), a < b, i)));
+        edges.extend(patch.outline.edges().map(|(a, b)| (a.min(b), a.max(b), a < b, i)));
     }
     edges.sort_unstable();
     let mut regions = Groups::new(ground.len());
@@ -69,7 +69,8 @@ pub(super) fn pave_verges<T: Sync>(ground: &mut [GroundPatch], extent: &Extent, 
 /// Whether no house would be built on a yard.
 fn is_narrow(yard: &GridPolygon) -> bool {
     // The radius of the largest disc within is at least area by perimeter.
-    2.0 * yard.area_m2() < NARROWEST_SITE_M * outline::perimeter_m(yard) && 2.0 * inradius_m(yard) < NARROWEST_SITE_M
+    2.0 * yard.area_m2() < NARROWEST_SITE_M * outline::perimeter_m(yard)
+        && 2.0 * inradius_m(yard, NARROWEST_SITE_M) < NARROWEST_SITE_M
 }
 
 /// The yards of a partition as whole polygons, without the tiles' seams.

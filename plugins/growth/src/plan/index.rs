@@ -5,9 +5,8 @@
 //! suits cells better than trees of boxes: an R-tree (`rstar`) in their place makes looking out of all walls three times as
 //! slow.
 
+use rayon::prelude::*;
 use veduta_city::{GridPolygon, GridPos};
-
-use super::outline;
 
 /// Least side of a cell as a power of two of grid steps: 4 m.
 const LEAST_SHIFT: u32 = 12;
@@ -15,6 +14,9 @@ const LEAST_SHIFT: u32 = 12;
 const CELLS_A_SHAPE: i64 = 64;
 /// … but always so many.
 const LEAST_CELLS: i64 = 1 << 14;
+
+/// Things whose notes are made together, one after the other.
+const AT_ONCE: usize = 256;
 
 /// Square cells over a part of the ground, and what was noted in each.
 #[derive(Debug, Default)]
@@ -68,6 +70,19 @@ impl Gathering {
         }
     }
 
+    /// Notes something for each of many things; the notes are in their order.
+    pub fn each<S: Sync>(mut self, things: &[S], note: impl Fn(&mut Self, &S, usize) + Sync) -> Self {
+        let of_part = |(part, things): (usize, &[S])| {
+            let mut own = Self { cells: self.cells.frame(), noted: Vec::new() };
+            things.iter().enumerate().for_each(|(i, thing)| note(&mut own, thing, part * AT_ONCE + i));
+            own.noted
+        };
+        let parts: Vec<Vec<(u32, u32)>> = things.par_chunks(AT_ONCE).enumerate().map(of_part).collect();
+        self.noted.reserve(parts.iter().map(Vec::len).sum());
+        parts.into_iter().for_each(|part| self.noted.extend(part));
+        self
+    }
+
     /// Sorts the notes by cell; within one they are in the order in which they were made, none twice.
     pub fn sorted(self) -> Cells {
         let Self { mut cells, noted } = self;
@@ -101,6 +116,11 @@ fn across(low: GridPos, high: GridPos, y: i64) -> (i64, i64) {
 }
 
 impl Cells {
+    /// The same cells without a note.
+    const fn frame(&self) -> Self {
+        Self { low: self.low, shift: self.shift, columns: self.columns, rows: self.rows, starts: Vec::new(), notes: Vec::new() }
+    }
+
     fn row(&self, y: i32) -> i64 {
         ((i64::from(y) - i64::from(self.low.1)) >> self.shift).clamp(0, self.rows - 1)
     }
@@ -151,25 +171,35 @@ pub(super) fn joined(a: (GridPos, GridPos), b: (GridPos, GridPos)) -> (GridPos, 
 pub(super) struct Index<T> {
     /// Of each polygon twice its number, and one more where it covers the whole cell.
     cells: Cells,
-    things: Vec<(GridPolygon, T)>,
+    things: Vec<Thing<T>>,
 }
 
-impl<T> Index<T> {
+/// A polygon with something attached.
+struct Thing<T> {
+    polygon: GridPolygon,
+    bounds: (GridPos, GridPos),
+    of: T,
+}
+
+impl<T: Sync> Index<T> {
     /// An index over polygons with something attached.
     pub fn new(things: Vec<(GridPolygon, T)>) -> Self {
-        let all = things.iter().filter_map(|(polygon, _)| polygon.bounds());
+        let thing = |(polygon, of): (GridPolygon, T)| Thing { bounds: polygon.bounds().unwrap_or(NOWHERE), polygon, of };
+        let things: Vec<Thing<T>> = things.into_iter().map(thing).collect();
+        let all = things.iter().map(|thing| thing.bounds).filter(|&bounds| bounds != NOWHERE);
         let Some(bounds) = all.reduce(joined) else { return Self { cells: Cells::default(), things } };
-        let mut gathering = Gathering::new(bounds, things.len());
-        for (i, (polygon, _)) in things.iter().enumerate() {
-            draw(&mut gathering, polygon, 2 * i as u32);
-        }
+        let gathering = Gathering::new(bounds, things.len());
+        let gathering = gathering.each(&things, |own, thing, i| draw(own, &thing.polygon, 2 * i as u32));
         Self { cells: gathering.sorted(), things }
     }
 
     /// All that contain a position, in order of insertion.
     pub fn at(&self, pos: GridPos) -> impl Iterator<Item = &T> {
         let touching = self.cells.at(pos).iter().map(|note| (&self.things[*note as usize / 2], note % 2 == 1));
-        touching.filter(move |((polygon, _), is_covered)| *is_covered || polygon.contains(pos)).map(|((_, thing), _)| thing)
+        let holds = move |(thing, is_covered): &(&Thing<T>, bool)| {
+            *is_covered || is_within(pos, thing.bounds) && thing.polygon.contains(pos)
+        };
+        touching.filter(holds).map(|(thing, _)| &thing.of)
     }
 
     /// All that may come within a distance of the bounds of a polygon, in order of insertion: none of which the bounds do not.
@@ -182,14 +212,21 @@ impl<T> Index<T> {
         self.cells.within(low, high, |note| note / 2, &mut found);
         let meets = |(a, b): (GridPos, GridPos)| a.0 <= high.0 && low.0 <= b.0 && a.1 <= high.1 && low.1 <= b.1;
         let things = found.into_iter().map(|i| &self.things[i as usize]);
-        things.filter(|(polygon, _)| polygon.bounds().is_some_and(meets)).map(|(polygon, thing)| (polygon, thing)).collect()
+        things.filter(|thing| meets(thing.bounds)).map(|thing| (&thing.polygon, &thing.of)).collect()
     }
+}
+
+/// Bounds of what has none.
+const NOWHERE: (GridPos, GridPos) = (GridPos(i32::MAX, i32::MAX), GridPos(i32::MIN, i32::MIN));
+
+fn is_within(pos: GridPos, (low, high): (GridPos, GridPos)) -> bool {
+    low.0 <= pos.0 && pos.0 <= high.0 && low.1 <= pos.1 && pos.1 <= high.1
 }
 
 /// Notes a polygon in the cells that it touches: `note` where its border runs, one more where it covers all.
 fn draw(gathering: &mut Gathering, polygon: &GridPolygon, note: u32) {
     let first = gathering.noted.len();
-    for (a, b) in polygon.rings().flat_map(|ring| outline::edges(ring)) {
+    for (a, b) in polygon.edges() {
         gathering.edge(a, b, note);
     }
     let border = &mut gathering.noted[first..];

@@ -1,17 +1,20 @@
 //! Houses for built blocks that have none: where to build, and a ring of lots round each courtyard.
 
+use core::ops::Range;
 use std::collections::HashMap;
+use std::sync::OnceLock;
 
 use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::draw::Draw;
-use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, LinkKind, Severity, Style};
+use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, Link, LinkKind, Severity, Style};
 
-use super::band::{pieces, quad, stations};
+use super::band::{Station, pieces, quad, stations};
 use super::extent::Extent;
 use super::ground;
 use super::houses::{Body, Draft, Grown, StyleBook};
-use super::index::Index;
+use super::index::{Index, joined};
+use super::inradius::inradius_m;
 use super::perimeter::{self, Site};
 use super::streets::{self, Layer, Rank};
 use super::{Area, boolean, massing, outline, relation, stand};
@@ -82,12 +85,8 @@ pub(super) fn grow_lots(
         let drafts = grow_plot(graph, plot, &obstacles, book, &mut findings);
         (drafts, findings)
     };
-    let parts: Vec<(Vec<Draft>, Vec<Finding>)> = plots.par_iter().map(grow).collect();
-    let mut drafts: Vec<Draft> = Vec::new();
-    for (part, told) in parts {
-        drafts.extend(part);
-        findings.extend(told);
-    }
+    let (drafts, told): (Vec<Vec<Draft>>, Vec<Vec<Finding>>) = plots.par_iter().map(grow).unzip();
+    findings.extend(told.into_iter().flatten());
     // Blocks may overlap one another; of two houses on one spot the first stands.
     part_ways(drafts, findings)
 }
@@ -103,17 +102,21 @@ fn found_plots(ground: &[GroundPatch], extent: &Extent) -> Vec<Plot> {
 }
 
 /// What blocks are not built over.
-struct Obstacles {
+struct Obstacles<'a> {
     /// Given houses.
     houses: Index<()>,
     /// Squares, water, parks, monuments, rails.
     open: Index<()>,
-    /// Straight pieces of streets: their cores, and their whole widths.
-    streets: [Index<()>; 2],
+    /// The streets of the graph, as stations along each.
+    streets: Vec<(&'a Link, Vec<Station>)>,
+    /// Straight pieces of streets: their cores, …
+    cores: Index<()>,
+    /// … and their whole widths.
+    widths: OnceLock<Index<()>>,
 }
 
-impl Obstacles {
-    fn new(graph: &CityGraph, layers: &[Layer], given: &[Draft]) -> Self {
+impl<'a> Obstacles<'a> {
+    fn new(graph: &'a CityGraph, layers: &[Layer], given: &[Draft]) -> Self {
         let footprints = given.iter().flat_map(|d| &d.bodies).map(|b| (b.footprint.clone(), ()));
         let is_open = |l: &&Layer| matches!(l.rank, Rank::Square | Rank::Rails | Rank::Monument | Rank::Water | Rank::Park);
         // Bands may wind twice about a place, which only a union tells from a hole.
@@ -124,28 +127,24 @@ impl Obstacles {
         let open = layers.iter().filter(is_open).flat_map(|l| l.shapes.iter().flat_map(|s| whole(l, s)));
         let open = open.map(|shape| (shape, ())).collect();
         let at: HashMap<Id, DVec2> = graph.node_positions();
-        let carved = |share: f64| {
-            let mut out = Vec::new();
-            for link in graph.links.iter().filter(|l| l.layer >= 0 && matches!(l.kind, LinkKind::Street(_))) {
-                let line = graph.polyline(link, &at).unwrap_or_default();
-                let half = |at: f64| streets::width_at_m(link, at) / 2.0 * share;
-                out.extend(pieces(&stations(&line, link), half).into_iter().map(|q| (q, ())));
-            }
-            Index::new(out)
-        };
-        Self { houses: Index::new(footprints.collect()), open: Index::new(open), streets: [carved(CORE), carved(1.0)] }
+        let is_street = |link: &&Link| link.layer >= 0 && matches!(link.kind, LinkKind::Street(_));
+        let streets = graph.links.iter().filter(is_street);
+        let streets: Vec<(&Link, Vec<Station>)> =
+            streets.map(|link| (link, stations(&graph.polyline(link, &at).unwrap_or_default(), link))).collect();
+        let cores = carved(&streets, CORE);
+        Self { houses: Index::new(footprints.collect()), open: Index::new(open), streets, cores, widths: OnceLock::new() }
     }
 
     /// What may be built on of a block.
-    fn sites<'a>(&'a self, outline: &GridPolygon, houses: &[&GridPolygon]) -> Vec<GridPolygon> {
-        let polygons = |of: &'a Index<()>| {
+    fn sites(&self, outline: &GridPolygon, houses: &[&GridPolygon]) -> Vec<GridPolygon> {
+        fn polygons<'b>(of: &'b Index<()>, outline: &GridPolygon) -> Vec<&'b GridPolygon> {
             let near = of.near(outline, 0.0).into_iter().map(|(polygon, ())| polygon);
-            near.filter(|polygon| relation::may_meet(outline, polygon)).collect::<Vec<_>>()
-        };
-        let open = polygons(&self.open);
+            near.filter(|polygon| relation::may_meet(outline, polygon)).collect()
+        }
+        let open = polygons(&self.open, outline);
         let gaps: Vec<GridPolygon> = houses.iter().flat_map(|house| gaps(outline, house)).collect();
-        let carve = |streets: &'a Index<()>| {
-            let streets = polygons(streets);
+        let carve = |streets: &Index<()>| {
+            let streets = polygons(streets, outline);
             let taken = boolean::rings(houses.iter().copied().chain(&gaps).chain(open.iter().copied()).chain(streets));
             let mut sites = match taken[..] {
                 [] => vec![outline.clone()],
@@ -154,17 +153,25 @@ impl Obstacles {
             sites.retain(|site| site.area_m2() >= LEAST_SITE_M2);
             sites
         };
-        let sites = carve(&self.streets[0]);
-        if sites.len() > 1 { carve(&self.streets[1]) } else { sites }
+        let sites = carve(&self.cores);
+        if sites.len() > 1 { carve(self.widths.get_or_init(|| carved(&self.streets, 1.0))) } else { sites }
     }
+}
+
+/// Straight pieces of streets, over a share of their width.
+fn carved(streets: &[(&Link, Vec<Station>)], share: f64) -> Index<()> {
+    let quads = |(link, stations): &(&Link, Vec<Station>)| {
+        let half = |at: f64| streets::width_at_m(link, at) / 2.0 * share;
+        pieces(stations, half).into_iter().map(|quad| (quad, ()))
+    };
+    Index::new(streets.iter().flat_map(quads).collect())
 }
 
 /// The slits between a house's walls and a building line that they were meant to stand on.
 fn gaps(outline: &GridPolygon, house: &GridPolygon) -> Vec<GridPolygon> {
-    let lines: Vec<(DVec2, DVec2)> =
-        outline.rings().flat_map(|r| outline::edges(r)).map(|(a, b)| (a.to_metres(), b.to_metres())).collect();
+    let lines: Vec<(DVec2, DVec2)> = outline.edges().map(|(a, b)| (a.to_metres(), b.to_metres())).collect();
     let is_on_line = |p: DVec2| lines.iter().any(|&(a, b)| outline::distance_to_edge(p, a, b) <= GAP_M);
-    let walls = house.rings().flat_map(|r| outline::edges(r)).map(|(a, b)| (a.to_metres(), b.to_metres()));
+    let walls = house.edges().map(|(a, b)| (a.to_metres(), b.to_metres()));
     let along = walls.filter(|&(a, b)| [a, (a + b) / 2.0, b].into_iter().all(is_on_line));
     along.filter_map(|(a, b)| quad(a, b, GAP_M + 0.01)).collect()
 }
@@ -172,7 +179,7 @@ fn gaps(outline: &GridPolygon, house: &GridPolygon) -> Vec<GridPolygon> {
 fn grow_plot(
     graph: &CityGraph,
     plot: &Plot,
-    obstacles: &Obstacles,
+    obstacles: &Obstacles<'_>,
     book: &StyleBook<'_>,
     findings: &mut Vec<Finding>,
 ) -> Vec<Draft> {
@@ -195,13 +202,13 @@ fn grow_plot(
                 findings.push(Finding::new(Severity::Dropped, plot.id, Some(site.centroid()), message));
                 continue;
             }
-            let width_m = 2.0 * perimeter::inradius_m(&site);
+            let style = book.of_district(&plot.district);
+            let Some(look) = book.style(style) else { continue };
+            let width_m = 2.0 * inradius_m(&site, perimeter::enough_m(look).max(NARROWEST_SITE_M));
             if width_m < NARROWEST_SITE_M {
                 narrow.push(site.centroid());
                 continue;
             }
-            let style = book.of_district(&plot.district);
-            let Some(look) = book.style(style) else { continue };
             let draw = Draw::new(graph.seed, Id::from_place("site", site.centroid()), "lots");
             let lots = grow_site(&Site { outline: &site, houses: &houses, width_m }, look, draw);
             count += lots.len();
@@ -300,19 +307,36 @@ fn draft(graph: &CityGraph, lot: GridPolygon, style_index: usize, style: &Style,
 
 /// Cuts grown houses that reach a little over others of another block (walls that follow a bent border are straightened on each
 /// side of it), and drops those that stand on others.
-fn part_ways(mut drafts: Vec<Draft>, findings: &mut Vec<Finding>) -> Vec<Draft> {
-    let index = Index::new(drafts.iter().enumerate().map(|(i, d)| (d.bodies[0].footprint.clone(), i)).collect());
-    let earlier = |i: usize, footprint: &GridPolygon| index.near(footprint, 0.0).into_iter().filter(move |(_, j)| **j < i);
+fn part_ways(plots: Vec<Vec<Draft>>, findings: &mut Vec<Finding>) -> Vec<Draft> {
+    // Where the houses of each plot stand in the list of all, and the box about them.
+    let ends = plots.iter().scan(0, |end, plot| {
+        *end += plot.len();
+        Some(*end)
+    });
+    let ranges: Vec<Range<usize>> = ends.zip(&plots).map(|(end, plot)| end - plot.len()..end).collect();
+    let mut drafts: Vec<Draft> = plots.into_iter().flatten().collect();
+    let boxes: Vec<(GridPos, GridPos)> =
+        drafts.iter().map(|draft| draft.bodies[0].footprint.bounds().unwrap_or_default()).collect();
+    let about = |houses: &Range<usize>| {
+        let (lo, hi) = boxes[houses.clone()].iter().copied().reduce(joined)?;
+        Some((Extent { lo, hi }.polygon(), houses.clone()))
+    };
+    let index = Index::new(ranges.iter().filter_map(about).collect());
+    let do_meet = |(a, b): (GridPos, GridPos), (c, d): (GridPos, GridPos)| a.0 < d.0 && c.0 < b.0 && a.1 < d.1 && c.1 < b.1;
+    let earlier = |i: usize, footprint: &GridPolygon| -> Vec<usize> {
+        let plots = index.near(footprint, 0.0).into_iter();
+        plots.flat_map(|(_, houses)| houses.clone()).filter(|&j| j < i && do_meet(boxes[i], boxes[j])).collect()
+    };
     // Houses only ever lose ground: those that overlap none now never will.
     let is_over = |(i, draft): (usize, &Draft)| {
         let footprint = &draft.bodies[0].footprint;
-        earlier(i, footprint).any(|(other, _)| boolean::overlap_m2(footprint, other) > TOLERATED_M2)
+        earlier(i, footprint).into_iter().any(|j| boolean::overlap_m2(footprint, &drafts[j].bodies[0].footprint) > TOLERATED_M2)
     };
     let is_over: Vec<bool> = drafts.par_iter().enumerate().map(is_over).collect();
     let mut stands = vec![true; drafts.len()];
     for i in (0..drafts.len()).filter(|&i| is_over[i]) {
         let footprint = &drafts[i].bodies[0].footprint;
-        let others = earlier(i, footprint).map(|(_, &j)| j).filter(|&j| stands[j]);
+        let others = earlier(i, footprint).into_iter().filter(|&j| stands[j]);
         let others: Vec<&GridPolygon> = others.map(|j| &drafts[j].bodies[0].footprint).collect();
         if others.iter().all(|other| boolean::overlap_m2(footprint, other) <= TOLERATED_M2) {
             continue;
@@ -398,7 +422,8 @@ mod tests {
             draft(&graph, polygon(x, 0.0, w, 10.0), 0, &styles.0[0], Draw::new(1, Id(1), "t")).expect("a house in a row")
         };
         let mut findings = Vec::new();
-        let stand = part_ways(vec![house(0.0, 10.05), house(10.0, 10.0), house(15.0, 10.0)], &mut findings);
+        let plots = vec![vec![house(0.0, 10.05)], Vec::new(), vec![house(10.0, 10.0), house(15.0, 10.0)]];
+        let stand = part_ways(plots, &mut findings);
         assert_eq!((stand.len(), findings.len()), (2, 1));
         let overlap = boolean::overlap_m2(&stand[0].bodies[0].footprint, &stand[1].bodies[0].footprint);
         assert_eq!(overlap, 0.0);
@@ -415,7 +440,7 @@ mod tests {
         // Steps are a metre narrower on each side than what they stand on.
         for (cut, count) in [(0.0, 3), (0.5, 3), (1.5, 1), (3.0, 1)] {
             let next = house(-20.0, 20.0 + cut, &styles.0[0]);
-            let stand = part_ways(vec![next, house(0.0, 40.0, &tower)], &mut Vec::new());
+            let stand = part_ways(vec![vec![next], vec![house(0.0, 40.0, &tower)]], &mut Vec::new());
             let bodies = &stand[1].bodies;
             assert_eq!(bodies.len(), count, "{cut} m cut off");
             assert!(bodies.iter().enumerate().all(|(i, body)| body.is_covered == (i + 1 < count)), "{cut} m cut off");

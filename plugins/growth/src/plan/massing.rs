@@ -55,17 +55,19 @@ pub(super) fn masses(drafts: &[Draft], facing: &Facing, book: &StyleBook<'_>, fi
 
 /// Eaves of grown houses, in order: within 1.1 m of their row's, 0.3 m or more from every neighbour's that is settled.
 fn grown_eaves(drafts: &[Draft], facing: &Facing) -> Vec<Option<f64>> {
+    let wish = |draft: &Draft| draft.draw.between("eaves", -EAVES_SPREAD_M, EAVES_SPREAD_M);
+    let wishes: Vec<f64> = drafts.par_iter().map(wish).collect();
     let mut eaves: Vec<Option<f64>> = vec![None; drafts.len()];
     for (h, draft) in drafts.iter().enumerate() {
         let Some(grown) = draft.grown else { continue };
         let settled: Vec<f64> = facing.neighbours[h].iter().filter_map(|&n| eaves[n]).collect();
         let clear = |e: f64| settled.iter().map(|s| (s - e).abs()).fold(f64::INFINITY, f64::min);
-        let wish = draft.draw.between("eaves", -EAVES_SPREAD_M, EAVES_SPREAD_M);
+        let wish = wishes[h];
         // Steps away from the wish, up and down in turn, within the spread: the first that is clear, else the clearest.
         let steps = (0..=88).map(|i| wish + f64::from((i + 1) / 2) * 0.05 * if i % 2 == 0 { 1.0 } else { -1.0 });
-        let within: Vec<f64> = steps.filter(|d| d.abs() <= EAVES_SPREAD_M).map(|d| grown.eaves_m + d).collect();
-        let first = within.iter().copied().find(|&e| clear(e) >= EAVES_STEP_M + 0.005);
-        let best = first.or_else(|| within.iter().copied().max_by(|a, b| clear(*a).total_cmp(&clear(*b))));
+        let within = steps.filter(|d| d.abs() <= EAVES_SPREAD_M).map(|d| grown.eaves_m + d);
+        let first = within.clone().find(|&e| clear(e) >= EAVES_STEP_M + 0.005);
+        let best = first.or_else(|| within.max_by(|a, b| clear(*a).total_cmp(&clear(*b))));
         eaves[h] = best.or(Some(grown.eaves_m));
     }
     eaves

@@ -1,9 +1,10 @@
 //! What stands in the streets: given objects, moved out of walls; lamps and trees where a graph has none.
 
 use glam::DVec2;
+use rayon::prelude::*;
 use veduta_city::draw::Draw;
 use veduta_city::{
-    BlockKind, CityGraph, Finding, GridPos, Id, LinkKind, ObjectKind, PlanObject, Severity, StandingObject, StreetClass,
+    BlockKind, CityGraph, Finding, GridPos, Id, Link, LinkKind, ObjectKind, PlanObject, Severity, StandingObject, StreetClass,
     SurfaceKind,
 };
 
@@ -137,7 +138,8 @@ pub(super) fn objects(graph: &CityGraph, areas: &[Area<'_>], site: &Site<'_>, fi
         grown.truncate(MOST_GROWN);
     }
     let mut seen: std::collections::HashSet<Id> = out.iter().map(|o| o.id).collect();
-    out.extend(grown.into_iter().filter(|o| seen.insert(o.id)).map(|o| placed(&o, graph.seed, site)));
+    grown.retain(|o| seen.insert(o.id));
+    out.par_extend(grown.par_iter().map(|o| placed(o, graph.seed, site)));
     out
 }
 
@@ -156,12 +158,12 @@ fn grown(kind: ObjectKind, name: &str, pos: DVec2, heading_deg: f64) -> Standing
 /// Lamps along streets, on alternating sides.
 fn lamps(graph: &CityGraph, site: &Site<'_>) -> Vec<StandingObject> {
     let at = graph.node_positions();
-    let mut out: Vec<StandingObject> = Vec::new();
-    for link in graph.links.iter().filter(|l| l.layer >= 0) {
-        let LinkKind::Street(class) = link.kind else { continue };
+    let of_link = |link: &Link| {
+        let mut out: Vec<StandingObject> = Vec::new();
+        let LinkKind::Street(class) = link.kind else { return out };
         let width = streets::width_m(link);
-        if matches!(class, StreetClass::Path | StreetClass::Steps | StreetClass::Motorway) || width < 3.0 {
-            continue;
+        if link.layer < 0 || matches!(class, StreetClass::Path | StreetClass::Steps | StreetClass::Motorway) || width < 3.0 {
+            return out;
         }
         let line = graph.polyline(link, &at).unwrap_or_default();
         let offset = (width / 2.0 - if streets::pavement_m(class, width) > 0.0 { 0.7 } else { 0.45 }).max(0.5);
@@ -177,8 +179,9 @@ fn lamps(graph: &CityGraph, site: &Site<'_>) -> Vec<StandingObject> {
                 out.push(grown(ObjectKind::Lamp, "grown lamp", q, heading));
             }
         }
-    }
-    out
+        out
+    };
+    graph.links.par_iter().map(of_link).flatten_iter().collect()
 }
 
 fn may_light(pos: DVec2, class: StreetClass, site: &Site<'_>) -> bool {
@@ -205,8 +208,11 @@ const LAWN: Stand = Stand { block: BlockKind::Park, surface: SurfaceKind::Grass,
 const YARD: Stand = Stand { block: BlockKind::Built, surface: SurfaceKind::Yard, chance: 0.4, clear_m: 3.2 };
 
 fn trees(graph: &CityGraph, areas: &[Area<'_>], stand: &Stand, site: &Site<'_>) -> Vec<StandingObject> {
-    let mut out = Vec::new();
-    for area in areas.iter().filter(|a| a.block.kind == stand.block) {
+    let of_area = |area: &Area<'_>| {
+        let mut out = Vec::new();
+        if area.block.kind != stand.block {
+            return out;
+        }
         for (lo, hi) in area.polygons.iter().filter_map(|p| p.bounds()) {
             let (lo, hi) = ((lo.to_metres() / TREE_STEP_M).floor(), (hi.to_metres() / TREE_STEP_M).ceil());
             if (hi - lo).x * (hi - lo).y > 4.0 * MOST_GROWN as f64 {
@@ -216,19 +222,19 @@ fn trees(graph: &CityGraph, areas: &[Area<'_>], stand: &Stand, site: &Site<'_>) 
                 for i in lo.x as i64..hi.x as i64 {
                     let corner = DVec2::new(i as f64, j as f64) * TREE_STEP_M;
                     let draw = Draw::new(graph.seed, Id::from_place("tree square", corner + 0.25), "trees");
+                    if !draw.chance("tree", stand.chance) {
+                        continue;
+                    }
                     let pos = corner + TREE_STEP_M * DVec2::new(draw.between("x", 0.15, 0.85), draw.between("y", 0.15, 0.85));
                     let is_soil = || site.surface(pos).is_some_and(|(s, _)| s == stand.surface);
-                    if draw.chance("tree", stand.chance)
-                        && area.holds(GridPos::from_metres(pos))
-                        && is_soil()
-                        && site.is_free_about(pos, stand.clear_m)
-                    {
+                    if area.holds(GridPos::from_metres(pos)) && is_soil() && site.is_free_about(pos, stand.clear_m) {
                         let kind = if draw.chance("conifer", 0.12) { ObjectKind::Conifer } else { ObjectKind::Tree };
                         out.push(grown(kind, "grown tree", pos, draw.between("heading", 0.0, 360.0)));
                     }
                 }
             }
         }
-    }
-    out
+        out
+    };
+    areas.par_iter().map(of_area).flatten_iter().collect()
 }

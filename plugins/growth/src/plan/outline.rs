@@ -44,6 +44,9 @@ pub(super) fn straightened(polygon: &GridPolygon) -> Vec<GridPolygon> {
     if outer.len() == polygon.outer.len() && holes.iter().map(Vec::len).eq(polygon.holes.iter().map(Vec::len)) {
         return vec![polygon.clone()];
     }
+    if holes.is_empty() && is_simple(&outer) && twice_area(&outer) > 0 {
+        return vec![GridPolygon::simple(outer)];
+    }
     let subject: Vec<&[GridPos]> = core::iter::once(&outer).chain(&holes).map(Vec::as_slice).collect();
     boolean::union(&subject)
 }
@@ -85,7 +88,7 @@ pub(super) fn distance_to_edge(p: DVec2, a: DVec2, b: DVec2) -> f64 {
 
 /// Length of all rings, metres.
 pub(super) fn perimeter_m(polygon: &GridPolygon) -> f64 {
-    polygon.rings().flat_map(|ring| edges(ring)).map(|(a, b)| (b - a).to_metres().length()).sum()
+    polygon.edges().map(|(a, b)| (b - a).to_metres().length()).sum()
 }
 
 /// A rectangle about a footprint.

@@ -33,8 +33,13 @@ pub(super) struct Site<'a> {
     pub outline: &'a GridPolygon,
     /// Given houses beside it.
     pub houses: &'a [&'a GridPolygon],
-    /// Diameter of the largest disc in it, metres.
+    /// Diameter of the largest disc in it, metres; or of one as large as [`enough_m`].
     pub width_m: f64,
+}
+
+/// Sites in which a disc of this radius lies are wide for houses of a style; metres.
+pub(super) fn enough_m(style: &Style) -> f64 {
+    style.depth_m.1 + LEAST_COURT_M / 2.0
 }
 
 /// Lots of a site, on the grid, in order round it. They may overlap a little in odd corners and reach beyond the site: the
@@ -56,48 +61,6 @@ pub(super) fn lots(site: &Site<'_>, style: &Style, draw: Draw) -> Vec<GridPolygo
     };
     let ring = ring_lots(site, depth, style, draw);
     if ring.is_empty() { slices(site.outline, style, draw) } else { ring }
-}
-
-/// Radius of the largest disc within, to about 5 %; metres. A grid of probes, refined thrice about the best.
-pub(super) fn inradius_m(polygon: &GridPolygon) -> f64 {
-    let Some((lo, hi)) = polygon.bounds() else { return 0.0 };
-    let edges: Vec<(DVec2, DVec2)> =
-        polygon.rings().flat_map(|r| outline::edges(r)).map(|(a, b)| (a.to_metres(), b.to_metres())).collect();
-    // An edge that was too near to one place is often too near to the next.
-    let mut nearest = 0;
-    let mut clearance = |p: DVec2, more_than: f64| {
-        let mut least = f64::INFINITY;
-        for i in 0..edges.len() {
-            let at = if i == 0 { nearest } else { i - usize::from(i <= nearest) };
-            least = least.min(outline::distance_to_edge(p, edges[at].0, edges[at].1));
-            if least <= more_than {
-                nearest = at;
-                return None;
-            }
-        }
-        polygon.contains(GridPos::from_metres(p)).then_some(least)
-    };
-    let (mut centre, mut half) = ((lo.to_metres() + hi.to_metres()) / 2.0, (hi - lo).to_metres() / 2.0);
-    let mut best = 0.0;
-    for (n, stride) in [(10, 4), (3, 3), (3, 3), (3, 3)] {
-        let place = |i: i32, j: i32| centre + half * DVec2::new(f64::from(i), f64::from(j)) / f64::from(n);
-        // Some of the probes tell which of the others are not worth the trouble.
-        let sparse = || (-n..=n).step_by(stride);
-        let some = sparse().flat_map(|i| sparse().map(move |j| (i, j)));
-        let enough = some.fold(best, |most: f64, (i, j)| clearance(place(i, j), most).unwrap_or(most)).next_down();
-        let mut found = (best, centre);
-        for i in -n..=n {
-            for j in -n..=n {
-                let p = place(i, j);
-                if let Some(radius) = clearance(p, found.0.max(enough)) {
-                    found = (radius, p);
-                }
-            }
-        }
-        (best, centre) = found;
-        half /= f64::from(n);
-    }
-    best
 }
 
 /// Houses from one side of a narrow site to the other.
@@ -213,11 +176,8 @@ fn sides(ring: &[DVec2], is_short: &[bool], houses: &[&GridPolygon]) -> Vec<(Sid
         let steps = (next + n - (i + 1) % n) % n;
         let chain = (0..=steps).map(|j| ring[(i + 1 + j) % n]).collect();
         let middle = (a + b) / 2.0;
-        let is_beside = |h: &&GridPolygon| {
-            h.rings()
-                .flat_map(|r| outline::edges(r))
-                .any(|(p, q)| outline::distance_to_edge(middle, p.to_metres(), q.to_metres()) < BESIDE_M)
-        };
+        let is_beside =
+            |h: &&GridPolygon| h.edges().any(|(p, q)| outline::distance_to_edge(middle, p.to_metres(), q.to_metres()) < BESIDE_M);
         let dir = (b - a).normalize_or(DVec2::X);
         (Side { a, dir, length: a.distance(b), is_frontage: !houses.iter().any(is_beside), chain }, i)
     };
@@ -330,6 +290,7 @@ fn polygon(path: impl Iterator<Item = DVec2>) -> GridPolygon {
 mod tests {
     use super::*;
     use crate::plan::Stock;
+    use crate::plan::inradius::inradius_m;
     use veduta_city::Id;
 
     fn site(of: &[(f64, f64)]) -> GridPolygon {
@@ -339,13 +300,11 @@ mod tests {
 
     fn lots_of(outline: &GridPolygon) -> Vec<GridPolygon> {
         let styles = Stock::new().styles;
-        lots(&Site { outline, houses: &[], width_m: 2.0 * inradius_m(outline) }, &styles.0[0], Draw::new(1, Id(1), "test"))
-    }
-
-    #[test]
-    fn the_largest_disc_of_a_rectangle_is_half_as_wide() {
-        let r = inradius_m(&site(&[(0.0, 0.0), (60.0, 0.0), (60.0, 30.0), (0.0, 30.0)]));
-        assert!((r - 15.0).abs() < 0.5, "{r}");
+        lots(
+            &Site { outline, houses: &[], width_m: 2.0 * inradius_m(outline, enough_m(&styles.0[0])) },
+            &styles.0[0],
+            Draw::new(1, Id(1), "test"),
+        )
     }
 
     #[test]

@@ -4,12 +4,18 @@
 use glam::DVec2;
 use veduta_city::{GridPolygon, GridPos};
 
-use super::outline::{distance_to_edge, edges, perimeter_m};
+use super::outline::{distance_to_edge, edges};
 
 /// Whether one of a ring's edges has all of the ring on its left and all of another on its right: most houses side by side are
 /// told apart by that alone.
 pub(super) fn is_apart(ring: &[GridPos], other: &[GridPos]) -> bool {
     edges(ring).any(|(a, b)| a != b && other.iter().all(|&p| a.cross(b, p) <= 0) && ring.iter().all(|&p| a.cross(b, p) >= 0))
+}
+
+/// Whether a simple ring that runs counter-clockwise bends to the left at every corner.
+pub(super) fn is_convex(ring: &[GridPos]) -> bool {
+    let n = ring.len();
+    (0..n).all(|i| ring[i].cross(ring[(i + 1) % n], ring[(i + 2) % n]) >= 0)
 }
 
 /// Whether two polygons may have more in common than nothing: their borders touch, or one is in the other.
@@ -18,9 +24,11 @@ pub(super) fn may_meet(a: &GridPolygon, b: &GridPolygon) -> bool {
     if a.contains(first(b)) || b.contains(first(a)) {
         return true;
     }
-    let of = |polygon: &GridPolygon| polygon.rings().flat_map(|ring| edges(ring)).collect::<Vec<_>>();
-    let others = of(b);
-    of(a).into_iter().any(|edge| others.iter().any(|&other| do_touch(edge, other)))
+    let Some((low, high)) = b.bounds() else { return false };
+    let is_near = |&(p, q): &(GridPos, GridPos)| {
+        p.0.max(q.0) >= low.0 && p.0.min(q.0) <= high.0 && p.1.max(q.1) >= low.1 && p.1.min(q.1) <= high.1
+    };
+    a.edges().filter(is_near).any(|edge| b.edges().any(|other| do_touch(edge, other)))
 }
 
 /// Whether two closed line segments have a point in common.
@@ -38,20 +46,21 @@ const NEAR: f64 = 0.75;
 pub(super) fn is_within(polygon: &GridPolygon, other: &GridPolygon, tolerance_m2: f64) -> bool {
     let steps = 1.0 / GridPos(1, 0).to_metres().x;
     let Some((low, high)) = polygon.bounds() else { return false };
-    if !polygon.holes.is_empty() || perimeter_m(polygon) * (NEAR / steps) >= tolerance_m2 {
+    if !polygon.holes.is_empty() {
         return false;
     }
     let local = |p: GridPos| (p - low).to_metres() * steps;
     let own: Vec<(DVec2, DVec2)> = edges(&polygon.outer).map(|(a, b)| (local(a), local(b))).collect();
     let is_near =
         |p: GridPos, q: GridPos| p.0.min(q.0) <= high.0 && low.0 <= p.0.max(q.0) && p.1.min(q.1) <= high.1 && low.1 <= p.1.max(q.1);
-    let borders: Vec<(DVec2, DVec2)> =
-        (other.rings().flat_map(|ring| edges(ring))).filter(|&(p, q)| is_near(p, q)).map(|(p, q)| (local(p), local(q))).collect();
+    let borders: Vec<(DVec2, DVec2)> = other.edges().filter(|&(p, q)| is_near(p, q)).map(|(p, q)| (local(p), local(q))).collect();
     let is_on_border = |p: DVec2| borders.iter().any(|&(a, b)| distance_to_edge(p, a, b) <= NEAR);
     if !polygon.outer.iter().all(|&p| is_on_border(local(p)) || other.contains(p)) {
         return false;
     }
-    let mut shares = Vec::new();
+    // What is outside lies beside the pieces of the border that run along its own, and no farther from them than these.
+    let most = tolerance_m2 * steps * steps / NEAR;
+    let (mut shares, mut sum) = (Vec::new(), 0.0);
     let is_kept_to = |&(p, q): &(DVec2, DVec2)| {
         // The pieces of the border between the edges that it crosses: each is inside or outside of the polygon as a whole.
         shares.clear();
@@ -62,7 +71,11 @@ pub(super) fn is_within(polygon: &GridPolygon, other: &GridPolygon, tolerance_m2
             let [from, to] = [piece[0], piece[1]].map(|share| p.lerp(q, share));
             // Distance to an edge is convex: what is near at both ends is near between.
             let is_along = |&(a, b): &(DVec2, DVec2)| distance_to_edge(from, a, b).max(distance_to_edge(to, a, b)) <= NEAR;
-            !contains(&own, (from + to) / 2.0) || own.iter().any(is_along)
+            if !contains(&own, (from + to) / 2.0) {
+                return true;
+            }
+            sum += from.distance(to);
+            sum < most && own.iter().any(is_along)
         })
     };
     borders.iter().all(is_kept_to) && inner_point(&polygon.outer).is_some_and(|p| other.contains(p))

@@ -6,6 +6,7 @@ use veduta_city::{GridPolygon, GridPos, Range, RoofShape, RoofTags, Stand, Style
 
 use super::houses::Body;
 use super::outline;
+use super::relation::is_convex;
 
 /// The bodies of a house of a style on a lot: heights of its ground floor and upper storeys in metres, and how many there are. `None`
 /// where there is no room.
@@ -96,11 +97,6 @@ fn setbacks(
 
 /// Steps smaller than this are left out; square metres.
 const LEAST_STEP_M2: f64 = 60.0;
-
-fn is_convex(ring: &[GridPos]) -> bool {
-    let n = ring.len();
-    (0..n).all(|i| ring[i].cross(ring[(i + 1) % n], ring[(i + 2) % n]) >= 0)
-}
 
 #[cfg(test)]
 mod tests {

@@ -1,5 +1,6 @@
 //! Looks of houses, drawn one by one and then set apart: no two neighbours alike.
 
+use rayon::prelude::*;
 use veduta_city::{Gable, Opening, Rgb, Style};
 
 use super::facing::{Edge, Facing};
@@ -98,15 +99,16 @@ pub(super) fn alike(a: Rgb, b: Rgb) -> bool {
 /// Looks of all houses. Those with given colours come first, then the others by id; each takes the first colour of its palette,
 /// from the one drawn onwards, that no settled neighbour wears; where the palette is spent, it differs in its windows.
 pub(super) fn looks(drafts: &[Draft], facing: &Facing, book: &StyleBook<'_>) -> Vec<Option<Look>> {
-    let drawn: Vec<Option<Look>> = drafts.iter().map(|d| book.style(d.style).map(|s| Look::draw(d, s))).collect();
+    let mut drawn: Vec<Option<Look>> = drafts.par_iter().map(|d| book.style(d.style).map(|s| Look::draw(d, s))).collect();
+    let widths: Vec<f64> = facing.edges.par_iter().map(|edges| main_edge(edges).map_or(0.0, Edge::length_m)).collect();
     let mut order: Vec<usize> = (0..drafts.len()).collect();
     order.sort_by_key(|&h| (drawn[h].as_ref().is_some_and(|l| !l.is_given), drafts[h].id, h));
     let mut settled: Vec<Option<Look>> = vec![None; drafts.len()];
     for h in order {
-        let (Some(look), Some(style)) = (&drawn[h], book.style(drafts[h].style)) else { continue };
-        let width = |i: usize| facing.edges.get(i).and_then(|e| main_edge(e)).map_or(0.0, Edge::length_m);
-        let near: Vec<(&Look, f64)> = facing.neighbours[h].iter().filter_map(|&n| Some((settled[n].as_ref()?, width(n)))).collect();
-        settled[h] = Some(set_apart(look.clone(), width(h), &near, &drafts[h], style));
+        let (Some(look), Some(style)) = (drawn[h].take(), book.style(drafts[h].style)) else { continue };
+        let near = facing.neighbours[h].iter().filter_map(|&n| Some((settled[n].as_ref()?, widths[n])));
+        let near: Vec<(&Look, f64)> = near.collect();
+        settled[h] = Some(set_apart(look, widths[h], &near, &drafts[h], style));
     }
     settled
 }

@@ -213,7 +213,7 @@ fn put_door(wall: &mut Wall, kind: WallKind, length_m: f64, draft: &Draft, look:
 pub(super) fn doorsteps(houses: &[House]) -> Vec<glam::DVec2> {
     let mut out = Vec::new();
     for volume in houses.iter().flat_map(|h| &h.volumes) {
-        let edges = volume.footprint.rings().flat_map(|r| super::outline::edges(r));
+        let edges = volume.footprint.edges();
         for (wall, (a, b)) in volume.walls.iter().zip(edges) {
             if let Some(bay) = wall.ground_floor.door_bay {
                 let t = (f64::from(bay) + 0.5) / f64::from(wall.bays.max(1));

@@ -6,7 +6,7 @@ use veduta_city::{CellShell, CityPlan, GridPolygon, GridPos, metres, ring_edges}
 use veduta_growth::mesh::{self, MeshData};
 
 fn twice_area(polygon: &GridPolygon, o: GridPos) -> i64 {
-    polygon.rings().flat_map(|ring| ring_edges(ring)).map(|(a, b)| o.cross(a, b)).sum()
+    polygon.edges().map(|(a, b)| o.cross(a, b)).sum()
 }
 
 /// Nothing overlaps, and nothing is left open: every edge of a patch runs once, and once the other way but for the city's edge;

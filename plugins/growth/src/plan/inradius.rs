@@ -1,0 +1,162 @@
+//! The largest disc in a polygon: squares are searched in the order of how large a disc could at most lie about a place in them,
+//! and cut into four, until none can be much better than what was found.
+//!
+//! # Sources
+//! The search is that of `polylabel` (Agafonkin, 2016), after Garcia-Castellanos and Lombardo, *Poles of inaccessibility* (2007).
+
+use core::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use glam::DVec2;
+use veduta_city::GridPolygon;
+
+use super::outline;
+
+/// The radius is told to this share of itself.
+const SHARE: f64 = 0.05;
+/// Most squares along the bounds of a polygon at the start.
+const MOST_ALONG: f64 = 16.0;
+
+/// Discs smaller than this are none, metres.
+const LEAST_M: f64 = 0.01;
+
+/// A square that is searched.
+#[derive(Debug, Clone, Copy)]
+struct Square {
+    middle: DVec2,
+    half: f64,
+    /// No disc about a place in the square is larger.
+    most: f64,
+}
+
+impl Ord for Square {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.most.total_cmp(&other.most)
+    }
+}
+
+impl PartialOrd for Square {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Square {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Square {}
+
+/// Radius of the largest disc within, at most 5 % less, or of one that is large enough; metres.
+pub(super) fn inradius_m(polygon: &GridPolygon, enough_m: f64) -> f64 {
+    let Some((low, high)) = polygon.bounds() else { return 0.0 };
+    let edges: Vec<Edge> = polygon
+        .rings()
+        .flat_map(|ring| outline::edges(ring))
+        .map(|(a, b)| Edge::new((a - low).to_metres(), (b - low).to_metres()))
+        .collect();
+    let size = (high - low).to_metres();
+    let side = size.min_element().max(size.max_element() / MOST_ALONG);
+    if side <= 0.0 {
+        return 0.0;
+    }
+    let mut best = 0.0_f64;
+    let mut squares = BinaryHeap::new();
+    let search = |middle: DVec2, half: f64, best: &mut f64, squares: &mut BinaryHeap<Square>| {
+        let radius = signed_distance(&edges, middle);
+        *best = best.max(radius);
+        let most = radius + half * core::f64::consts::SQRT_2;
+        if most > *best * (1.0 + SHARE) {
+            squares.push(Square { middle, half, most });
+        }
+    };
+    let count = (size / side).ceil().max(DVec2::ONE);
+    for row in 0..count.y as u32 {
+        for column in 0..count.x as u32 {
+            let middle = size * (DVec2::new(f64::from(column), f64::from(row)) + 0.5) / count;
+            search(middle, side / 2.0, &mut best, &mut squares);
+        }
+    }
+    while let Some(square) = squares.pop() {
+        if square.most <= (best * (1.0 + SHARE)).max(LEAST_M) || best >= enough_m {
+            break;
+        }
+        let half = square.half / 2.0;
+        for quarter in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+            search(square.middle + DVec2::from(quarter) * half, half, &mut best, &mut squares);
+        }
+    }
+    best
+}
+
+/// An edge of a polygon, metres.
+struct Edge {
+    from: DVec2,
+    way: DVec2,
+    /// 1 / its length squared; 0 for one of no length.
+    inverse: f64,
+}
+
+impl Edge {
+    fn new(from: DVec2, to: DVec2) -> Self {
+        let way = to - from;
+        let squared = way.length_squared();
+        Self { from, way, inverse: if squared > 0.0 { 1.0 / squared } else { 0.0 } }
+    }
+}
+
+/// Distance from the border of a polygon, negative outside.
+fn signed_distance(edges: &[Edge], p: DVec2) -> f64 {
+    let (mut least, mut is_inside) = (f64::INFINITY, false);
+    for edge in edges {
+        let off = p - edge.from;
+        let along = (off.dot(edge.way) * edge.inverse).clamp(0.0, 1.0);
+        least = least.min((off - edge.way * along).length_squared());
+        let (is_below, reaches_above) = (off.y < 0.0, off.y < edge.way.y);
+        is_inside ^= is_below != reaches_above && (edge.way.perp_dot(off) > 0.0) == reaches_above;
+    }
+    if is_inside { least.sqrt() } else { -least.sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use veduta_city::GridPos;
+
+    use super::*;
+
+    fn polygon(outer: &[(f64, f64)], hole: &[(f64, f64)]) -> GridPolygon {
+        let ring = |of: &[(f64, f64)]| of.iter().map(|&(x, y)| GridPos::from_metres(DVec2::new(x, y))).collect();
+        GridPolygon { outer: ring(outer), holes: if hole.is_empty() { Vec::new() } else { vec![ring(hole)] } }
+    }
+
+    #[test]
+    fn known_shapes_have_their_radius() {
+        let square = |side: f64| [(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)];
+        let ell = [(0.0, 0.0), (30.0, 0.0), (30.0, 10.0), (10.0, 10.0), (10.0, 30.0), (0.0, 30.0)];
+        for (polygon, radius) in [
+            (polygon(&[(0.0, 0.0), (60.0, 0.0), (60.0, 30.0), (0.0, 30.0)], &[]), 15.0),
+            (polygon(&[(0.0, 0.0), (400.0, 300.0), (397.0, 304.0), (-3.0, 4.0)], &[]), 2.5),
+            // Of a disc in the corner, which the corner across touches: √2 (10 − r) = r.
+            (polygon(&ell, &[]), 20.0 / (2.0 + core::f64::consts::SQRT_2)),
+            (polygon(&[(0.0, 0.0), (3.0, 0.0), (0.0, 4.0)], &[]), 1.0),
+            (
+                polygon(&square(30.0), &[(10.0, 10.0), (10.0, 20.0), (20.0, 20.0), (20.0, 10.0)]),
+                20.0 / (2.0 + core::f64::consts::SQRT_2),
+            ),
+        ] {
+            let found = inradius_m(&polygon, f64::INFINITY);
+            assert!(found <= radius * 1.001 && found > radius * 0.95, "{found} for {radius}");
+            let enough = inradius_m(&polygon, 0.5 * radius);
+            assert!(enough <= radius * 1.001 && enough >= 0.5 * radius, "{enough} for half of {radius}");
+        }
+    }
+
+    #[test]
+    fn what_has_no_area_has_no_radius() {
+        assert_eq!(inradius_m(&GridPolygon::default(), 9.0), 0.0);
+        assert_eq!(inradius_m(&polygon(&[(0.0, 0.0), (5.0, 0.0)], &[]), 9.0), 0.0);
+        assert!(inradius_m(&polygon(&[(0.0, 0.0), (500.0, 0.1), (1000.0, 0.0)], &[]), 9.0) < 0.06);
+    }
+}
