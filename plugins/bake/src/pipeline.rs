@@ -90,7 +90,7 @@ pub fn survey(input: &Input) -> Result<(CityGraph, Stock, Vec<Finding>), BakeErr
         findings.extend(overrides.apply(&mut graph));
         graph.fill_ids();
         let told = |errors| BakeError::Stock { path: beside.clone(), errors };
-        stock = stock.with(&overrides.styles, overrides.monuments).map_err(told)?;
+        stock = stock.with(&overrides.styles, overrides.monuments, overrides.furniture).map_err(told)?;
     }
     let (old, new): (Vec<_>, Vec<_>) = graph.validate().into_iter().partition(|error| own.contains(error));
     if !new.is_empty() {

@@ -429,6 +429,38 @@ pub enum ObjectKind {
     Column,
     /// Waste bin.
     Bin,
+    /// Traffic lights.
+    Signals,
+    /// Stop sign.
+    Sign,
+    /// Two metres of a clipped hedge.
+    Hedge,
+    /// Tub with flowers.
+    Planter,
+    /// Shrub.
+    Shrub,
+}
+
+impl ObjectKind {
+    /// Radius of the ground on which one of its usual size stands, metres.
+    #[must_use]
+    pub const fn radius_m(self) -> f64 {
+        match self {
+            Self::Lamp | Self::Signals => 0.18,
+            Self::Tree | Self::Conifer => 0.3,
+            Self::Bench | Self::Hedge | Self::Planter => 0.5,
+            Self::Fountain => 1.9,
+            Self::Statue => 0.95,
+            Self::TramStop => 0.8,
+            Self::Bollard => 0.16,
+            Self::Kiosk => 1.3,
+            Self::Well => 0.85,
+            Self::Column => 0.65,
+            Self::Bin => 0.26,
+            Self::Sign => 0.06,
+            Self::Shrub => 0.7,
+        }
+    }
 }
 
 /// Something that stands in a street or square.

@@ -27,6 +27,7 @@ pub mod draw;
 mod faces;
 pub mod file;
 mod finding;
+pub mod furniture;
 mod graph;
 mod graph_check;
 mod grid;
@@ -51,6 +52,7 @@ pub use cell::{Cell, Cells, Portal, PortalSide};
 pub use colour::{ParseColourError, Rgb};
 pub use faces::{BorderEdge, connected_faces};
 pub use finding::{Finding, Severity};
+pub use furniture::{Furnishing, FurnitureError, FurnitureRule};
 pub use graph::{
     Block, BlockKind, Building, BuildingPart, CityGraph, Link, LinkKind, Node, NodeKind, ObjectKind, Ring, RoofShape, RoofTags,
     Square, StandingObject, StreetClass, Surfacing,

@@ -97,10 +97,15 @@ impl Tile {
     #[must_use]
     pub const fn of_object(kind: ObjectKind) -> Self {
         match kind {
-            ObjectKind::Tree | ObjectKind::Conifer => Self::Leaves,
-            ObjectKind::Bench | ObjectKind::Kiosk => Self::Wood,
+            ObjectKind::Tree | ObjectKind::Conifer | ObjectKind::Hedge | ObjectKind::Shrub => Self::Leaves,
+            ObjectKind::Bench | ObjectKind::Kiosk | ObjectKind::Planter => Self::Wood,
             ObjectKind::Fountain | ObjectKind::Statue | ObjectKind::Well | ObjectKind::Bollard => Self::Stone,
-            ObjectKind::Lamp | ObjectKind::TramStop | ObjectKind::Column | ObjectKind::Bin => Self::Metal,
+            ObjectKind::Lamp
+            | ObjectKind::TramStop
+            | ObjectKind::Column
+            | ObjectKind::Bin
+            | ObjectKind::Signals
+            | ObjectKind::Sign => Self::Metal,
         }
     }
 

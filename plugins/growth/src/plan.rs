@@ -41,6 +41,7 @@ pub(crate) mod boolean;
 mod crossroads;
 mod extent;
 mod facing;
+mod furniture;
 mod ground;
 mod groups;
 mod houses;
@@ -50,6 +51,7 @@ mod lots;
 mod markings;
 mod massing;
 mod monuments;
+mod network;
 mod objects;
 mod outline;
 mod perimeter;
@@ -113,7 +115,7 @@ impl Area<'_> {
 /// # Errors
 /// [`GrowthError`] if the graph or the styles do not pass their own validation. A monument that cannot be built is a finding.
 pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
-    let Stock { styles, monuments } = stock;
+    let Stock { styles, monuments, furniture } = stock;
     let mut graph = graph.clone();
     graph.fill_ids();
     let graph = &graph;
@@ -150,9 +152,10 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let doors = walls::doorsteps(&houses).into_iter().map(|d| (GridPolygon::simple(vec![GridPos::from_metres(d)]), ()));
     let doorsteps = index::Index::new(doors.collect());
     let site = objects::Site { ground: &on_ground, standing: &standing, doorsteps: &doorsteps };
-    let mut objects = objects::objects(graph, &areas, &site, &mut findings);
-    designs.of_objects(graph, &mut objects, &mut findings);
-    let markings = markings::markings(graph, &site);
+    let network = network::Network::new(graph);
+    let (mut objects, grown) = objects::objects(graph, &areas, (&network, furniture), &site, &mut findings);
+    designs.of_objects(graph.objects.iter().chain(&grown), &mut objects, &mut findings);
+    let markings = markings::markings(graph, &network, &site);
     let start = places::start(graph, &extent, &site, &mut findings);
     let plan = CityPlan {
         name: graph.name.clone(),

@@ -29,10 +29,10 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
     let one = |e: file::FileError| vec![e.to_string()];
     if name.ends_with(".overrides.ron") {
         let overrides: GraphOverrides = file::read(path).map_err(one)?;
-        let counts = (overrides.edits.len(), overrides.styles.len(), overrides.monuments.len());
-        let words = format!("{} edits, {} styles, {} monuments", counts.0, counts.1, counts.2);
+        let counts = [overrides.edits.len(), overrides.styles.len(), overrides.monuments.len(), overrides.furniture.len()];
+        let words = format!("{} edits, {} styles, {} monuments, {} furniture rules", counts[0], counts[1], counts[2], counts[3]);
         let edits = overrides.validate().into_iter().map(|e| e.to_string());
-        let stock = Stock::new().with(&overrides.styles, overrides.monuments).err().unwrap_or_default();
+        let stock = Stock::new().with(&overrides.styles, overrides.monuments, overrides.furniture).err().unwrap_or_default();
         return told(path, edits.chain(stock.iter().map(ToString::to_string)).collect(), words);
     }
     if name.ends_with(".words.ron") {
@@ -57,12 +57,12 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
     if let Some(read) = as_monuments(path) {
         let monuments = read.map_err(one)?;
         let words = format!("{} monuments", monuments.0.len());
-        return told(path, Stock::new().with(&[], monuments.0).err().unwrap_or_default(), words);
+        return told(path, Stock::new().with(&[], monuments.0, Vec::new()).err().unwrap_or_default(), words);
     }
     if let Some(read) = as_style(path, &name) {
         let draft = read.map_err(one)?;
         let words = format!("style `{}`", draft.name);
-        return told(path, Stock::new().with(&[draft], Vec::new()).err().unwrap_or_default(), words);
+        return told(path, Stock::new().with(&[draft], Vec::new(), Vec::new()).err().unwrap_or_default(), words);
     }
     Err(vec![format!(
         "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .plan.ron, .words.ron, .style.ron, .monuments.ron or .tour.ron, or lie in \

@@ -31,7 +31,7 @@ pub(crate) fn monuments(
     settings: &ExportSettings,
     output: &Path,
 ) -> Result<(), Failure> {
-    let stock = Stock::new().with(&[], read.to_vec());
+    let stock = Stock::new().with(&[], read.to_vec(), Vec::new());
     let stock = stock.map_err(|errors| BakeError::Stock { path: path.to_path_buf(), errors })?.monuments;
 
     let with: BTreeMap<String, f64> = with.into_iter().collect();

@@ -9,8 +9,8 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Block, BlockKind, Building, CityGraph, Finding, Id, LinkKind, Monument, MonumentTag, Place, Ring, RoofTags, Severity, Square,
-    StandingObject, StyleDraft, Surfacing,
+    Block, BlockKind, Building, CityGraph, Finding, FurnitureRule, Id, LinkKind, Monument, MonumentTag, Place, Ring, RoofTags,
+    Severity, Square, StandingObject, StyleDraft, Surfacing,
 };
 pub use check::OverrideError;
 use network::Outcome;
@@ -61,6 +61,9 @@ pub struct GraphOverrides {
     /// Monuments added to, or put in place of, the stock ones.
     #[serde(default)]
     pub monuments: Vec<Monument>,
+    /// Rules for furniture, added to, or put in place of, the stock ones.
+    #[serde(default)]
+    pub furniture: Vec<FurnitureRule>,
 }
 
 /// One edit.

@@ -1,5 +1,5 @@
 use glam::DVec2;
-use veduta_city::{CellShell, ObjectKind, PlanObject, SurfaceKind, metres};
+use veduta_city::{CellShell, PlanObject, SurfaceKind, metres};
 
 use super::ground::LevelEdges;
 use super::object::scale_of;
@@ -118,23 +118,9 @@ fn walkable(shell: &CellShell) -> Trimesh {
 }
 
 fn pillar(object: &PlanObject) -> Pillar {
-    let scale = scale_of(object);
-    let nominal = match object.kind {
-        ObjectKind::Lamp => 0.18,
-        ObjectKind::Tree | ObjectKind::Conifer => 0.3,
-        ObjectKind::Bench => 0.5,
-        ObjectKind::Fountain => 1.9,
-        ObjectKind::Statue => 0.95,
-        ObjectKind::TramStop => 0.8,
-        ObjectKind::Bollard => 0.16,
-        ObjectKind::Kiosk => 1.3,
-        ObjectKind::Well => 0.85,
-        ObjectKind::Column => 0.65,
-        ObjectKind::Bin => 0.26,
-    };
     Pillar {
         foot: engine(object.pos.to_metres(), metres(object.z)).as_vec3().to_array(),
-        radius_m: (nominal * scale) as f32,
+        radius_m: (object.kind.radius_m() * scale_of(object)) as f32,
         height_m: metres(object.height).max(0.3) as f32,
     }
 }

@@ -20,6 +20,11 @@ const TRAM_RED: Rgb = Rgb(0xA8, 0x2F, 0x2A);
 const PAPER: Rgb = Rgb(0xD8, 0xCF, 0xBC);
 const FOLIAGE: [Rgb; 4] = [Rgb(0x6C, 0x86, 0x4A), Rgb(0x5D, 0x7A, 0x45), Rgb(0x7E, 0x93, 0x52), Rgb(0x55, 0x71, 0x48)];
 const NEEDLES: Rgb = Rgb(0x3E, 0x58, 0x43);
+/// Red, amber, green.
+const LIGHTS: [Rgb; 3] = [Rgb(0xD8, 0x3A, 0x2E), Rgb(0x6E, 0x5A, 0x2C), Rgb(0x24, 0x52, 0x3A)];
+const SIGNAL_YELLOW: Rgb = Rgb(0xD9, 0xA9, 0x2E);
+const GALVANISED: Rgb = Rgb(0x8E, 0x94, 0x96);
+const FLOWERS: [Rgb; 4] = [Rgb(0xC4, 0x44, 0x4E), Rgb(0xD9, 0xA8, 0xB4), Rgb(0xE0, 0xC4, 0x5A), Rgb(0x8C, 0x6C, 0xA8)];
 const AWNINGS: [Rgb; 3] = [Rgb(0x8C, 0x3E, 0x2C), Rgb(0x4E, 0x6A, 0x4C), Rgb(0xC9, 0xB0, 0x6E)];
 
 /// Height of a lamp's light above its foot at nominal size; metres.
@@ -69,7 +74,11 @@ const fn nominal_m(kind: ObjectKind) -> f64 {
         ObjectKind::Bollard | ObjectKind::Bin => 0.9,
         ObjectKind::Kiosk => 3.0,
         ObjectKind::Well => 2.6,
-        ObjectKind::Column => 3.4,
+        ObjectKind::Column | ObjectKind::Signals => 3.4,
+        ObjectKind::Sign => 2.6,
+        ObjectKind::Hedge => 0.95,
+        ObjectKind::Planter => 1.1,
+        ObjectKind::Shrub => 1.2,
     }
 }
 
@@ -101,6 +110,11 @@ impl Maker<'_> {
             ObjectKind::Well => self.well(),
             ObjectKind::Column => self.column(),
             ObjectKind::Bin => self.bin(),
+            ObjectKind::Signals => self.signals(),
+            ObjectKind::Sign => self.sign(),
+            ObjectKind::Hedge => self.hedge(),
+            ObjectKind::Planter => self.planter(),
+            ObjectKind::Shrub => self.shrub(),
         }
     }
 
@@ -273,6 +287,86 @@ impl Maker<'_> {
         self.turned(10, &[(0.2, 0.0), (0.24, 0.06), (0.25, 0.72)], iron);
         self.turned(10, &[(0.27, 0.72), (0.27, 0.77), (0.16, 0.86), (0.0, 0.9)], iron);
     }
+
+    /// Post, a head of three lights under hoods, and a box for those who walk.
+    fn signals(&mut self) {
+        let iron = self.paint(IRON, Tile::Metal);
+        self.turned(8, &[(0.16, 0.0), (0.16, 0.1), (0.07, 0.16), (0.06, 3.4), (0.0, 3.4)], iron);
+        self.sculptor.block((0.0, 0.14), (0.16, 0.09), (2.4, 3.36), iron);
+        for (y, light) in [(2.56, LIGHTS[2]), (2.88, LIGHTS[1]), (3.2, LIGHTS[0])] {
+            let light = self.paint(light, Tile::Plaster);
+            self.sculptor.block((0.0, 0.235), (0.1, 0.012), (y - 0.1, y + 0.1), light);
+            self.sculptor.block((0.0, 0.3), (0.12, 0.08), (y + 0.11, y + 0.125), iron);
+        }
+        self.sculptor.block((0.14, 0.0), (0.08, 0.06), (2.0, 2.5), iron);
+        self.sculptor.block((0.14, 0.0), (0.1, 0.07), (1.0, 1.16), self.paint(SIGNAL_YELLOW, Tile::Metal));
+    }
+
+    /// Eight-sided plate on a post.
+    fn sign(&mut self) {
+        let (iron, white) = (self.paint(GALVANISED, Tile::Metal), self.paint(PAPER, Tile::Plaster));
+        self.turned(8, &[(0.035, 0.0), (0.035, 2.58), (0.0, 2.6)], iron);
+        let red = self.paint(TRAM_RED, Tile::Metal);
+        let corner = |i: u32, radius: f64, z: f64| {
+            let angle = (f64::from(i) + 0.5) * core::f64::consts::FRAC_PI_4;
+            DVec3::new(radius * libm::cos(angle), 2.22 + radius * libm::sin(angle), z)
+        };
+        for (radius, back, front, paint) in [(0.36, 0.04, 0.055, white), (0.32, 0.055, 0.06, red)] {
+            let plate = |z: f64| (0..8).map(move |i| corner(i, radius, z));
+            let (face, rear): (Vec<DVec3>, Vec<DVec3>) = (plate(front).collect(), plate(back).rev().collect());
+            self.sculptor.face(&face, paint);
+            self.sculptor.face(&rear, iron);
+            for i in 0..8 {
+                let side =
+                    [corner(i, radius, back), corner(i + 1, radius, back), corner(i + 1, radius, front), corner(i, radius, front)];
+                self.sculptor.face(&side, iron);
+            }
+        }
+        // The bar of the word on it.
+        self.sculptor.block((0.0, 0.061), (0.22, 0.002), (2.17, 2.27), white);
+    }
+
+    /// Clipped: straight sides, a level top.
+    fn hedge(&mut self) {
+        let hue = FOLIAGE[3];
+        for (k, x) in [-0.75, -0.25, 0.25, 0.75].into_iter().enumerate() {
+            let part = self.draw.part(k as u64);
+            let leaves = self.paint(hue.scaled(part.between("shade", 0.9, 1.08)), Tile::Leaves);
+            let (depth, top) = (0.33 + part.between("depth", -0.02, 0.02), 0.95 - part.between("top", 0.0, 0.03));
+            self.sculptor.block((x, 0.0), (0.26, depth), (0.0, top), leaves);
+        }
+        let leaves = self.paint(hue.scaled(0.85), Tile::Leaves);
+        self.sculptor.block((0.0, 0.0), (1.0, 0.27), (0.0, 0.9), leaves);
+    }
+
+    /// Square tub, flowers in two colours.
+    fn planter(&mut self) {
+        let (wood, iron) = (self.paint(TIMBER, Tile::Wood), self.paint(IRON, Tile::Metal));
+        self.sculptor.block((0.0, 0.0), (0.42, 0.42), (0.0, 0.6), wood);
+        for y in [0.14, 0.5] {
+            self.sculptor.block((0.0, 0.0), (0.435, 0.435), (y, y + 0.03), iron);
+        }
+        let leaves = self.paint(FOLIAGE[0], Tile::Leaves);
+        self.sculptor.blob(self.ball, DVec3::new(0.0, 0.68, 0.0), DVec3::new(0.4, 0.26, 0.4), 0.2, self.draw.part(0), leaves);
+        let first = self.draw.below("flowers", FLOWERS.len());
+        for k in 0..2 {
+            let part = self.draw.part(1 + k as u64);
+            let flowers = self.paint(FLOWERS[(first + k) % FLOWERS.len()], Tile::Leaves);
+            let middle = DVec3::new(part.between("x", -0.2, 0.2), 0.86, part.between("z", -0.2, 0.2));
+            self.sculptor.blob(self.ball, middle, DVec3::new(0.24, 0.2, 0.24), 0.3, part, flowers);
+        }
+    }
+
+    fn shrub(&mut self) {
+        self.turned(5, &[(0.06, 0.0), (0.03, 0.4)], self.paint(BARK, Tile::Wood));
+        let hue = self.draw.pick("leaves", &FOLIAGE).copied().unwrap_or(FOLIAGE[0]);
+        for (k, (x, z, size)) in [(0.0, 0.0, 0.76), (0.5, 0.25, 0.5), (-0.4, 0.35, 0.46)].into_iter().enumerate() {
+            let part = self.draw.part(k as u64);
+            let size = size * part.between("size", 0.96, 1.04);
+            let leaves = self.paint(hue.scaled(part.between("shade", 0.84, 1.08)), Tile::Leaves);
+            self.sculptor.blob(self.ball, DVec3::new(x, size * 0.86, z), DVec3::new(size, size * 0.8, size), 0.2, part, leaves);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -281,7 +375,7 @@ mod tests {
 
     use super::*;
 
-    const KINDS: [ObjectKind; 12] = [
+    const KINDS: [ObjectKind; 17] = [
         ObjectKind::Lamp,
         ObjectKind::Tree,
         ObjectKind::Conifer,
@@ -294,6 +388,11 @@ mod tests {
         ObjectKind::Well,
         ObjectKind::Column,
         ObjectKind::Bin,
+        ObjectKind::Signals,
+        ObjectKind::Sign,
+        ObjectKind::Hedge,
+        ObjectKind::Planter,
+        ObjectKind::Shrub,
     ];
 
     fn one(kind: ObjectKind, heading: u16) -> MeshData {

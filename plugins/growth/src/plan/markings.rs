@@ -4,106 +4,37 @@
 //! that wait for a main street; between both ends the lines along it. Lines are cut into pieces of whole repeats of their dashes,
 //! so that each belongs to a cell and the dashes still go on.
 
-use std::collections::BTreeMap;
-
 use glam::DVec2;
-use veduta_city::draw::Draw;
-use veduta_city::{CityGraph, GridPos, Id, Link, LinkKind, Marking, MarkingKind, StreetClass, SurfaceKind, Surfacing};
+use veduta_city::{CityGraph, GridPos, LinkKind, Marking, MarkingKind, StreetClass, SurfaceKind};
 
-use super::crossroads::{Arm, gaps};
+use super::network::{Junction, Network, STOP_M, Street, TWO_LANES_M, ZEBRA_M};
 use super::objects::Site;
-use super::streets::{length_m, pavement_m, width_at_m, width_m};
+use super::streets::length_m;
 
 /// Lines are cut into pieces this long: whole repeats of [`veduta_city::Marking::DASH_M`]; metres.
 const PIECE_M: f64 = 3.0 * (Marking::DASH_M + Marking::GAP_M);
-/// Breadth of lines along a street, and of stop lines; metres.
+/// Breadth of lines along a street, metres.
 const LINE_M: f64 = 0.125;
-const STOP_M: f64 = 0.4;
-/// Length of a zebra's stripes, and its distance from the corner of the kerbs; metres.
-const ZEBRA_M: f64 = 3.4;
-const ZEBRA_SETBACK_M: f64 = 0.8;
-/// A stop line's distance from the zebra, or from the corner where there is none; metres.
-const STOP_SETBACK_M: f64 = 1.2;
-/// Carriageways between these widths have zebras, those from the second on two lanes, from the third on four; metres.
-const ZEBRAS: core::ops::Range<f64> = 4.0..17.0;
-const TWO_LANES_M: f64 = 5.6;
+/// Carriageways from this width on have four lanes, metres.
 const FOUR_LANES_M: f64 = 12.4;
 /// Lines shorter than this are left out; metres.
 const LEAST_M: f64 = 3.0;
 /// Gauge of tram rails, metres.
 const GAUGE_M: f64 = 1.435;
-/// Share of the crossings of plain streets that have zebras.
-const QUIET_ZEBRAS: f64 = 0.2;
-
-/// A street with a carriageway, as markings see it.
-struct Street<'a> {
-    link: &'a Link,
-    class: StreetClass,
-    line: Vec<DVec2>,
-    length_m: f64,
-}
-
-impl Street<'_> {
-    /// Half the carriageway's width at a share of the street's length.
-    fn half_m(&self, share: f64) -> f64 {
-        width_at_m(self.link, share) / 2.0 - pavement_m(self.class, width_m(self.link))
-    }
-
-    /// The place at a distance from one end, so far to the left of the way from there.
-    fn at(&self, from_start: bool, s_m: f64, left_m: f64) -> Option<DVec2> {
-        let (p, way) = match from_start {
-            true => super::streets::along(&self.line, s_m)?,
-            false => super::streets::along(&self.line, self.length_m - s_m).map(|(p, way)| (p, -way))?,
-        };
-        Some(p + way.perp() * left_m)
-    }
-}
-
-/// An end of a street at a node.
-#[derive(Clone, Copy)]
-struct End {
-    street: usize,
-    is_start: bool,
-}
 
 /// All markings, in the order of links.
-pub(super) fn markings(graph: &CityGraph, site: &Site<'_>) -> Vec<Marking> {
-    let at = graph.node_positions();
-    let street = |link: &'_ Link| -> Option<(StreetClass, Vec<DVec2>)> {
-        let LinkKind::Street(class) = link.kind else { return None };
-        let is_marked = class.has_carriageway() && link.layer >= 0 && link.surfacing.is_none_or(|s| s == Surfacing::Asphalt);
-        let mut line = graph.polyline(link, &at).filter(|_| is_marked)?;
-        line.dedup_by(|a, b| a.distance(*b) < 1e-6);
-        (line.len() > 1).then_some((class, line))
-    };
-    let streets: Vec<Street<'_>> = graph
-        .links
-        .iter()
-        .filter_map(|link| {
-            let (class, line) = street(link)?;
-            Some(Street { link, class, length_m: length_m(&line), line })
-        })
-        .collect();
-    let mut nodes: BTreeMap<Id, Vec<Arm<End>>> = BTreeMap::new();
-    for (i, street) in streets.iter().enumerate() {
-        let ends = [(street.link.from, true), (street.link.to, false)];
-        for (node, is_start) in ends {
-            let (end, share) = (End { street: i, is_start }, if is_start { 0.0 } else { 1.0 });
-            let mut forth = street.line.iter().copied();
-            let mut back = street.line.iter().rev().copied();
-            let line: &mut dyn Iterator<Item = DVec2> = if is_start { &mut forth } else { &mut back };
-            nodes.entry(node).or_default().extend(Arm::new(line, street.half_m(share), 0.0, end));
-        }
-    }
+pub(super) fn markings(graph: &CityGraph, network: &Network<'_>, site: &Site<'_>) -> Vec<Marking> {
     let mut marks = Marks { site, out: Vec::new() };
     // Length along each street, from its start and from its end, that crossroads leave without lines; metres.
-    let mut taken = vec![[0.0; 2]; streets.len()];
-    for (node, mut arms) in nodes {
-        crossing(graph.seed, node, &mut arms, &streets, &mut taken, &mut marks);
+    let mut taken = vec![[0.0; 2]; network.streets.len()];
+    for junction in &network.junctions {
+        crossing(junction, &network.streets, &mut marks);
+        junction.arms.iter().for_each(|arm| taken[arm.end.street][usize::from(!arm.end.is_start)] = arm.taken_m);
     }
-    for (street, &taken) in streets.iter().zip(&taken) {
+    for (street, &taken) in network.streets.iter().zip(&taken) {
         lines(street, taken, &mut marks);
     }
+    let at = graph.node_positions();
     for link in graph.links.iter().filter(|link| link.kind == LinkKind::Railway { tram: true } && link.layer >= 0) {
         let line = graph.polyline(link, &at).unwrap_or_default();
         marks.pieces(MarkingKind::Rails, &line, 0.0..length_m(&line), 0.0, GAUGE_M);
@@ -111,63 +42,27 @@ pub(super) fn markings(graph: &CityGraph, site: &Site<'_>) -> Vec<Marking> {
     marks.out
 }
 
-/// Zebras and stop lines of a node, and how far each of its streets is without lines.
-fn crossing(seed: u64, node: Id, arms: &mut [Arm<End>], streets: &[Street<'_>], taken: &mut [[f64; 2]], marks: &mut Marks<'_, '_>) {
-    if arms.len() < 3 {
-        return;
-    }
-    let mut clear: BTreeMap<(usize, bool), f64> = BTreeMap::new();
-    for (before, after, gap) in gaps(arms) {
-        let (b, a) = corner_m(before, after, gap);
-        for (end, at) in [(before.what, b), (after.what, a)] {
-            let entry = clear.entry((end.street, end.is_start)).or_default();
-            *entry = entry.max(at);
-        }
-    }
-    let is_main = |end: End| matches!(streets[end.street].class, StreetClass::Main | StreetClass::Motorway);
-    let mains = arms.iter().filter(|arm| is_main(arm.what)).count();
-    let draw = Draw::new(seed, node, "crossing");
-    let has_zebras = mains > 0 || draw.chance("zebras", QUIET_ZEBRAS);
-    for arm in arms.iter() {
-        let (end, street) = (arm.what, &streets[arm.what.street]);
-        let mut at = clear.get(&(end.street, end.is_start)).copied().unwrap_or(0.0);
-        let has_pavements = pavement_m(street.class, width_m(street.link)) > 0.0;
-        let room = arm.straight_m.min(street.length_m * 0.5);
-        let zebra = at + ZEBRA_SETBACK_M;
-        if has_zebras && has_pavements && ZEBRAS.contains(&(2.0 * arm.half_m)) && zebra + ZEBRA_M < room {
-            let middle = zebra + ZEBRA_M / 2.0;
-            let side = |left: f64| street.at(end.is_start, middle, left * (arm.half_m - 0.25));
+/// Zebras and stop lines of a node.
+fn crossing(junction: &Junction, streets: &[Street<'_>], marks: &mut Marks<'_, '_>) {
+    for arm in &junction.arms {
+        let (end, street) = (arm.end, &streets[arm.end.street]);
+        if let Some(zebra) = arm.zebra_m {
+            let side = |left: f64| street.at(end.is_start, zebra + ZEBRA_M / 2.0, left * (arm.half_m - 0.25));
             if let (Some(a), Some(b)) = (side(1.0), side(-1.0)) {
                 marks.add(MarkingKind::Zebra, &[a, b], ZEBRA_M);
-                at = zebra + ZEBRA_M;
             }
         }
-        let stop = at + STOP_SETBACK_M;
-        if mains > 0 && !is_main(end) && arm.half_m * 2.0 >= TWO_LANES_M && stop + STOP_M < room {
+        if let Some(stop) = arm.stop_m {
             // Who comes keeps to the right: on the left of the way out.
             let side = |left: f64| street.at(end.is_start, stop, left);
             if let (Some(a), Some(b)) = (side(0.1), side(arm.half_m - 0.25)) {
                 marks.add(MarkingKind::Line, &[a, b], STOP_M);
-                at = stop + STOP_M;
             }
         }
-        taken[end.street][usize::from(!end.is_start)] = at + 0.8;
     }
 }
 
-/// How far from the node the kerbs of two neighbouring arms meet, along each of them; metres.
-fn corner_m<T>(before: &Arm<T>, after: &Arm<T>, gap: f64) -> (f64, f64) {
-    let (sin, cos) = (libm::sin(gap), libm::cos(gap));
-    if gap >= core::f64::consts::PI * 0.97 {
-        return (0.0, 0.0);
-    }
-    let along = |mine: f64, other: f64| ((other + mine * cos) / sin.max(0.1)).max(0.0);
-    // The rounding of the kerb begins a little before.
-    let rounding = if gap > 0.35 { 2.0 } else { 0.0 };
-    (along(before.half_m, after.half_m) + rounding, along(after.half_m, before.half_m) + rounding)
-}
-
-/// The lines along a street.
+/// Lines along a street, but where crossroads leave none.
 fn lines(street: &Street<'_>, taken: [f64; 2], marks: &mut Marks<'_, '_>) {
     let (from, to) = (taken[0], street.length_m - taken[1]);
     let half = (0..=8).map(|i| street.half_m(f64::from(i) / 8.0)).fold(f64::INFINITY, f64::min);

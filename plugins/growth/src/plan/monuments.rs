@@ -58,9 +58,14 @@ impl<'a> Designs<'a> {
     }
 
     /// The same for objects. A height that is given is the monument's, if it has a parameter of that name.
-    pub fn of_objects(&mut self, graph: &CityGraph, objects: &mut [PlanObject], findings: &mut Vec<Finding>) {
+    pub fn of_objects<'b>(
+        &mut self,
+        given: impl Iterator<Item = &'b StandingObject>,
+        objects: &mut [PlanObject],
+        findings: &mut Vec<Finding>,
+    ) {
         let named: HashMap<Id, &StandingObject> =
-            graph.objects.iter().filter(|object| !object.monument.is_empty()).map(|object| (object.id, object)).collect();
+            given.filter(|object| !object.monument.is_empty()).map(|object| (object.id, object)).collect();
         for object in objects {
             let Some(given) = named.get(&object.id) else { continue };
             let has_height = self.stock.find(&given.monument).is_some_and(|m| m.parameters.contains_key("height"));

@@ -1,6 +1,8 @@
-//! The stock styles and monuments, as they lie in `assets/styles` and `assets/monuments`.
+//! The stock styles, monuments and furniture rules, as they lie in `assets`.
 
-use veduta_city::{Monument, MonumentError, Monuments, StyleDraft, StyleError, Styles, file};
+use veduta_city::{
+    FurnitureError, FurnitureRule, Monument, MonumentError, Monuments, StyleDraft, StyleError, Styles, file, furniture,
+};
 
 /// Name and text of every stock style, in the order in which plans number them; each comes after those that it inherits from.
 const STOCK: [(&str, &str); 15] = [
@@ -28,6 +30,8 @@ pub struct Stock {
     pub styles: Styles,
     /// What may stand in a building's place, and what it is put together from.
     pub monuments: Monuments,
+    /// What stands in streets and parks where a map says nothing.
+    pub furniture: Vec<FurnitureRule>,
 }
 
 /// What is wrong with styles or monuments that are brought.
@@ -39,20 +43,28 @@ pub enum StockError {
     /// A monument cannot be built.
     #[error(transparent)]
     Monument(#[from] MonumentError),
+    /// A rule cannot be followed.
+    #[error(transparent)]
+    Furniture(#[from] FurnitureError),
 }
 
 impl Stock {
-    /// The styles and monuments that come with growth.
+    /// What comes with growth.
     pub fn new() -> Self {
-        Self { styles: styles(), monuments: monuments() }
+        Self { styles: styles(), monuments: monuments(), furniture: furniture() }
     }
 
-    /// Adds styles and monuments, or puts them in place of those of the same name.
+    /// Adds styles, monuments and rules, or puts them in place of those of the same name.
     ///
     /// # Errors
     /// Everything that is then wrong with any of them: two of those brought share a name, a style inherits from one that is not
-    /// there, a monument cannot be built.
-    pub fn with(mut self, styles: &[StyleDraft], monuments: Vec<Monument>) -> Result<Self, Vec<StockError>> {
+    /// there, a monument cannot be built, a rule puts a monument that is not there.
+    pub fn with(
+        mut self,
+        styles: &[StyleDraft],
+        monuments: Vec<Monument>,
+        furniture: Vec<FurnitureRule>,
+    ) -> Result<Self, Vec<StockError>> {
         let mut errors: Vec<StockError> = Vec::new();
         for (i, draft) in styles.iter().enumerate() {
             if styles[..i].iter().any(|other| other.name == draft.name) {
@@ -66,21 +78,35 @@ impl Stock {
             }
         }
         errors.extend(self.styles.validate().into_iter().map(StockError::from));
-        if monuments.is_empty() {
-            return if errors.is_empty() { Ok(self) } else { Err(errors) };
-        }
         for (i, monument) in monuments.iter().enumerate() {
             if monuments[..i].iter().any(|other| other.name == monument.name) {
                 errors.push(MonumentError::Twice(monument.name.clone()).into());
             }
         }
+        // Working all of them out takes a while.
+        let is_new = !monuments.is_empty();
         for monument in monuments {
             match self.monuments.0.iter_mut().find(|known| known.name == monument.name) {
                 Some(known) => *known = monument,
                 None => self.monuments.0.push(monument),
             }
         }
-        errors.extend(self.monuments.validate().into_iter().map(StockError::from));
+        if is_new {
+            errors.extend(self.monuments.validate().into_iter().map(StockError::from));
+        }
+        errors.extend(furniture::validate(&furniture).into_iter().map(StockError::from));
+        for rule in furniture {
+            for furnishing in rule.put.iter().filter(|one| !one.monument.is_empty()) {
+                if self.monuments.find(&furnishing.monument).is_none() {
+                    let (rule, monument) = (rule.name.clone(), furnishing.monument.clone());
+                    errors.push(FurnitureError::Monument { rule, monument }.into());
+                }
+            }
+            match self.furniture.iter_mut().find(|known| known.name == rule.name) {
+                Some(known) => *known = rule,
+                None => self.furniture.push(rule),
+            }
+        }
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 }
@@ -110,6 +136,14 @@ fn monuments() -> Monuments {
     Monuments(MONUMENTS.iter().filter_map(|(name, text)| file::parse::<Monuments>(text, name).ok()).flat_map(|m| m.0).collect())
 }
 
+/// The rules that come with growth: see `assets/furniture`.
+const FURNITURE: (&str, &str) = ("stock.ron", include_str!("../../../../assets/furniture/stock.ron"));
+
+fn furniture() -> Vec<FurnitureRule> {
+    // The text is part of the program, and a test reads it.
+    file::parse(FURNITURE.1, FURNITURE.0).unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -130,6 +164,8 @@ mod tests {
         }
         let wrong: Vec<String> = monuments().validate().iter().map(ToString::to_string).collect();
         assert_eq!(wrong, [""; 0]);
+        let rules: Vec<FurnitureRule> = file::parse(FURNITURE.1, FURNITURE.0).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!((rules.is_empty(), furniture::validate(&rules)), (false, Vec::new()));
     }
 
     #[test]
@@ -140,7 +176,7 @@ mod tests {
             file::parse::<Monument>(&text, "test").unwrap_or_else(|e| panic!("{e}"))
         };
         let told = |styles: &[StyleDraft], monuments: Vec<Monument>| {
-            let errors = Stock::new().with(styles, monuments).err().unwrap_or_default();
+            let errors = Stock::new().with(styles, monuments, Vec::new()).err().unwrap_or_default();
             errors.iter().map(ToString::to_string).collect::<Vec<_>>()
         };
         for name in ["mine", "old_town"] {
@@ -150,9 +186,25 @@ mod tests {
             let errors = told(&[], vec![monument(name), monument(name)]);
             assert_eq!(errors, [format!("two monuments are called `{name}`")]);
         }
-        let stock = Stock::new().with(&[style("mine"), style("old_town")], vec![monument("mine"), monument("obelisk")]);
+        let stock = Stock::new().with(&[style("mine"), style("old_town")], vec![monument("mine"), monument("obelisk")], Vec::new());
         let counts = stock.map(|stock| (stock.styles.0.len(), stock.monuments.0.len()));
         assert_eq!(counts, Ok((styles().0.len() + 1, monuments().0.len() + 1)));
+    }
+
+    #[test]
+    fn rules_are_added_replaced_and_checked() {
+        let with = |text: &str| {
+            let rules: Vec<FurnitureRule> = file::parse(text, "test").unwrap_or_else(|e| panic!("{e}"));
+            Stock::new().with(&[], Vec::new(), rules).map_err(|e| e.iter().map(ToString::to_string).collect::<Vec<_>>())
+        };
+        let count = furniture().len();
+        let stock =
+            with("[(name: \"bins\", put: []), (name: \"tubs\", put: [(kind: Planter)], place: Scatter(of: Yards, every_m: 9))]");
+        let stock = stock.unwrap_or_else(|e| panic!("{e:?}"));
+        assert_eq!(stock.furniture.len(), count + 1);
+        assert!(stock.furniture.iter().any(|rule| rule.name == "bins" && rule.put.is_empty()));
+        let told = with("[(name: \"x\", put: [(kind: Statue, monument: \"colossus\")], place: Scatter(of: Yards, every_m: 9))]");
+        assert_eq!(told.err(), Some(vec!["furniture rule `x`: there is no monument `colossus`".to_owned()]));
     }
 
     #[test]
@@ -172,5 +224,6 @@ mod tests {
         };
         assert_eq!(files("styles"), listed(&STOCK));
         assert_eq!(files("monuments"), listed(&MONUMENTS));
+        assert_eq!(files("furniture"), listed(&[FURNITURE]));
     }
 }

@@ -1,0 +1,266 @@
+//! What stands in streets, squares, parks and yards by rule, where a map does not say.
+
+use std::collections::HashMap;
+
+use glam::DVec2;
+use rayon::prelude::*;
+use veduta_city::draw::Draw;
+use veduta_city::furniture::{AreaKind, Offset, Placement, Side};
+use veduta_city::{
+    BlockKind, CityGraph, Furnishing, FurnitureRule, GridPolygon, GridPos, Id, Link, LinkKind, Range, StandingObject, StreetClass,
+    SurfaceKind,
+};
+
+use super::network::Network;
+use super::objects::Site;
+use super::{Area, outline, streets};
+
+/// Furniture keeps this far from doors beyond its own clearance, metres.
+const DOOR_CLEAR_M: f64 = 1.3;
+/// People pass between two things that stand so far apart, metres.
+const PASSAGE_M: f64 = 0.5;
+/// Furniture along a street is tried so far along from where it should stand, where something is in the way; metres.
+const ASIDE_M: [f64; 3] = [0.0, 2.2, -2.2];
+/// … and so much nearer to the middle of the street.
+const INWARD_M: [f64; 4] = [0.0, 0.4, 0.8, 1.2];
+/// Most places that a rule has.
+pub(super) const MOST_PLACES: usize = 50_000;
+
+/// Something that a rule would put, and its heading.
+struct Wish {
+    pos: DVec2,
+    heading_deg: f64,
+}
+
+/// What rules put, in their order, clear of what stands already.
+pub(super) struct Furnisher<'a> {
+    pub graph: &'a CityGraph,
+    pub areas: &'a [Area<'a>],
+    pub network: &'a Network<'a>,
+    pub site: &'a Site<'a>,
+    pub taken: Taken,
+}
+
+/// Discs that things stand on.
+#[derive(Default)]
+pub(super) struct Taken(HashMap<(i64, i64), Vec<(DVec2, f64)>>);
+
+impl Taken {
+    /// Side of the squares in which they are looked for: two of the widest reach no farther; metres.
+    const SIDE_M: f64 = 6.0;
+
+    fn square(pos: DVec2) -> (i64, i64) {
+        let at = (pos / Self::SIDE_M).floor();
+        (at.x as i64, at.y as i64)
+    }
+
+    fn is_free(&self, pos: DVec2, radius_m: f64) -> bool {
+        let (x, y) = Self::square(pos);
+        let near = (x - 1..=x + 1).flat_map(|x| (y - 1..=y + 1).filter_map(move |y| self.0.get(&(x, y)))).flatten();
+        near.into_iter().all(|(other, radius)| other.distance(pos) >= radius + radius_m)
+    }
+
+    /// Takes a disc.
+    pub fn add(&mut self, pos: DVec2, radius_m: f64) {
+        self.0.entry(Self::square(pos)).or_default().push((pos, radius_m));
+    }
+}
+
+impl Furnisher<'_> {
+    /// All that a rule puts.
+    pub fn furnish(&mut self, rule: &FurnitureRule) -> Vec<StandingObject> {
+        if rule.put.is_empty() {
+            return Vec::new();
+        }
+        let wishes = match &rule.place {
+            Placement::Along { streets, every_m, side, at } => self.along(rule, streets, *every_m, *side, *at),
+            Placement::Crossings { control, inset_m } => self.crossings(rule, *control, *inset_m),
+            Placement::Rim { of, every_m, inset_m, rows_m } => self.rim(rule, *of, *every_m, *inset_m, *rows_m),
+            Placement::Scatter { of, every_m } => self.scatter(rule, *of, *every_m),
+        };
+        let mut out = Vec::new();
+        for wish in wishes {
+            let id = Id::from_place(&format!("grown {}", rule.name), wish.pos);
+            let draw = Draw::new(self.graph.seed, id, "furniture");
+            let Some(furnishing) = drawn(&rule.put, draw) else { continue };
+            let radius = furnishing.kind.radius_m();
+            if !self.taken.is_free(wish.pos, radius + PASSAGE_M * f64::from(!is_row(&rule.place))) {
+                continue;
+            }
+            self.taken.add(wish.pos, radius);
+            out.push(StandingObject {
+                id,
+                kind: furnishing.kind,
+                pos: wish.pos,
+                heading_deg: wish.heading_deg,
+                height_m: furnishing.height_m.map_or(0.0, |Range(low, high)| draw.between("height", low, high)),
+                name: String::new(),
+                monument: furnishing.monument.clone(),
+            });
+        }
+        out
+    }
+
+    fn chance(&self, rule: &FurnitureRule, place: DVec2) -> bool {
+        rule.chance >= 1.0 || self.draw(rule, place).chance("chance", rule.chance)
+    }
+
+    /// The draw of one of a rule's places.
+    fn draw(&self, rule: &FurnitureRule, place: DVec2) -> Draw {
+        Draw::new(self.graph.seed, Id::from_place(&rule.name, place), "furniture rule")
+    }
+
+    fn along(&self, rule: &FurnitureRule, classes: &[StreetClass], every_m: f64, side: Side, at: Offset) -> Vec<Wish> {
+        let nodes = self.graph.node_positions();
+        let of_link = |link: &Link| -> Vec<Wish> {
+            let LinkKind::Street(class) = link.kind else { return Vec::new() };
+            let (width, pavement) = (streets::width_m(link), streets::pavement_m(class, streets::width_m(link)));
+            let offset = match at {
+                Offset::Edge(inset) => width / 2.0 - inset,
+                Offset::Kerb(out) if pavement > out => width / 2.0 - pavement + out,
+                Offset::Kerb(_) => return Vec::new(),
+            };
+            if link.layer < 0 || !classes.contains(&class) || offset < 0.5 {
+                return Vec::new();
+            }
+            let line = self.graph.polyline(link, &nodes).unwrap_or_default();
+            let count = (streets::length_m(&line) / every_m) as usize;
+            let mut out = Vec::new();
+            for i in 0..count.min(MOST_PLACES) {
+                let Some((p, way)) = streets::along(&line, (i as f64 + 0.5) * every_m) else { continue };
+                let sides: &[f64] = match side {
+                    Side::Both => &[1.0, -1.0],
+                    Side::Alternating if i % 2 == 0 => &[1.0],
+                    Side::Alternating => &[-1.0],
+                };
+                for out_way in sides.iter().map(|side| way.perp() * *side) {
+                    if !self.chance(rule, p + out_way * offset) {
+                        continue;
+                    }
+                    let tries = ASIDE_M.into_iter().flat_map(|s| INWARD_M.map(|o| p + way * s + out_way * (offset - o).max(0.3)));
+                    let stand = tries.into_iter().find(|&q| self.may_stand(q, rule.clear_m));
+                    out.extend(stand.map(|pos| Wish { pos, heading_deg: heading_deg(-out_way) }));
+                }
+            }
+            out
+        };
+        self.graph.links.par_iter().flat_map_iter(of_link).collect()
+    }
+
+    fn crossings(&self, rule: &FurnitureRule, control: veduta_city::furniture::Control, inset_m: f64) -> Vec<Wish> {
+        let mut out = Vec::new();
+        for junction in self.network.junctions.iter().filter(|junction| junction.control == Some(control)) {
+            for (arm, stop) in junction.arms.iter().filter_map(|arm| Some((arm, arm.stop_m?))) {
+                let street = &self.network.streets[arm.end.street];
+                let Some((p, way)) = street.way(arm.end.is_start, stop) else { continue };
+                let pos = p + way.perp() * (arm.half_m + inset_m);
+                if self.chance(rule, pos) && self.may_stand(pos, rule.clear_m) {
+                    out.push(Wish { pos, heading_deg: heading_deg(way) });
+                }
+            }
+        }
+        out
+    }
+
+    /// Outlines of all areas of a kind.
+    fn outlines(&self, of: AreaKind) -> Vec<GridPolygon> {
+        let blocks = |kind: BlockKind| {
+            let areas = self.areas.iter().filter(move |area| area.block.kind == kind);
+            areas.flat_map(|area| area.polygons.iter().cloned()).collect()
+        };
+        match of {
+            AreaKind::Squares => self.graph.squares.iter().flat_map(|s| outline::polygons(&s.outline, &s.holes)).collect(),
+            AreaKind::Parks => blocks(BlockKind::Park),
+            AreaKind::Yards => blocks(BlockKind::Built),
+        }
+    }
+
+    fn rim(&self, rule: &FurnitureRule, of: AreaKind, every_m: f64, inset_m: f64, rows_m: Option<(f64, f64)>) -> Vec<Wish> {
+        let mut out = Vec::new();
+        for (a, b) in self.outlines(of).iter().flat_map(|polygon| polygon.edges().collect::<Vec<_>>()) {
+            let (a, b) = (a.to_metres(), b.to_metres());
+            let Some(way) = (b - a).try_normalize() else { continue };
+            let (length, inward) = (a.distance(b), way.perp());
+            let count = (length / every_m) as usize;
+            let first = (length - count.saturating_sub(1) as f64 * every_m) / 2.0;
+            for i in 0..count.min(MOST_PLACES) {
+                let s = first + i as f64 * every_m;
+                let is_gap = rows_m.is_some_and(|(row, gap)| s % (row + gap) > row);
+                let pos = a + way * s + inward * inset_m;
+                if !is_gap && self.chance(rule, pos) && self.is_of(of, pos, rule.clear_m) {
+                    out.push(Wish { pos, heading_deg: heading_deg(inward) });
+                }
+            }
+        }
+        out.truncate(MOST_PLACES);
+        out
+    }
+
+    fn scatter(&self, rule: &FurnitureRule, of: AreaKind, every_m: f64) -> Vec<Wish> {
+        let of_polygon = |polygon: &GridPolygon| {
+            let mut out = Vec::new();
+            let Some((lo, hi)) = polygon.bounds() else { return out };
+            let (lo, hi) = ((lo.to_metres() / every_m).floor(), (hi.to_metres() / every_m).ceil());
+            if (hi - lo).x * (hi - lo).y > 4.0 * MOST_PLACES as f64 {
+                return out;
+            }
+            for (i, j) in (lo.y as i64..hi.y as i64).flat_map(|j| (lo.x as i64..hi.x as i64).map(move |i| (i, j))) {
+                let corner = DVec2::new(i as f64, j as f64) * every_m;
+                let draw = self.draw(rule, corner + 0.25);
+                if !draw.chance("chance", rule.chance) {
+                    continue;
+                }
+                let pos = corner + every_m * DVec2::new(draw.between("x", 0.15, 0.85), draw.between("y", 0.15, 0.85));
+                if polygon.contains(GridPos::from_metres(pos)) && self.is_of(of, pos, rule.clear_m) {
+                    out.push(Wish { pos, heading_deg: draw.between("heading", 0.0, 360.0) });
+                }
+            }
+            out
+        };
+        self.outlines(of).par_iter().flat_map_iter(of_polygon).collect()
+    }
+
+    /// Whether something may stand at a place of an area, by what lies there.
+    fn is_of(&self, of: AreaKind, pos: DVec2, clear_m: f64) -> bool {
+        let is_soil = |soil: SurfaceKind| self.site.surface(pos).is_some_and(|(surface, _)| surface == soil);
+        match of {
+            AreaKind::Squares => self.may_stand(pos, clear_m),
+            AreaKind::Parks => is_soil(SurfaceKind::Grass) && self.site.is_free_about(pos, clear_m),
+            AreaKind::Yards => is_soil(SurfaceKind::Yard) && self.site.is_free_about(pos, clear_m),
+        }
+    }
+
+    /// Whether something may stand in the street: on public ground, not on a carriageway, in no doorway, clear of houses.
+    fn may_stand(&self, pos: DVec2, clear_m: f64) -> bool {
+        let here = GridPos::from_metres(pos);
+        let is_public = self.site.surface(pos).is_some_and(|(surface, _)| surface.is_public());
+        let on_carriageway = || self.network.carriageways.at(here).next().is_some();
+        let in_doorway = || {
+            let doors = self.site.doorsteps.near(&GridPolygon::simple(vec![here]), DOOR_CLEAR_M + clear_m);
+            !doors.is_empty()
+        };
+        is_public && !on_carriageway() && !in_doorway() && self.site.is_free_about(pos, clear_m)
+    }
+}
+
+/// Whether what a rule puts is meant to stand close.
+const fn is_row(place: &Placement) -> bool {
+    matches!(place, Placement::Rim { rows_m: Some(_), .. })
+}
+
+/// One of several, by share.
+fn drawn(put: &[Furnishing], draw: Draw) -> Option<&Furnishing> {
+    let sum: f64 = put.iter().map(|one| one.share).sum();
+    let mut left = draw.between("which", 0.0, sum);
+    put.iter()
+        .find(|one| {
+            left -= one.share;
+            left < 0.0
+        })
+        .or(put.last())
+}
+
+/// Degrees clockwise from north.
+fn heading_deg(way: DVec2) -> f64 {
+    libm::atan2(way.x, way.y).to_degrees()
+}
