@@ -11,7 +11,8 @@ use image::{RgbaImage, imageops};
 use indicatif::ProgressBar;
 use veduta::facade::FadeSettings;
 use veduta::prelude::*;
-use veduta_city::file;
+use veduta_bake::Stock;
+use veduta_city::{FurnitureRule, GraphOverrides, file};
 
 use crate::profile::Profile;
 use crate::studio::{Size, Studio};
@@ -30,6 +31,8 @@ pub enum Sheet {
     Monuments,
     /// Crossings of three to eight arms.
     Crossings,
+    /// Lamps, benches, trees and whatever else stands in streets.
+    Furniture,
 }
 
 /// A thing to be looked at, and from where.
@@ -81,6 +84,7 @@ pub fn gallery(order: &GalleryOrder) -> Result<(), Failure> {
         std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
         let path = order.out.join(format!("{name}.graph.ron"));
         file::write(&graph, &path)?;
+        file::write(&bare(sheet), &order.out.join(format!("{name}.graph.overrides.ron")))?;
         let pictures = take(&path, &specimens, &folder, order)?;
         if order.only.is_none() {
             let whole = order.out.join(format!("{name}.png"));
@@ -89,6 +93,13 @@ pub fn gallery(order: &GalleryOrder) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// Nothing stands in the way of a specimen; crossings have their lights and signs.
+fn bare(sheet: Sheet) -> GraphOverrides {
+    let rules = Stock::new().furniture.into_iter().filter(|_| sheet != Sheet::Crossings);
+    let furniture = rules.map(|rule| FurnitureRule { put: Vec::new(), ..rule }).collect();
+    GraphOverrides { furniture, ..GraphOverrides::default() }
 }
 
 fn take(graph: &Path, specimens: &[Specimen], folder: &Path, order: &GalleryOrder) -> Result<Vec<RgbaImage>, Failure> {

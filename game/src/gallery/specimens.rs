@@ -3,7 +3,7 @@ use std::fmt::Write;
 
 use bevy::math::DVec2;
 use veduta_bake::{Stock, monument_bounds};
-use veduta_city::{CityGraph, file};
+use veduta_city::{CityGraph, ObjectKind, file};
 
 use super::{Sheet, Specimen};
 use crate::Failure;
@@ -19,6 +19,7 @@ pub fn specimens(sheet: Sheet) -> Result<(CityGraph, Vec<Specimen>), Failure> {
         Sheet::Roofs => roofs(&mut town),
         Sheet::Monuments => monuments(&mut town)?,
         Sheet::Crossings => crossings(&mut town),
+        Sheet::Furniture => furniture(&mut town),
     }
     Ok((town.graph()?, town.specimens))
 }
@@ -31,6 +32,7 @@ struct Town {
     squares: String,
     blocks: String,
     buildings: String,
+    objects: String,
     node_count: u32,
     specimens: Vec<Specimen>,
     /// Where the next specimen begins, metres east.
@@ -61,10 +63,10 @@ impl Town {
         // A street along the whole row, so that the town can be walked.
         let (west, east) = (self.node(-60.0, -70.0), self.node(self.east + 60.0, -70.0));
         self.link(west, east, "Street");
-        let Self { nodes, links, squares, blocks, buildings, .. } = self;
+        let Self { nodes, links, squares, blocks, buildings, objects, .. } = self;
         let text = format!(
             "(name: \"Gallery\", anchor: (lat: 50.09, lon: 14.42), seed: 7, margin_m: 60, nodes: [{nodes}], links: [{links}],
-              squares: [{squares}], blocks: [{blocks}], buildings: [{buildings}])"
+              squares: [{squares}], blocks: [{blocks}], buildings: [{buildings}], objects: [{objects}])"
         );
         Ok(file::parse(&text, "gallery.graph.ron")?)
     }
@@ -218,6 +220,46 @@ fn crossings(town: &mut Town) {
             town.link(middle, end, class);
         }
         town.specimen(name, DVec2::new(x, -4.0), 46.0, (0.0, -45.0));
+    }
+}
+
+/// Every kind of object.
+const OBJECTS: [ObjectKind; 17] = [
+    ObjectKind::Lamp,
+    ObjectKind::Tree,
+    ObjectKind::Conifer,
+    ObjectKind::Bench,
+    ObjectKind::Fountain,
+    ObjectKind::Statue,
+    ObjectKind::TramStop,
+    ObjectKind::Bollard,
+    ObjectKind::Kiosk,
+    ObjectKind::Well,
+    ObjectKind::Column,
+    ObjectKind::Bin,
+    ObjectKind::Signals,
+    ObjectKind::Sign,
+    ObjectKind::Hedge,
+    ObjectKind::Planter,
+    ObjectKind::Shrub,
+];
+
+fn furniture(town: &mut Town) {
+    for kind in OBJECTS {
+        let x = town.east + 40.0;
+        town.east += 60.0;
+        town.square(DVec2::new(x - 28.0, -60.0), DVec2::new(x + 28.0, 20.0));
+        let _infallible = write!(town.objects, "(kind: {kind:?}, pos: ({x}, 0), heading_deg: 180),");
+        let height = match kind {
+            ObjectKind::Tree | ObjectKind::Conifer => 11.0,
+            ObjectKind::Lamp | ObjectKind::Statue | ObjectKind::Fountain => 4.5,
+            ObjectKind::Bollard | ObjectKind::Bin => 1.3,
+            _ => 3.2,
+        };
+        let far = 1.9 * height;
+        let eye_m = 0.6 * height;
+        let pitch = ((0.45 * height - eye_m) / far).atan().to_degrees();
+        town.specimen(&format!("{kind:?}").to_lowercase(), DVec2::new(x - 0.45 * far, -0.9 * far), eye_m, (26.5, pitch));
     }
 }
 

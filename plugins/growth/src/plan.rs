@@ -3,7 +3,7 @@
 //! ```text
 //!  CityGraph ─┬─► extent ─► streets ─► ground ─► verges ─┬─► lots ─┐
 //!             └─► houses (given) ────────────────┴────────┴────────┴─► facing ─► massing ─► variety ─► walls ─► CityPlan
-//!                                                                                objects, places, start ──────────┘
+//!                                                  network (who waits where) ─► objects, markings, places, start ──┘
 //! ```
 //!
 //! Every stage is a function of the graph, the styles and the seed; each draw is keyed by seed, id and question. Geometry
