@@ -86,7 +86,7 @@ enum Command {
         #[arg(long, default_value = "medium")]
         profile: Profile,
     },
-    /// Draw contact sheets of every style, roof, monument and crossing.
+    /// Draw contact sheets of every style, roof, monument, crossing and kind of furniture.
     Gallery {
         /// Where the pictures go.
         #[arg(long)]

@@ -250,10 +250,11 @@ fn furniture(town: &mut Town) {
         town.east += 60.0;
         town.square(DVec2::new(x - 28.0, -60.0), DVec2::new(x + 28.0, 20.0));
         let _infallible = write!(town.objects, "(kind: {kind:?}, pos: ({x}, 0), heading_deg: 180),");
-        let height = match kind {
+        let height: f64 = match kind {
             ObjectKind::Tree | ObjectKind::Conifer => 11.0,
             ObjectKind::Lamp | ObjectKind::Statue | ObjectKind::Fountain => 4.5,
             ObjectKind::Bollard | ObjectKind::Bin => 1.3,
+            ObjectKind::Hedge | ObjectKind::Planter | ObjectKind::Shrub | ObjectKind::Bench => 2.0,
             _ => 3.2,
         };
         let far = 1.9 * height;

@@ -313,12 +313,13 @@ impl Maker<'_> {
         };
         for (radius, back, front, paint) in [(0.36, 0.04, 0.055, white), (0.32, 0.055, 0.06, red)] {
             let plate = |z: f64| (0..8).map(move |i| corner(i, radius, z));
-            let (face, rear): (Vec<DVec3>, Vec<DVec3>) = (plate(front).collect(), plate(back).rev().collect());
+            // Left and right as seen from the front.
+            let (face, rear): (Vec<DVec3>, Vec<DVec3>) = (plate(front).rev().collect(), plate(back).collect());
             self.sculptor.face(&face, paint);
             self.sculptor.face(&rear, iron);
             for i in 0..8 {
                 let side =
-                    [corner(i, radius, back), corner(i + 1, radius, back), corner(i + 1, radius, front), corner(i, radius, front)];
+                    [corner(i + 1, radius, back), corner(i, radius, back), corner(i, radius, front), corner(i + 1, radius, front)];
                 self.sculptor.face(&side, iron);
             }
         }
