@@ -64,7 +64,7 @@ pub struct Furnishing {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Placement {
-    /// In rows along streets; they look across the street.
+    /// In rows along streets, but not beside zebras and stop lines; they look across the street.
     Along {
         /// Streets of these classes.
         streets: Vec<StreetClass>,

@@ -112,6 +112,7 @@ impl Furnisher<'_> {
 
     fn along(&self, rule: &FurnitureRule, classes: &[StreetClass], every_m: f64, side: Side, at: Offset) -> Vec<Wish> {
         let nodes = self.graph.node_positions();
+        let taken: HashMap<Id, [f64; 2]> = self.network.streets.iter().map(|street| (street.link.id, street.taken_m)).collect();
         let of_link = |link: &Link| -> Vec<Wish> {
             let LinkKind::Street(class) = link.kind else { return Vec::new() };
             let (width, pavement) = (streets::width_m(link), streets::pavement_m(class, streets::width_m(link)));
@@ -126,8 +127,11 @@ impl Furnisher<'_> {
             let line = self.graph.polyline(link, &nodes).unwrap_or_default();
             let count = (streets::length_m(&line) / every_m) as usize;
             let mut out = Vec::new();
+            let [first, last] = taken.get(&link.id).copied().unwrap_or_default();
+            let free = first..streets::length_m(&line) - last;
             for i in 0..count.min(MOST_PLACES) {
-                let Some((p, way)) = streets::along(&line, (i as f64 + 0.5) * every_m) else { continue };
+                let s = (i as f64 + 0.5) * every_m;
+                let Some((p, way)) = streets::along(&line, s).filter(|_| free.contains(&s)) else { continue };
                 let sides: &[f64] = match side {
                     Side::Both => &[1.0, -1.0],
                     Side::Alternating if i % 2 == 0 => &[1.0],

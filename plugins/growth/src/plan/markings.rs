@@ -25,15 +25,8 @@ const GAUGE_M: f64 = 1.435;
 /// All markings, in the order of links.
 pub(super) fn markings(graph: &CityGraph, network: &Network<'_>, site: &Site<'_>) -> Vec<Marking> {
     let mut marks = Marks { site, out: Vec::new() };
-    // Length along each street, from its start and from its end, that crossroads leave without lines; metres.
-    let mut taken = vec![[0.0; 2]; network.streets.len()];
-    for junction in &network.junctions {
-        crossing(junction, &network.streets, &mut marks);
-        junction.arms.iter().for_each(|arm| taken[arm.end.street][usize::from(!arm.end.is_start)] = arm.taken_m);
-    }
-    for (street, &taken) in network.streets.iter().zip(&taken) {
-        lines(street, taken, &mut marks);
-    }
+    network.junctions.iter().for_each(|junction| crossing(junction, &network.streets, &mut marks));
+    network.streets.iter().for_each(|street| lines(street, &mut marks));
     let at = graph.node_positions();
     for link in graph.links.iter().filter(|link| link.kind == LinkKind::Railway { tram: true } && link.layer >= 0) {
         let line = graph.polyline(link, &at).unwrap_or_default();
@@ -63,8 +56,8 @@ fn crossing(junction: &Junction, streets: &[Street<'_>], marks: &mut Marks<'_, '
 }
 
 /// Lines along a street, but where crossroads leave none.
-fn lines(street: &Street<'_>, taken: [f64; 2], marks: &mut Marks<'_, '_>) {
-    let (from, to) = (taken[0], street.length_m - taken[1]);
+fn lines(street: &Street<'_>, marks: &mut Marks<'_, '_>) {
+    let (from, to) = (street.taken_m[0], street.length_m - street.taken_m[1]);
     let half = (0..=8).map(|i| street.half_m(f64::from(i) / 8.0)).fold(f64::INFINITY, f64::min);
     let width = 2.0 * half;
     if to - from < LEAST_M || width < TWO_LANES_M {

@@ -41,10 +41,12 @@ pub(super) struct Network<'a> {
 
 /// A street with a carriageway.
 pub(super) struct Street<'a> {
-    link: &'a Link,
+    pub link: &'a Link,
     pub class: StreetClass,
     pub line: Vec<DVec2>,
     pub length_m: f64,
+    /// How much of its start and of its end belongs to crossroads: zebras and stop lines, and what they keep clear; metres.
+    pub taken_m: [f64; 2],
 }
 
 /// Where streets meet.
@@ -62,8 +64,8 @@ pub(super) struct JunctionArm {
     pub zebra_m: Option<f64>,
     /// The middle of a stop line.
     pub stop_m: Option<f64>,
-    /// Where lines along the street begin.
-    pub taken_m: f64,
+    /// How much of the street is the crossroads'.
+    taken_m: f64,
 }
 
 /// An end of a street at a node.
@@ -108,9 +110,9 @@ impl<'a> Network<'a> {
             let is_marked = class.has_carriageway() && link.layer >= 0 && link.surfacing.is_none_or(|s| s == Surfacing::Asphalt);
             let mut line = graph.polyline(link, &at).filter(|_| is_marked)?;
             line.dedup_by(|a, b| a.distance(*b) < 1e-6);
-            (line.len() > 1).then(|| Street { link, class, length_m: length_m(&line), line })
+            (line.len() > 1).then(|| Street { link, class, length_m: length_m(&line), line, taken_m: [0.0; 2] })
         };
-        let streets: Vec<Street<'_>> = graph.links.iter().filter_map(street).collect();
+        let mut streets: Vec<Street<'_>> = graph.links.iter().filter_map(street).collect();
         let mut nodes: BTreeMap<Id, Vec<Arm<End>>> = BTreeMap::new();
         for (i, street) in streets.iter().enumerate() {
             for (node, is_start) in [(street.link.from, true), (street.link.to, false)] {
@@ -128,8 +130,11 @@ impl<'a> Network<'a> {
             pieces(&stations(&line, link), |share| (width_at_m(link, share) / 2.0 - beside_m(link)).max(0.5))
         };
         let carriageways = Index::new(graph.links.iter().flat_map(driven).map(|piece| (piece, ())).collect());
-        let junctions =
+        let junctions: Vec<Junction> =
             meet.map(|(node, mut arms)| junction(Draw::new(graph.seed, node, "crossing"), &mut arms, &streets)).collect();
+        for arm in junctions.iter().flat_map(|junction| &junction.arms) {
+            streets[arm.end.street].taken_m[usize::from(!arm.end.is_start)] = arm.taken_m;
+        }
         Self { streets, junctions, carriageways }
     }
 }
