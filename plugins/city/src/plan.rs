@@ -35,7 +35,7 @@ pub struct CityPlan {
     pub houses: Vec<House>,
     /// What stands in the streets.
     pub objects: Vec<PlanObject>,
-    /// What is painted on carriageways, and tram rails.
+    /// What is painted on carriageways, and rails.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub markings: Vec<Marking>,
     /// Centre lines with names, for maps, routes and labels.
@@ -305,11 +305,13 @@ pub enum MarkingKind {
     Dashes,
     /// Stripes along a carriageway, side by side along the marking's line, which leads across it.
     Zebra,
-    /// The two rails of a tram.
+    /// The two rails of a tram, or of a railway that crosses a street: their heads lie even with the paving.
     Rails,
+    /// The two rails of a railway on their sleepers.
+    Track,
 }
 
-/// Something flat on a carriageway.
+/// Something that is laid on the ground.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Marking {

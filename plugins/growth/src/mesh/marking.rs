@@ -16,6 +16,13 @@ const STRIPE_M: f64 = 0.5;
 /// Breadth of a rail's head and of its groove, and of the paving about a track beyond its rails; metres.
 const RAIL_M: f64 = 0.07;
 const BED_M: f64 = 0.45;
+/// Distance between sleepers; how far they reach beyond the rails, how broad and how high they are; metres.
+const SLEEPER_STEP_M: f64 = 0.6;
+const SLEEPER_M: (f64, f64, f64) = (0.52, 0.25, 0.09);
+/// Creosoted oak, and the rust of a rail's web.
+const SLEEPER: Rgb = Rgb(0x5A, 0x4B, 0x3F);
+const RUST: Rgb = Rgb(0x6E, 0x4E, 0x3C);
+const RAIL_HEIGHT_M: f64 = 0.14;
 /// Mitres at bends reach at most so many times as far as on a straight line.
 const LONGEST_MITRE: f64 = 3.0;
 /// Most dashes or stripes of one marking.
@@ -42,14 +49,37 @@ pub fn markings(shell: &CellShell) -> MeshData {
                 let stripes = dashes(&line, 2.0 * STRIPE_M, STRIPE_M);
                 stripes.iter().for_each(|stripe| layer.strip(stripe, [-width / 2.0, width / 2.0], &mut mesh));
             }
-            MarkingKind::Rails => track(&layer, &line, width, &mut mesh),
+            MarkingKind::Rails => tramway(&layer, &line, width, &mut mesh),
+            MarkingKind::Track => railway(&layer, &line, width, &mut mesh),
         }
     }
     mesh
 }
 
-/// A bed of setts, and two rails on it.
-fn track(layer: &Layer, line: &[DVec2], gauge: f64, mesh: &mut MeshData) {
+/// Sleepers, and two rails on them.
+fn railway(layer: &Layer, line: &[DVec2], gauge: f64, mesh: &mut MeshData) {
+    let of = |colour, tile, lift: f64| Layer { y: layer.y + lift, paint: Paint::new(layer.paint.centre, colour, tile) };
+    let wood = of(SLEEPER, Tile::Wood, 0.0);
+    let half = (gauge / 2.0 + SLEEPER_M.0, SLEEPER_M.1 / 2.0);
+    for piece in dashes(line, SLEEPER_STEP_M, SLEEPER_STEP_M) {
+        let (Some(&first), Some(&last)) = (piece.first(), piece.last()) else { continue };
+        let (middle, way) = ((first + last) / 2.0, (last - first).normalize_or_zero());
+        let corner = |x: f64, y: f64| middle + way.perp() * x + way * y;
+        let ring = [corner(-half.0, -half.1), corner(-half.0, half.1), corner(half.0, half.1), corner(half.0, -half.1)];
+        wood.block(&ring, SLEEPER_M.2, mesh);
+    }
+    let (rust, steel) = (of(RUST, Tile::Metal, SLEEPER_M.2), of(STEEL, Tile::Metal, SLEEPER_M.2 + RAIL_HEIGHT_M));
+    for side in [-1.0, 1.0] {
+        let (inner, outer) = (side * gauge / 2.0, side * (gauge / 2.0 + RAIL_M));
+        let (right, left) = (inner.min(outer), inner.max(outer));
+        steel.strip(line, [right, left], mesh);
+        rust.upright(line, right, RAIL_HEIGHT_M, false, mesh);
+        rust.upright(line, left, RAIL_HEIGHT_M, true, mesh);
+    }
+}
+
+/// A bed of setts, and two rails in it.
+fn tramway(layer: &Layer, line: &[DVec2], gauge: f64, mesh: &mut MeshData) {
     let of = |colour, tile, lift: f64| Layer { y: layer.y + lift, paint: Paint::new(layer.paint.centre, colour, tile) };
     let half = gauge / 2.0;
     of(BED, Tile::Stone, 0.0).strip(line, [-half - BED_M, half + BED_M], mesh);
@@ -93,6 +123,26 @@ struct Layer {
 }
 
 impl Layer {
+    /// A block on a ring that runs counter-clockwise, without its underside.
+    fn block(&self, ring: &[DVec2; 4], height: f64, mesh: &mut MeshData) {
+        mesh.polygon(&ring.map(|p| engine(p, self.y + height)), self.paint);
+        for (i, &a) in ring.iter().enumerate() {
+            let b = ring[(i + 1) % 4];
+            let face = [(a, 0.0), (b, 0.0), (b, height), (a, height)];
+            mesh.polygon(&face.map(|(p, up)| engine(p, self.y + up)), self.paint);
+        }
+    }
+
+    /// Upright faces so far to the left of a line, seen from its left or from its right.
+    fn upright(&self, line: &[DVec2], left: f64, height: f64, from_left: bool, mesh: &mut MeshData) {
+        for pair in line.windows(2) {
+            let off = (pair[1] - pair[0]).normalize_or_zero().perp() * left;
+            let (a, b) = if from_left { (pair[1] + off, pair[0] + off) } else { (pair[0] + off, pair[1] + off) };
+            let face = [(a, 0.0), (b, 0.0), (b, height), (a, height)];
+            mesh.polygon(&face.map(|(p, up)| engine(p, self.y + up)), self.paint);
+        }
+    }
+
     /// A strip along a line between two distances to its left.
     fn strip(&self, line: &[DVec2], [right, left]: [f64; 2], mesh: &mut MeshData) {
         let way = |i: usize| line.get(i..i + 2).map(|e| (e[1] - e[0]).normalize_or_zero());
@@ -121,7 +171,7 @@ mod tests {
         let marking = Marking { kind, line, width: GridPos::steps(width), z: 0 };
         let mesh = markings(&CellShell { markings: vec![marking], ..CellShell::default() });
         mesh.validate().unwrap_or_else(|e| panic!("{e}"));
-        assert!(mesh.normals.iter().all(|n| n[1] > 0.999), "it faces up");
+        assert!(kind == MarkingKind::Track || mesh.normals.iter().all(|n| n[1] > 0.999), "it faces up");
         mesh
     }
 
@@ -139,6 +189,29 @@ mod tests {
         let zebra = made(MarkingKind::Zebra, &[(0, 0), (0, 8)], 3.0);
         assert!((area(&zebra) - 12.0).abs() < 0.01 && zebra.triangle_count() == 16);
         assert_eq!(made(MarkingKind::Rails, &[(0, 0), (30, 0)], 1.435).triangle_count(), 10);
+    }
+
+    #[test]
+    fn a_railway_has_sleepers_under_its_rails() {
+        let mesh = made(MarkingKind::Track, &[(0, 0), (12, 0)], 1.435);
+        // Twenty sleepers of five faces, two rails of three.
+        assert_eq!(mesh.triangle_count(), 2 * (20 * 5 + 2 * 3));
+        let reach = |axis: usize| {
+            let all = mesh.positions.iter().map(|p| p[axis]);
+            all.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), c| (low.min(c), high.max(c)))
+        };
+        let (x, y, z) = (reach(0), reach(1), reach(2));
+        assert!(x.0 >= 0.0 && x.1 <= 12.01 && (z.1 - z.0 - 2.475).abs() < 0.01, "{x:?} {z:?}");
+        assert!((y.1 - y.0 - 0.23).abs() < 0.01, "{y:?}");
+        // Every face looks away from the middle of what it is a side of: up, or out of a rail or sleeper.
+        for t in mesh.indices.chunks_exact(3) {
+            let [a, b, c] = [t[0], t[1], t[2]].map(|i| glam::Vec3::from_array(mesh.positions[i as usize]));
+            let normal = glam::Vec3::from_array(mesh.normals[t[0] as usize]);
+            assert!((b - a).cross(c - a).dot(normal) > 0.0 && normal.y > -0.01);
+        }
+        let outwards = mesh.positions.iter().zip(&mesh.normals).filter(|(p, _)| p[2].abs() > 1.2);
+        assert!(outwards.clone().count() > 0);
+        assert!(outwards.into_iter().all(|(p, n)| n[2].abs() < 0.5 || n[2] * p[2] > 0.0), "ends of sleepers look outwards");
     }
 
     #[test]

@@ -1,15 +1,17 @@
-//! What is painted on carriageways, and tram rails.
+//! What is painted on carriageways, and the rails of trams and railways.
 //!
 //! Where a street's kerbs come clear of its neighbours' at a crossroads, a zebra crossing may lie; behind it the stop line of those
 //! that wait for a main street; between both ends the lines along it. Lines are cut into pieces of whole repeats of their dashes,
 //! so that each belongs to a cell and the dashes still go on.
+
+use core::ops::Range;
 
 use glam::DVec2;
 use veduta_city::{CityGraph, GridPos, LinkKind, Marking, MarkingKind, StreetClass, SurfaceKind};
 
 use super::network::{Junction, Network, STOP_M, Street, TWO_LANES_M, ZEBRA_M};
 use super::objects::Site;
-use super::streets::length_m;
+use super::streets::{along, length_m, width_m};
 
 /// Lines are cut into pieces this long: whole repeats of [`veduta_city::Marking::DASH_M`]; metres.
 const PIECE_M: f64 = 3.0 * (Marking::DASH_M + Marking::GAP_M);
@@ -19,8 +21,13 @@ const LINE_M: f64 = 0.125;
 const FOUR_LANES_M: f64 = 12.4;
 /// Lines shorter than this are left out; metres.
 const LEAST_M: f64 = 3.0;
-/// Gauge of tram rails, metres.
+/// Gauge of rails, and distance between the middles of tracks side by side; metres.
 const GAUGE_M: f64 = 1.435;
+const TRACK_M: f64 = 4.0;
+/// Most tracks of one railway.
+const MOST_TRACKS: f64 = 12.0;
+/// What lies under a railway is looked at in steps of this length, metres.
+const CROSSING_STEP_M: f64 = 1.5;
 
 /// All markings, in the order of links.
 pub(super) fn markings(graph: &CityGraph, network: &Network<'_>, site: &Site<'_>) -> Vec<Marking> {
@@ -28,9 +35,17 @@ pub(super) fn markings(graph: &CityGraph, network: &Network<'_>, site: &Site<'_>
     network.junctions.iter().for_each(|junction| crossing(junction, &network.streets, &mut marks));
     network.streets.iter().for_each(|street| lines(street, &mut marks));
     let at = graph.node_positions();
-    for link in graph.links.iter().filter(|link| link.kind == LinkKind::Railway { tram: true } && link.layer >= 0) {
+    for link in graph.links.iter().filter(|link| link.layer >= 0) {
+        let LinkKind::Railway { tram } = link.kind else { continue };
         let line = graph.polyline(link, &at).unwrap_or_default();
-        marks.pieces(MarkingKind::Rails, &line, 0.0..length_m(&line), 0.0, GAUGE_M);
+        if tram {
+            marks.pieces(MarkingKind::Rails, &line, 0.0..length_m(&line), 0.0, GAUGE_M);
+            continue;
+        }
+        let count = (width_m(link) / TRACK_M).floor().clamp(1.0, MOST_TRACKS);
+        for i in 0..count as u32 {
+            marks.railway(&line, (f64::from(i) - (count - 1.0) / 2.0) * TRACK_M);
+        }
     }
     marks.out
 }
@@ -84,6 +99,30 @@ struct Marks<'a, 'b> {
 }
 
 impl Marks<'_, '_> {
+    /// Adds a railway's track to the left of a line: on sleepers where ballast lies, even with the paving where a street crosses.
+    fn railway(&mut self, line: &[DVec2], left_m: f64) {
+        let length = length_m(line);
+        let kind = |s: f64| {
+            let (p, way) = along(line, s.min(length))?;
+            let (surface, z) = self.site.surface(p + way.perp() * left_m)?;
+            match surface {
+                SurfaceKind::Ballast => Some((MarkingKind::Track, z)),
+                _ => surface.is_public().then_some((MarkingKind::Rails, z)),
+            }
+        };
+        // Told by steps; runs of one kind are laid piece by piece.
+        let count = (length / CROSSING_STEP_M).ceil().max(1.0);
+        let kinds: Vec<Option<(MarkingKind, i32)>> = (0..count as usize).map(|i| kind((i as f64 + 0.5) * length / count)).collect();
+        let mut first = 0;
+        for run in kinds.chunk_by(|a, b| a == b) {
+            let range = first as f64 * length / count..(first + run.len()) as f64 * length / count;
+            first += run.len();
+            if let Some((kind, z)) = run[0] {
+                pieces(range).for_each(|(from, to)| self.put(kind, &beside(line, from, to, left_m), GAUGE_M, z));
+            }
+        }
+    }
+
     /// Adds a marking if all of it lies on a carriageway.
     fn add(&mut self, kind: MarkingKind, line: &[DVec2], width_m: f64) {
         let is_on = |p: DVec2| {
@@ -95,23 +134,31 @@ impl Marks<'_, '_> {
         if !line.iter().copied().chain(middles).all(is_on) {
             return;
         }
+        self.put(kind, line, width_m, 0);
+    }
+
+    fn put(&mut self, kind: MarkingKind, line: &[DVec2], width_m: f64, z: i32) {
         let mut points: Vec<GridPos> = line.iter().map(|&p| GridPos::from_metres(p)).collect();
         points.dedup();
         if points.len() > 1 {
-            self.out.push(Marking { kind, line: points, width: GridPos::steps(width_m).max(1), z: 0 });
+            self.out.push(Marking { kind, line: points, width: GridPos::steps(width_m).max(1), z });
         }
     }
 
     /// Adds a line to the left of another, over some of its length, piece by piece.
-    fn pieces(&mut self, kind: MarkingKind, line: &[DVec2], range: core::ops::Range<f64>, left_m: f64, width_m: f64) {
-        let mut start = range.start;
-        while start < range.end {
-            // The last piece takes a rest that would be too short for itself.
-            let end = if range.end - start < PIECE_M + LEAST_M { range.end } else { start + PIECE_M };
-            self.add(kind, &beside(line, start, end, left_m), width_m);
-            start = end;
-        }
+    fn pieces(&mut self, kind: MarkingKind, line: &[DVec2], range: Range<f64>, left_m: f64, width_m: f64) {
+        pieces(range).for_each(|(from, to)| self.add(kind, &beside(line, from, to, left_m), width_m));
     }
+}
+
+/// A length in pieces, of which the last takes a rest that would be too short for itself.
+fn pieces(range: Range<f64>) -> impl Iterator<Item = (f64, f64)> {
+    let mut start = range.start;
+    core::iter::from_fn(move || {
+        let from = start;
+        start = if range.end - from < PIECE_M + LEAST_M { range.end } else { from + PIECE_M };
+        (from < range.end).then_some((from, start))
+    })
 }
 
 /// A line from one arc length to another, moved to the left; its bends are mitred.
@@ -206,6 +253,24 @@ mod tests {
             let (from, to) = (pieces.first().map(|p| p.0), pieces.last().map(|p| p.1));
             assert!(from == Some(0.0) && to.is_some_and(|to| (to - length).abs() < 0.002), "{length} m: {pieces:?}");
         }
+    }
+
+    #[test]
+    fn a_railway_lies_on_sleepers_and_crosses_streets_even_with_them() {
+        let link = "(from: 3, to: 2, kind: Railway(tram: false), width_m: 8), (from: 5, to: 4, kind: Street(Street))";
+        let all = grown(link);
+        let length = |kind: MarkingKind, z: Option<i32>| -> f64 {
+            let of = all.iter().filter(|m| m.kind == kind && z.is_none_or(|z| m.z == z));
+            of.map(|m| m.line[0].to_metres().distance(m.line[m.line.len() - 1].to_metres())).sum()
+        };
+        // Two tracks of 240 m; the street is 10 m wide, four of them pavements.
+        let (on_sleepers, even) = (length(MarkingKind::Track, None), length(MarkingKind::Rails, None));
+        assert!((on_sleepers + even - 480.0).abs() < 0.1, "{on_sleepers} {even}");
+        assert!((even - 20.0).abs() < 4.0 && length(MarkingKind::Rails, Some(123)) > 4.0, "{even}");
+        let tracks: std::collections::BTreeSet<i64> =
+            all.iter().filter(|m| m.kind == MarkingKind::Track).map(|m| (m.line[0].to_metres().y * 10.0).round() as i64).collect();
+        assert_eq!(tracks.into_iter().collect::<Vec<_>>(), [-20, 20]);
+        assert!(all.iter().all(|m| m.kind != MarkingKind::Track || m.line.iter().all(|p| (p.to_metres().x - 2.5).abs() > 4.0)));
     }
 
     #[test]
