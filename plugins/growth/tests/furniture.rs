@@ -111,6 +111,22 @@ fn nothing_stands_in_the_way() {
 }
 
 #[test]
+fn nothing_stands_on_a_railway() {
+    let mut graph = crossroads(["Street"; 4]);
+    let rails = parsed(
+        "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 7, pos: (60, -60)), (id: 8, pos: (60, 60))],
+          links: [(from: 7, to: 8, kind: Railway(tram: false), width_m: 8)])",
+    );
+    graph.nodes.extend(rails.nodes);
+    graph.links.extend(rails.links);
+    let posts =
+        "[(name: \"posts\", put: [(kind: Bollard)], place: Along(streets: [Street], every_m: 3, side: Both, at: Edge(0.8)))]";
+    let plan = grown(&graph, posts);
+    let near: Vec<f64> = plan.objects.iter().map(|o| (o.pos.to_metres().x - 60.0).abs()).filter(|d| *d < 8.0).collect();
+    assert!(!near.is_empty() && near.iter().all(|d| *d > 4.3), "{near:?}");
+}
+
+#[test]
 fn rules_are_turned_off_and_put_monuments() {
     let graph = crossroads(["Main", "Street", "Main", "Street"]);
     assert!(!of(&grown(&graph, "[]"), ObjectKind::Lamp).is_empty());

@@ -27,6 +27,8 @@ const CLEAR_M: f64 = 0.8;
 const QUIET_ZEBRAS: f64 = 0.2;
 /// Vehicles keep so far from the edge of a street without pavements, metres.
 const EDGE_M: f64 = 1.0;
+/// Trains reach so far beyond their ballast.
+const TRAIN_M: f64 = 0.4;
 /// So many arms of main streets at one node cross there, and have lights.
 const SIGNALS: usize = 3;
 
@@ -125,9 +127,12 @@ impl<'a> Network<'a> {
         }
         let meet = nodes.into_iter().filter(|(_, arms)| arms.len() >= 3);
         let driven = |link: &Link| {
-            let has_one = matches!(link.kind, LinkKind::Street(class) if class.has_carriageway()) && link.layer >= 0;
-            let line = graph.polyline(link, &at).filter(|_| has_one).unwrap_or_default();
-            pieces(&stations(&line, link), |share| (width_at_m(link, share) / 2.0 - beside_m(link)).max(0.5))
+            let line = graph.polyline(link, &at).filter(|_| link.layer >= 0).unwrap_or_default();
+            let stations = stations(&line, link);
+            match beside_m(link) {
+                Some(beside) => pieces(&stations, |share| (width_at_m(link, share) / 2.0 - beside).max(0.5)),
+                None => Vec::new(),
+            }
         };
         let carriageways = Index::new(graph.links.iter().flat_map(driven).map(|piece| (piece, ())).collect());
         let junctions: Vec<Junction> =
@@ -139,11 +144,17 @@ impl<'a> Network<'a> {
     }
 }
 
-/// Width on each side of a street with a carriageway that vehicles leave free, metres.
-fn beside_m(link: &Link) -> f64 {
-    let LinkKind::Street(class) = link.kind else { return 0.0 };
-    let pavement = pavement_m(class, width_m(link));
-    if pavement > 0.0 { pavement } else { EDGE_M }
+/// Width on each side of a street or railway that vehicles leave free, metres: less than none where trains reach beyond the ballast.
+/// `None` where none drive.
+fn beside_m(link: &Link) -> Option<f64> {
+    match link.kind {
+        LinkKind::Street(class) if class.has_carriageway() => {
+            let pavement = pavement_m(class, width_m(link));
+            Some(if pavement > 0.0 { pavement } else { EDGE_M })
+        }
+        LinkKind::Railway { .. } => Some(-TRAIN_M),
+        _ => None,
+    }
 }
 
 fn junction(draw: Draw, arms: &mut [Arm<End>], streets: &[Street<'_>]) -> Junction {
