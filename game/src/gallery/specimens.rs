@@ -224,28 +224,8 @@ fn crossings(town: &mut Town) {
 }
 
 /// Every kind of object.
-const OBJECTS: [ObjectKind; 17] = [
-    ObjectKind::Lamp,
-    ObjectKind::Tree,
-    ObjectKind::Conifer,
-    ObjectKind::Bench,
-    ObjectKind::Fountain,
-    ObjectKind::Statue,
-    ObjectKind::TramStop,
-    ObjectKind::Bollard,
-    ObjectKind::Kiosk,
-    ObjectKind::Well,
-    ObjectKind::Column,
-    ObjectKind::Bin,
-    ObjectKind::Signals,
-    ObjectKind::Sign,
-    ObjectKind::Hedge,
-    ObjectKind::Planter,
-    ObjectKind::Shrub,
-];
-
 fn furniture(town: &mut Town) {
-    for kind in OBJECTS {
+    for kind in ObjectKind::ALL {
         let x = town.east + 40.0;
         town.east += 60.0;
         town.square(DVec2::new(x - 28.0, -60.0), DVec2::new(x + 28.0, 20.0));

@@ -35,6 +35,7 @@ mod holes;
 mod id;
 mod limits;
 pub mod monument;
+mod object;
 mod overrides;
 mod overview;
 mod packet;
@@ -54,14 +55,15 @@ pub use faces::{BorderEdge, connected_faces};
 pub use finding::{Finding, Severity};
 pub use furniture::{Furnishing, FurnitureError, FurnitureRule};
 pub use graph::{
-    Block, BlockKind, Building, BuildingPart, CityGraph, Link, LinkKind, Node, NodeKind, ObjectKind, Ring, RoofShape, RoofTags,
-    Square, StandingObject, StreetClass, Surfacing,
+    Block, BlockKind, Building, BuildingPart, CityGraph, Link, LinkKind, Node, NodeKind, Ring, RoofShape, RoofTags, Square,
+    StreetClass, Surfacing,
 };
 pub use graph_check::GraphError;
 pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres, ring_edges};
 pub use id::Id;
 pub use limits::{FARTHEST_M, HIGHEST_M, MOST_LEVELS, WIDEST_M};
 pub use monument::{Design, Monument, MonumentError, MonumentTag, Monuments, PlacedMonument};
+pub use object::{ObjectKind, StandingObject};
 pub use overrides::{GraphOverride, GraphOverrides, LinkEdit, OverrideError, Target};
 pub use overview::{HouseName, Overview};
 pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, VolumeShell};

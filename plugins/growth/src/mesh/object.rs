@@ -376,26 +376,6 @@ mod tests {
 
     use super::*;
 
-    const KINDS: [ObjectKind; 17] = [
-        ObjectKind::Lamp,
-        ObjectKind::Tree,
-        ObjectKind::Conifer,
-        ObjectKind::Bench,
-        ObjectKind::Fountain,
-        ObjectKind::Statue,
-        ObjectKind::TramStop,
-        ObjectKind::Bollard,
-        ObjectKind::Kiosk,
-        ObjectKind::Well,
-        ObjectKind::Column,
-        ObjectKind::Bin,
-        ObjectKind::Signals,
-        ObjectKind::Sign,
-        ObjectKind::Hedge,
-        ObjectKind::Planter,
-        ObjectKind::Shrub,
-    ];
-
     fn one(kind: ObjectKind, heading: u16) -> MeshData {
         let height = GridPos::steps(nominal_m(kind));
         let object = PlanObject { id: Id(3), kind, pos: GridPos(2048, 1024), z: 1024, heading, height, monument: None };
@@ -404,7 +384,7 @@ mod tests {
 
     #[test]
     fn every_kind_has_its_height_and_stays_cheap() {
-        for kind in KINDS {
+        for kind in ObjectKind::ALL {
             let mesh = one(kind, 30);
             mesh.validate().unwrap();
             assert!((50..=400).contains(&mesh.triangle_count()), "{kind:?}: {}", mesh.triangle_count());
@@ -418,7 +398,7 @@ mod tests {
 
     #[test]
     fn normals_agree_with_the_way_triangles_turn() {
-        for kind in KINDS {
+        for kind in ObjectKind::ALL {
             let mesh = one(kind, 200);
             for t in mesh.indices.chunks_exact(3) {
                 let [a, b, c] = [t[0], t[1], t[2]].map(|i| glam::Vec3::from_array(mesh.positions[i as usize]));
