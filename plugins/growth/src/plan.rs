@@ -38,6 +38,7 @@
 mod arrangement;
 mod band;
 pub(crate) mod boolean;
+mod bounds;
 mod crossroads;
 mod extent;
 mod facing;

@@ -4,9 +4,10 @@ use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::{GridPolygon, GridPos, SurfaceKind};
 
+use super::bounds::{Bounds, about, do_meet, grown, joined};
 use super::ground::Ground;
 use super::houses::{Body, Draft};
-use super::index::{Cells, Gathering, Index, joined};
+use super::index::{Cells, Gathering, Index};
 use super::outline;
 
 /// Walls closer than this, side by side, are party walls; metres.
@@ -63,7 +64,7 @@ impl Edges {
         let bodies: Vec<(BodyRef, &GridPolygon)> = bodies_of(drafts).map(|(at, body)| (at, &body.footprint)).collect();
         let edges = |&(at, footprint): &(BodyRef, &'_ GridPolygon)| footprint.edges().map(move |(p, q)| (at, p, q)).collect();
         let all: Vec<(BodyRef, GridPos, GridPos)> = bodies.par_iter().flat_map_iter::<_, Vec<_>>(edges).collect();
-        let boxes = all.iter().map(|&(_, p, q)| (GridPos(p.0.min(q.0), p.1.min(q.1)), GridPos(p.0.max(q.0), p.1.max(q.1))));
+        let boxes = all.iter().map(|&(_, p, q)| about(p, q));
         let Some(bounds) = boxes.reduce(joined) else { return Self { all, cells: Cells::default() } };
         let gathering = Gathering::new(bounds, drafts.len());
         let cells = gathering.each(&all, |own, &(_, p, q), i| own.edge(p, q, i as u32)).sorted();
@@ -114,38 +115,28 @@ struct View<'a> {
 }
 
 /// A box, and all that comes near it.
-fn reach(low: GridPos, high: GridPos) -> (GridPos, GridPos) {
-    let reach = GridPos::steps(NEAR_M) + 1;
-    let less = |p: GridPos| GridPos(p.0.saturating_sub(reach), p.1.saturating_sub(reach));
-    let more = |p: GridPos| GridPos(p.0.saturating_add(reach), p.1.saturating_add(reach));
-    (less(low), more(high))
-}
-
-/// Whether the box about two corners meets another.
-fn do_meet((p, q): (GridPos, GridPos), (low, high): (GridPos, GridPos)) -> bool {
-    let meet = |p: i32, q: i32, low: i32, high: i32| p.max(q) >= low && p.min(q) <= high;
-    meet(p.0, q.0, low.0, high.0) && meet(p.1, q.1, low.1, high.1)
+fn reach(bounds: Bounds) -> Bounds {
+    grown(bounds, GridPos::steps(NEAR_M) + 1)
 }
 
 impl View<'_> {
     /// Finds the edges of others near a body.
     fn look_around(&mut self, me: BodyRef, footprint: &GridPolygon) {
         self.around.clear();
-        let Some((low, high)) = footprint.bounds() else { return };
-        let (low, high) = reach(low, high);
+        let Some(bounds) = footprint.bounds().map(reach) else { return };
         let mut found = Vec::new();
-        self.walls.cells.within(low, high, |note| note, &mut found);
+        self.walls.cells.within(bounds.0, bounds.1, |note| note, &mut found);
         let edges = found.into_iter().map(|number| self.walls.all[number as usize]);
-        self.around.extend(edges.filter(|&(body, p, q)| body != me && do_meet((p, q), (low, high))));
+        self.around.extend(edges.filter(|&(body, p, q)| body != me && do_meet(about(p, q), bounds)));
     }
 
     fn edge(&mut self, me: BodyRef, a: GridPos, b: GridPos) -> Edge {
-        let about = reach(GridPos(a.0.min(b.0), a.1.min(b.1)), GridPos(a.0.max(b.0), a.1.max(b.1)));
+        let bounds = reach(about(a, b));
         let (grid_a, grid_b, mut twin) = (a, b, None);
         let (a, b) = (a.to_metres(), b.to_metres());
         self.spans.clear();
         for &(body, p, q) in &self.around {
-            if !do_meet((p, q), about) {
+            if !do_meet(about(p, q), bounds) {
                 continue;
             }
             if (p, q) == (grid_b, grid_a) {

@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::draw::Draw;
-use veduta_city::furniture::{AreaKind, Offset, Placement, Side};
+use veduta_city::furniture::{AreaKind, Control, Offset, Placement, Side};
 use veduta_city::{
     BlockKind, CityGraph, Furnishing, FurnitureRule, GridPolygon, GridPos, Id, Link, LinkKind, Range, StandingObject, StreetClass,
-    SurfaceKind,
+    SurfaceKind, ring_edges,
 };
 
 use super::network::Network;
@@ -125,10 +125,11 @@ impl Furnisher<'_> {
                 return Vec::new();
             }
             let line = self.graph.polyline(link, &nodes).unwrap_or_default();
-            let count = (streets::length_m(&line) / every_m) as usize;
-            let mut out = Vec::new();
+            let length = streets::length_m(&line);
+            let count = (length / every_m) as usize;
             let [first, last] = taken.get(&link.id).copied().unwrap_or_default();
-            let free = first..streets::length_m(&line) - last;
+            let free = first..length - last;
+            let mut out = Vec::new();
             for i in 0..count.min(MOST_PLACES) {
                 let s = (i as f64 + 0.5) * every_m;
                 let Some((p, way)) = streets::along(&line, s).filter(|_| free.contains(&s)) else { continue };
@@ -151,7 +152,7 @@ impl Furnisher<'_> {
         self.graph.links.par_iter().flat_map_iter(of_link).collect()
     }
 
-    fn crossings(&self, rule: &FurnitureRule, control: veduta_city::furniture::Control, inset_m: f64) -> Vec<Wish> {
+    fn crossings(&self, rule: &FurnitureRule, control: Control, inset_m: f64) -> Vec<Wish> {
         let mut out = Vec::new();
         for junction in self.network.junctions.iter().filter(|junction| junction.control == Some(control)) {
             for (arm, stop) in junction.arms.iter().filter_map(|arm| Some((arm, arm.stop_m?))) {
@@ -181,22 +182,26 @@ impl Furnisher<'_> {
 
     fn rim(&self, rule: &FurnitureRule, of: AreaKind, every_m: f64, inset_m: f64, rows_m: Option<(f64, f64)>) -> Vec<Wish> {
         let mut out = Vec::new();
-        for (a, b) in self.outlines(of).iter().flat_map(|polygon| polygon.edges().collect::<Vec<_>>()) {
-            let (a, b) = (a.to_metres(), b.to_metres());
-            let Some(way) = (b - a).try_normalize() else { continue };
-            let (length, inward) = (a.distance(b), way.perp());
-            let count = (length / every_m) as usize;
-            let first = (length - count.saturating_sub(1) as f64 * every_m) / 2.0;
-            for i in 0..count.min(MOST_PLACES) {
-                let s = first + i as f64 * every_m;
-                let is_gap = rows_m.is_some_and(|(row, gap)| s % (row + gap) > row);
-                let pos = a + way * s + inward * inset_m;
-                if !is_gap && self.chance(rule, pos) && self.is_of(of, pos, rule.clear_m) {
-                    out.push(Wish { pos, heading_deg: heading_deg(inward) });
+        let outlines = self.outlines(of);
+        for ring in outlines.iter().flat_map(GridPolygon::rings) {
+            // How far round the ring the next place is from where an edge begins: rows and gaps run on round its corners.
+            let (mut gone, mut next) = (0.0, every_m / 2.0);
+            for (a, b) in ring_edges(ring) {
+                let (a, b) = (a.to_metres(), b.to_metres());
+                let Some(way) = (b - a).try_normalize() else { continue };
+                let (length, inward) = (a.distance(b), way.perp());
+                while next < length && out.len() < MOST_PLACES {
+                    let is_gap = rows_m.is_some_and(|(row, gap)| (gone + next) % (row + gap) > row);
+                    let pos = a + way * next + inward * inset_m;
+                    if !is_gap && self.chance(rule, pos) && self.is_of(of, pos, rule.clear_m) {
+                        out.push(Wish { pos, heading_deg: heading_deg(inward) });
+                    }
+                    next += every_m;
                 }
+                gone += length;
+                next -= length;
             }
         }
-        out.truncate(MOST_PLACES);
         out
     }
 

@@ -8,6 +8,7 @@ use veduta_city::{
     Styles,
 };
 
+use super::bounds::do_meet;
 use super::extent::Extent;
 use super::index::Index;
 use super::{Area, boolean, outline};
@@ -254,10 +255,7 @@ fn add_bodies(tags: &Tags<'_>, footprints: &[GridPolygon], out: &mut Vec<Body>, 
 /// Bodies on which others stand get level tops, unless a map says otherwise.
 fn mark_covered(bodies: &mut [Body]) {
     let boxes: Vec<_> = bodies.iter().map(|b| b.footprint.bounds()).collect();
-    let meet = |i: usize, j: usize| match (boxes[i], boxes[j]) {
-        (Some((alo, ahi)), Some((blo, bhi))) => alo.0 < bhi.0 && blo.0 < ahi.0 && alo.1 < bhi.1 && blo.1 < ahi.1,
-        _ => false,
-    };
+    let meet = |i: usize, j: usize| boxes[i].zip(boxes[j]).is_some_and(|(a, b)| do_meet(a, b));
     for i in 0..bodies.len() {
         let Some(top) = bodies[i].height_m else { continue };
         let over = |j: &usize| *j != i && bodies[*j].bottom_m > 0.0 && bodies[*j].bottom_m >= top - 1.0 && meet(i, *j);

@@ -8,6 +8,8 @@
 use rayon::prelude::*;
 use veduta_city::{GridPolygon, GridPos};
 
+use super::bounds::{Bounds, do_meet, grown, joined};
+
 /// Least side of a cell as a power of two of grid steps: 4 m.
 const LEAST_SHIFT: u32 = 12;
 /// Cells there may be for each shape, …
@@ -162,11 +164,6 @@ impl Cells {
     }
 }
 
-/// The bounds about two bounds.
-pub(super) fn joined(a: (GridPos, GridPos), b: (GridPos, GridPos)) -> (GridPos, GridPos) {
-    (GridPos(a.0.0.min(b.0.0), a.0.1.min(b.0.1)), GridPos(a.1.0.max(b.1.0), a.1.1.max(b.1.1)))
-}
-
 /// Polygons that can be asked what lies at a position.
 pub(super) struct Index<T> {
     /// Of each polygon twice its number, and one more where it covers the whole cell.
@@ -177,7 +174,7 @@ pub(super) struct Index<T> {
 /// A polygon with something attached.
 struct Thing<T> {
     polygon: GridPolygon,
-    bounds: (GridPos, GridPos),
+    bounds: Bounds,
     of: T,
 }
 
@@ -197,31 +194,24 @@ impl<T: Sync> Index<T> {
     pub fn at(&self, pos: GridPos) -> impl Iterator<Item = &T> {
         let touching = self.cells.at(pos).iter().map(|note| (&self.things[*note as usize / 2], note % 2 == 1));
         let holds = move |(thing, is_covered): &(&Thing<T>, bool)| {
-            *is_covered || is_within(pos, thing.bounds) && thing.polygon.contains(pos)
+            *is_covered || do_meet((pos, pos), thing.bounds) && thing.polygon.contains(pos)
         };
         touching.filter(holds).map(|(thing, _)| &thing.of)
     }
 
     /// All that may come within a distance of the bounds of a polygon, in order of insertion: none of which the bounds do not.
     pub fn near(&self, polygon: &GridPolygon, reach_m: f64) -> Vec<(&GridPolygon, &T)> {
-        let Some((low, high)) = polygon.bounds() else { return Vec::new() };
-        let reach = GridPos::steps(reach_m);
-        let low = GridPos(low.0.saturating_sub(reach), low.1.saturating_sub(reach));
-        let high = GridPos(high.0.saturating_add(reach), high.1.saturating_add(reach));
+        let Some(bounds) = polygon.bounds() else { return Vec::new() };
+        let bounds = grown(bounds, GridPos::steps(reach_m));
         let mut found = Vec::new();
-        self.cells.within(low, high, |note| note / 2, &mut found);
-        let meets = |(a, b): (GridPos, GridPos)| a.0 <= high.0 && low.0 <= b.0 && a.1 <= high.1 && low.1 <= b.1;
+        self.cells.within(bounds.0, bounds.1, |note| note / 2, &mut found);
         let things = found.into_iter().map(|i| &self.things[i as usize]);
-        things.filter(|thing| meets(thing.bounds)).map(|thing| (&thing.polygon, &thing.of)).collect()
+        things.filter(|thing| do_meet(thing.bounds, bounds)).map(|thing| (&thing.polygon, &thing.of)).collect()
     }
 }
 
 /// Bounds of what has none.
-const NOWHERE: (GridPos, GridPos) = (GridPos(i32::MAX, i32::MAX), GridPos(i32::MIN, i32::MIN));
-
-fn is_within(pos: GridPos, (low, high): (GridPos, GridPos)) -> bool {
-    low.0 <= pos.0 && pos.0 <= high.0 && low.1 <= pos.1 && pos.1 <= high.1
-}
+const NOWHERE: Bounds = (GridPos(i32::MAX, i32::MAX), GridPos(i32::MIN, i32::MIN));
 
 /// Notes a polygon in the cells that it touches: `note` where its border runs, one more where it covers all.
 fn draw(gathering: &mut Gathering, polygon: &GridPolygon, note: u32) {

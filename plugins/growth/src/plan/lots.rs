@@ -10,10 +10,11 @@ use veduta_city::draw::Draw;
 use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, Link, LinkKind, Severity, Style};
 
 use super::band::{Station, pieces, quad, stations};
+use super::bounds::{Bounds, do_meet, joined};
 use super::extent::Extent;
 use super::ground;
 use super::houses::{Body, Draft, Grown, StyleBook};
-use super::index::{Index, joined};
+use super::index::Index;
 use super::inradius::inradius_m;
 use super::perimeter::{self, Site};
 use super::streets::{self, Layer, Rank};
@@ -240,7 +241,7 @@ fn grow_site(site: &Site<'_>, style: &Style, draw: Draw) -> Vec<GridPolygon> {
 /// A lot, and the box about it.
 struct Lot {
     outline: GridPolygon,
-    bounds: (GridPos, GridPos),
+    bounds: Bounds,
 }
 
 impl Lot {
@@ -250,9 +251,7 @@ impl Lot {
 
     /// Whether it has more in common with another than rounding explains.
     fn overlaps(&self, other: &Self) -> bool {
-        let ((alo, ahi), (blo, bhi)) = (self.bounds, other.bounds);
-        let meets = alo.0 < bhi.0 && blo.0 < ahi.0 && alo.1 < bhi.1 && blo.1 < ahi.1;
-        meets && boolean::overlap_m2(&self.outline, &other.outline) > TOLERATED_M2 / 5.0
+        do_meet(self.bounds, other.bounds) && boolean::overlap_m2(&self.outline, &other.outline) > TOLERATED_M2 / 5.0
     }
 }
 
@@ -315,14 +314,12 @@ fn part_ways(plots: Vec<Vec<Draft>>, findings: &mut Vec<Finding>) -> Vec<Draft> 
     });
     let ranges: Vec<Range<usize>> = ends.zip(&plots).map(|(end, plot)| end - plot.len()..end).collect();
     let mut drafts: Vec<Draft> = plots.into_iter().flatten().collect();
-    let boxes: Vec<(GridPos, GridPos)> =
-        drafts.iter().map(|draft| draft.bodies[0].footprint.bounds().unwrap_or_default()).collect();
+    let boxes: Vec<Bounds> = drafts.iter().map(|draft| draft.bodies[0].footprint.bounds().unwrap_or_default()).collect();
     let about = |houses: &Range<usize>| {
         let (lo, hi) = boxes[houses.clone()].iter().copied().reduce(joined)?;
         Some((Extent { lo, hi }.polygon(), houses.clone()))
     };
     let index = Index::new(ranges.iter().filter_map(about).collect());
-    let do_meet = |(a, b): (GridPos, GridPos), (c, d): (GridPos, GridPos)| a.0 < d.0 && c.0 < b.0 && a.1 < d.1 && c.1 < b.1;
     let earlier = |i: usize, footprint: &GridPolygon| -> Vec<usize> {
         let plots = index.near(footprint, 0.0).into_iter();
         plots.flat_map(|(_, houses)| houses.clone()).filter(|&j| j < i && do_meet(boxes[i], boxes[j])).collect()

@@ -4,7 +4,7 @@ use glam::DVec2;
 pub(super) use veduta_city::ring_edges as edges;
 use veduta_city::{GridPolygon, GridPos, Ring};
 
-use super::boolean;
+use super::{boolean, relation};
 
 /// Vertices this close to the line between their neighbours are left out of walls; metres.
 const STRAIGHT_M: f64 = 0.02;
@@ -44,11 +44,27 @@ pub(super) fn straightened(polygon: &GridPolygon) -> Vec<GridPolygon> {
     if outer.len() == polygon.outer.len() && holes.iter().map(Vec::len).eq(polygon.holes.iter().map(Vec::len)) {
         return vec![polygon.clone()];
     }
-    if holes.is_empty() && is_simple(&outer) && twice_area(&outer) > 0 {
+    if holes.is_empty() && is_plain(&outer) {
         return vec![GridPolygon::simple(outer)];
     }
     let subject: Vec<&[GridPos]> = core::iter::once(&outer).chain(&holes).map(Vec::as_slice).collect();
     boolean::union(&subject)
+}
+
+/// Most edges of a ring whose edges are compared with one another; a boolean operation is faster for more.
+const MOST_COMPARED: usize = 24;
+
+/// Whether a ring of few edges surely is a valid outline as it stands: it runs counter-clockwise, and no two edges touch but at the
+/// corner that they share.
+fn is_plain(ring: &[GridPos]) -> bool {
+    let n = ring.len();
+    if !(3..=MOST_COMPARED).contains(&n) || twice_area(ring) <= 0 {
+        return false;
+    }
+    let edge = |i: usize| (ring[i], ring[(i + 1) % n]);
+    let is_bent = |i: usize| edge(i).0.cross(edge(i).1, edge((i + 1) % n).1) != 0;
+    let touches = |i: usize| (i + 2..n).any(|j| (j + 1) % n != i && relation::do_touch(edge(i), edge(j)));
+    (0..n).all(|i| is_bent(i) && !touches(i))
 }
 
 /// Whether no two edges of a ring cross. Exact; for rings of few edges.
@@ -143,6 +159,25 @@ mod tests {
         let mut sound = crossing;
         sound[3].1 = -3000;
         assert!(is_simple(&sound) && is_simple(&crossing[..3]));
+    }
+
+    #[test]
+    fn a_ring_that_touches_itself_is_not_plain() {
+        let grid = |of: &[(i32, i32)]| of.iter().map(|&(x, y)| GridPos(x, y)).collect::<Vec<_>>();
+        let square = [(0, 0), (100, 0), (100, 100), (0, 100)];
+        assert!(is_plain(&grid(&square)) && is_plain(&grid(&[(0, 0), (100, 0), (50, 30), (100, 100), (0, 100)])));
+        for ring in [
+            // Clockwise; with a corner on another edge; with a spike; with a corner twice; bent nowhere.
+            vec![(0, 0), (0, 100), (100, 100), (100, 0)],
+            vec![(0, 0), (100, 0), (100, 100), (50, 0), (0, 100)],
+            vec![(0, 0), (100, 0), (100, 100), (100, 200), (100, 100), (0, 100)],
+            vec![(0, 0), (100, 0), (50, 50), (100, 100), (0, 100), (50, 50)],
+            vec![(0, 0), (50, 0), (100, 0), (100, 100), (0, 100)],
+        ] {
+            assert!(!is_plain(&grid(&ring)), "{ring:?}");
+        }
+        let many: Vec<(i32, i32)> = (0..2000).map(|i| (i, i * i)).chain([(0, 5_000_000)]).collect();
+        assert!(!is_plain(&grid(&many)), "too many to compare");
     }
 
     fn ring(of: &[(f64, f64)]) -> Ring {

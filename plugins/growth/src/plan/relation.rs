@@ -4,6 +4,7 @@
 use glam::DVec2;
 use veduta_city::{GridPolygon, GridPos};
 
+use super::bounds::{about, do_meet};
 use super::outline::{distance_to_edge, edges};
 
 /// Whether one of a ring's edges has all of the ring on its left and all of another on its right: most houses side by side are
@@ -24,18 +25,15 @@ pub(super) fn may_meet(a: &GridPolygon, b: &GridPolygon) -> bool {
     if a.contains(first(b)) || b.contains(first(a)) {
         return true;
     }
-    let Some((low, high)) = b.bounds() else { return false };
-    let is_near = |&(p, q): &(GridPos, GridPos)| {
-        p.0.max(q.0) >= low.0 && p.0.min(q.0) <= high.0 && p.1.max(q.1) >= low.1 && p.1.min(q.1) <= high.1
-    };
+    let Some(bounds) = b.bounds() else { return false };
+    let is_near = |&(p, q): &(GridPos, GridPos)| do_meet(about(p, q), bounds);
     a.edges().filter(is_near).any(|edge| b.edges().any(|other| do_touch(edge, other)))
 }
 
 /// Whether two closed line segments have a point in common.
-fn do_touch((a, b): (GridPos, GridPos), (c, d): (GridPos, GridPos)) -> bool {
-    let meet = |a: i32, b: i32, c: i32, d: i32| a.min(b) <= c.max(d) && c.min(d) <= a.max(b);
+pub(super) fn do_touch((a, b): (GridPos, GridPos), (c, d): (GridPos, GridPos)) -> bool {
     let side = |a: GridPos, b: GridPos, p: GridPos| a.cross(b, p).signum();
-    meet(a.0, b.0, c.0, d.0) && meet(a.1, b.1, c.1, d.1) && side(a, b, c) * side(a, b, d) <= 0 && side(c, d, a) * side(c, d, b) <= 0
+    do_meet(about(a, b), about(c, d)) && side(a, b, c) * side(a, b, d) <= 0 && side(c, d, a) * side(c, d, b) <= 0
 }
 
 /// How near to a border rounding to the grid leads: grid steps.
@@ -51,8 +49,7 @@ pub(super) fn is_within(polygon: &GridPolygon, other: &GridPolygon, tolerance_m2
     }
     let local = |p: GridPos| (p - low).to_metres() * steps;
     let own: Vec<(DVec2, DVec2)> = edges(&polygon.outer).map(|(a, b)| (local(a), local(b))).collect();
-    let is_near =
-        |p: GridPos, q: GridPos| p.0.min(q.0) <= high.0 && low.0 <= p.0.max(q.0) && p.1.min(q.1) <= high.1 && low.1 <= p.1.max(q.1);
+    let is_near = |p: GridPos, q: GridPos| do_meet(about(p, q), (low, high));
     let borders: Vec<(DVec2, DVec2)> = other.edges().filter(|&(p, q)| is_near(p, q)).map(|(p, q)| (local(p), local(q))).collect();
     let is_on_border = |p: DVec2| borders.iter().any(|&(a, b)| distance_to_edge(p, a, b) <= NEAR);
     if !polygon.outer.iter().all(|&p| is_on_border(local(p)) || other.contains(p)) {

@@ -34,7 +34,7 @@ pub struct Stock {
     pub furniture: Vec<FurnitureRule>,
 }
 
-/// What is wrong with styles or monuments that are brought.
+/// What is wrong with styles, monuments or rules that are brought.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StockError {
     /// A style cannot be drawn from.
