@@ -21,8 +21,8 @@ use std::collections::{BTreeMap, HashMap};
 
 use serde_json::json;
 use veduta_city::{
-    CellShell, CityPlan, Design, FacadeSheet, GridPos, GroundPatch, House, HouseShell, ObjectKind, PlacedMonument, PlanObject,
-    SurfaceKind, Volume, VolumeShell, WallKind,
+    CellShell, CityPlan, Design, FacadeSheet, GridPos, House, HouseShell, ObjectKind, PlacedMonument, PlanObject, Volume,
+    VolumeShell, WallKind,
 };
 use veduta_growth::mesh::{self, MeshData, MeshError, MonumentDetail};
 
@@ -64,15 +64,14 @@ pub enum ExportError {
 /// [`ExportError`]; none for a plan that growth made and that fits into 4 GiB.
 pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>, ExportError> {
     let mut glb = Glb::new(settings.texture_px, plan.seed);
-    let shell = CellShell { ground: plan.ground.clone(), markings: plan.markings.clone(), ..CellShell::default() };
+    let (terrain, ground) = (plan.terrain.clone(), plan.ground.clone());
+    let shell = CellShell { terrain, ground, markings: plan.markings.clone(), ..CellShell::default() };
     let mut streets = mesh::ground(&shell);
     streets.append(&mesh::markings(&shell));
     let ground = glb.leaf("ground", &streets)?;
-    let lowest = plan.ground.iter().map(|patch| patch.z).min().unwrap_or(0);
-    let land = GroundPatch { surface: SurfaceKind::Yard, outline: plan.extent.clone(), z: lowest };
     let mut houses = Vec::with_capacity(plan.houses.len());
     for house in &plan.houses {
-        houses.push(export_house(&mut glb, plan, &land, house)?);
+        houses.push(export_house(&mut glb, plan, house)?);
     }
     let houses = glb.node(Node { name: "houses", children: houses, ..Node::default() })?;
     let mut shapes = Shapes::new();
@@ -114,7 +113,7 @@ pub fn export_monuments(designs: &[Design], settings: &ExportSettings) -> Result
     glb.finish(all, "")
 }
 
-fn export_house(glb: &mut Glb, plan: &CityPlan, ground: &GroundPatch, house: &House) -> Result<glb::NodeIndex, ExportError> {
+fn export_house(glb: &mut Glb, plan: &CityPlan, house: &House) -> Result<glb::NodeIndex, ExportError> {
     let (mut parts, mut others, mut roofs) = (Vec::new(), MeshData::default(), MeshData::default());
     let mut facades = 0;
     if let Some(monument) = &house.monument
@@ -124,9 +123,16 @@ fn export_house(glb: &mut Glb, plan: &CityPlan, ground: &GroundPatch, house: &Ho
         mesh::monument(design, monument, MonumentDetail::FINE, &mut mesh);
         parts.extend(glb.leaf(&design.name, &mesh)?);
     }
-    for volume in house.volumes.iter().filter(|_| house.monument.is_none()) {
-        let of_walls = |walls: Vec<u16>, has_roof: bool| shell(house, volume, ground, walls, has_roof);
+    for volume in &house.volumes {
+        let of_walls = |walls: Vec<u16>, has_roof: bool| shell(house, volume, walls, has_roof);
         let all: Vec<u16> = (0..volume.walls.len()).map_while(|i| u16::try_from(i).ok()).collect();
+        if let Some(bounds) = volume.footprint.bounds().filter(|_| !plan.terrain.is_level()) {
+            let terrain = plan.terrain.crop(bounds, GridPos(0, 0));
+            others.append(&mesh::footings(&CellShell { terrain, ..of_walls(all.clone(), false) }));
+        }
+        if house.monument.is_some() {
+            continue;
+        }
         let sheet = FacadeSheet { walls: volume.walls.iter().take(usize::from(u16::MAX) + 1).cloned().collect() };
         let mut made = by_centre(&mesh::level2(&of_walls(all.clone(), false), &sheet)?);
         for (wall, i) in sheet.walls.iter().zip(0..) {
@@ -178,11 +184,11 @@ fn by_centre(mesh: &MeshData) -> BTreeMap<[u32; 2], MeshData> {
     parts
 }
 
-/// A cell of some walls of one volume, or of its roof, over the plan's lowest ground.
-fn shell(house: &House, volume: &Volume, ground: &GroundPatch, walls: Vec<u16>, has_roof: bool) -> CellShell {
+/// A cell of some walls of one volume, or of its roof.
+fn shell(house: &House, volume: &Volume, walls: Vec<u16>, has_roof: bool) -> CellShell {
     let volume = VolumeShell::of(volume, walls, has_roof);
-    let house = HouseShell { id: house.id, style: house.style, volumes: vec![volume], is_monument: false };
-    CellShell { ground: vec![ground.clone()], houses: vec![house], ..CellShell::default() }
+    let house = HouseShell { id: house.id, style: house.style, floor: house.floor, volumes: vec![volume], is_monument: false };
+    CellShell { houses: vec![house], ..CellShell::default() }
 }
 
 /// Different objects of one kind and height: they share so many meshes.

@@ -53,7 +53,7 @@ fn yard() -> CellShell {
     CellShell {
         ground: vec![GroundPatch { surface: SurfaceKind::Cobbles, outline: outline.clone(), z: 0 }],
         outline,
-        houses: vec![HouseShell { id: Id(1), style: 0, volumes: vec![volume], is_monument: false }],
+        houses: vec![HouseShell { id: Id(1), style: 0, floor: 0, volumes: vec![volume], is_monument: false }],
         objects: vec![lamp],
         ..CellShell::default()
     }

@@ -144,7 +144,7 @@ const SLIVER_M: f64 = 0.005;
 
 /// Cells may reach under long walls by a grid step, where these were cut.
 fn check_free(plan: &CityPlan, cells: &Cells, errors: &mut Vec<CellsError>) {
-    let free = free_space(plan, &Patches::new(&plan.ground), &PartitionSettings::default(), &mut Vec::new());
+    let free = free_space(plan, &Patches::new(plan), &PartitionSettings::default(), &mut Vec::new());
     let rings = cells.cells.iter().flat_map(|cell| turned_rings(&cell.outline));
     let mut beyond = combine(Keep::FirstAlone, rings, free.iter().flat_map(turned_rings), false);
     beyond.retain(|piece| {

@@ -67,7 +67,7 @@ fn is_passage(house: &House, volume: &Volume, patches: &Patches<'_>, settings: &
     let margin = GRID_PER_METRE;
     let around = (GridPos(lo.0 - margin, lo.1 - margin), GridPos(hi.0 + margin, hi.1 + margin));
     let foot = house.volumes.iter().map(|v| v.bottom).min().unwrap_or(volume.bottom);
-    let lowest = patches.near(around).iter().map(|patch| patch.z).min();
+    let lowest = patches.lowest(around);
     if !hangs_above(lowest.unwrap_or(foot).min(foot)) {
         return false;
     }

@@ -67,7 +67,7 @@ pub struct Partition {
 #[must_use]
 pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     let mut findings = Vec::new();
-    let patches = Patches::new(&plan.ground);
+    let patches = Patches::new(plan);
     let shapes = free::free_space(plan, &patches, settings, &mut findings);
     let mesh = triangulate::triangulate(&shapes, settings, &mut findings);
     let (mesh, rest) = reach::reachable(&mesh, plan, &patches, settings, &mut findings);

@@ -1,7 +1,7 @@
 use rayon::prelude::*;
 use veduta_city::{
     Cell, CellShell, Cells, CityPlan, Design, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, House, HouseShell,
-    Marking, PlacedMonument, PlanObject, Portal, Volume, VolumeShell,
+    Marking, PlacedMonument, PlanObject, PlanTerrain, Portal, Volume, VolumeShell,
 };
 
 use crate::overlay::{Keep, combine, turned_rings};
@@ -11,24 +11,25 @@ use crate::patches::Patches;
 /// origin. Ground under houses is left out, but not under monuments, which need not fill their buildings' footprints.
 #[must_use]
 pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
-    let patches = Patches::new(&plan.ground);
+    let patches = Patches::new(plan);
     let shell = |cell: &Cell| {
         let origin = origin(cell);
         let footings = footings(plan, cell);
         let windows = core::iter::once(&cell.outline).chain(&cell.yards).chain(&footings);
-        let ground = windows.flat_map(|window| patches.clipped(window)).map(|(patch, piece)| GroundPatch {
-            surface: patch.surface,
-            outline: moved(&piece, origin),
-            z: patch.z,
-        });
+        let ground: Vec<GroundPatch> = windows
+            .flat_map(|window| patches.clipped(window))
+            .map(|(patch, piece)| GroundPatch { surface: patch.surface, outline: moved(&piece, origin), z: patch.z })
+            .collect();
+        let houses = houses(plan, cell, origin);
         let mut designs = Designs::default();
         let monuments = monuments(plan, cell, origin, &mut designs);
         let objects = objects(plan, cell, origin, &mut designs);
         CellShell {
             origin,
             outline: moved(&cell.outline, origin),
-            ground: ground.collect(),
-            houses: houses(plan, cell, origin),
+            terrain: terrain(plan, origin, &ground, &houses),
+            ground,
+            houses,
             objects,
             blind: blind(cells, cell, origin),
             markings: markings(plan, cell, origin),
@@ -37,6 +38,16 @@ pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
         }
     };
     cells.cells.par_iter().map(shell).collect()
+}
+
+/// The terrain under some ground and houses.
+fn terrain(plan: &CityPlan, origin: GridPos, ground: &[GroundPatch], houses: &[HouseShell]) -> PlanTerrain {
+    let footprints = houses.iter().flat_map(|house| &house.volumes).map(|volume| &volume.footprint);
+    let bounds = ground.iter().map(|patch| &patch.outline).chain(footprints).filter_map(GridPolygon::bounds);
+    let about = bounds.reduce(|(lo, hi), (l, h)| (GridPos(lo.0.min(l.0), lo.1.min(l.1)), GridPos(hi.0.max(h.0), hi.1.max(h.1))));
+    let Some((lo, hi)) = about.filter(|_| !plan.terrain.is_level()) else { return PlanTerrain::default() };
+    let place = |p: GridPos| GridPos(p.0.wrapping_add(origin.0), p.1.wrapping_add(origin.1));
+    plan.terrain.crop((place(lo), place(hi)), origin)
 }
 
 /// The middle of a cell's bounds, to whole metres.
@@ -76,7 +87,7 @@ fn houses(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<HouseShell> {
                 .then(|| VolumeShell { footprint: moved(&volume.footprint, origin), ..VolumeShell::of(volume, walls, has_roof) })
         });
         let is_monument = house.monument.is_some();
-        Some(HouseShell { id: house.id, style: house.style, volumes: volumes.collect(), is_monument })
+        Some(HouseShell { id: house.id, style: house.style, floor: house.floor, volumes: volumes.collect(), is_monument })
     };
     here.into_iter().filter_map(shell).collect()
 }

@@ -28,7 +28,7 @@ pub struct Cell {
     pub name: String,
     /// Its space.
     pub outline: GridPolygon,
-    /// Lowest and highest ground, grid steps.
+    /// Lowest and highest ground above the city's zero, grid steps; on slopes by the posts of the terrain about it.
     pub floor: (i32, i32),
     /// Portals on its border, ascending.
     pub portals: Vec<u32>,

@@ -3,7 +3,7 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::{Anchor, Id, MonumentTag, Opening, Place, Rgb, StandingObject, Viewpoint, WidthAt};
+use crate::{Anchor, Id, MonumentTag, Opening, Place, Rgb, StandingObject, Terrain, Viewpoint, WidthAt};
 
 /// A closed ring in plan metres; the last vertex joins the first and is not repeated.
 pub type Ring = Vec<DVec2>;
@@ -21,6 +21,9 @@ pub struct CityGraph {
     /// where no terrain is known.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub zero_m: f64,
+    /// Elevations of the ground; without them it is level.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub terrain: Option<Terrain>,
     /// Who is to be credited for the data, as the licence asks.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub attribution: String,

@@ -77,6 +77,9 @@ pub enum GraphError {
         /// How many vertices.
         n: usize,
     },
+    /// Elevations that are none.
+    #[error("the terrain: {0}")]
+    Terrain(String),
     /// Latitude or longitude out of range.
     #[error("the anchor ({lat}, {lon}) is not a latitude within ±85° and a longitude within ±180°")]
     Anchor {
@@ -122,6 +125,7 @@ impl CityGraph {
             errors.push(GraphError::Anchor { lat: self.anchor.lat, lon: self.anchor.lon });
         }
         errors.extend(check_numbers("the graph", Id::NONE, &[("zero_m", self.zero_m)]));
+        errors.extend(self.terrain.as_ref().and_then(|terrain| terrain.check().err()).map(GraphError::Terrain));
         if let Some(start) = &self.start {
             errors.extend(check_view("the start", Id::NONE, start));
         }

@@ -42,6 +42,7 @@ mod packet;
 mod place;
 mod plan;
 mod style;
+mod terrain;
 #[cfg(test)]
 mod testing;
 mod tile;
@@ -73,6 +74,7 @@ pub use plan::{
     SurfaceKind, Volume, Wall, WallKind,
 };
 pub use style::{Gable, Range, Stand, Style, StyleDraft, StyleError, Styles};
+pub use terrain::{PlanTerrain, Terrain};
 pub use tile::Tile;
 pub use tour::{Ease, LookAt, Step, Tour, Where};
 pub use width::{ProfileError, WidthAt};

@@ -1,11 +1,14 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{CityPlan, GridPolygon, GridPos, Id, ObjectKind, PlanStreet, SurfaceKind, Volume};
+use crate::{CityPlan, GridPolygon, GridPos, Id, ObjectKind, PlanStreet, PlanTerrain, SurfaceKind, Volume};
 
 /// What maps, search and routes need of a whole city, without its façades.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Overview {
+    /// Elevations of the ground.
+    #[serde(default, skip_serializing_if = "PlanTerrain::is_level")]
+    pub terrain: PlanTerrain,
     /// Centre lines with names.
     pub streets: Vec<PlanStreet>,
     /// What covers the ground, and where.
@@ -36,6 +39,7 @@ impl Overview {
     #[must_use]
     pub fn of(plan: &CityPlan) -> Self {
         let mut overview = Self {
+            terrain: plan.terrain.clone(),
             streets: plan.streets.clone(),
             areas: plan.ground.iter().map(|patch| (patch.surface, patch.outline.clone())).collect(),
             objects: plan.objects.iter().map(|object| (object.kind, object.pos)).collect(),
@@ -90,6 +94,7 @@ mod tests {
             name: String::new(),
             number: "12".to_owned(),
             style: 0,
+            floor: 0,
             volumes: vec![volume(0, 100), volume(0, 300), volume(50, 20)],
             monument: None,
         };

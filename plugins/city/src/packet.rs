@@ -3,7 +3,8 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Design, Gable, GridPolygon, GridPos, GroundPatch, Id, Marking, PlacedMonument, PlanObject, PlanRoof, Portal, Rgb, Volume, Wall,
+    Design, Gable, GridPolygon, GridPos, GroundPatch, Id, Marking, PlacedMonument, PlanObject, PlanRoof, PlanTerrain, Portal, Rgb,
+    Volume, Wall,
 };
 
 /// Urban level of detail of a façade.
@@ -94,6 +95,9 @@ pub struct CellShell {
     pub origin: GridPos,
     /// The cell's space.
     pub outline: GridPolygon,
+    /// Elevations of the ground, yards and houses included.
+    #[serde(default, skip_serializing_if = "PlanTerrain::is_level")]
+    pub terrain: PlanTerrain,
     /// Ground, yards included.
     pub ground: Vec<GroundPatch>,
     /// Houses with at least one wall or roof here.
@@ -121,6 +125,8 @@ pub struct HouseShell {
     pub id: Id,
     /// Index of its style in the city.
     pub style: u16,
+    /// Its ground floor above the city's zero, grid steps: what begins there stands on the ground.
+    pub floor: i32,
     /// Its volumes that have something here.
     pub volumes: Vec<VolumeShell>,
     /// Whether a monument is seen in place of its walls and roofs, which only stop people then.
@@ -133,9 +139,9 @@ pub struct HouseShell {
 pub struct VolumeShell {
     /// Whole outline.
     pub footprint: GridPolygon,
-    /// Foot of the walls, grid steps.
+    /// Foot of the walls above the city's zero, grid steps.
     pub bottom: i32,
-    /// Eaves, grid steps.
+    /// Eaves above the city's zero, grid steps.
     pub eaves: i32,
     /// Colour of the walls.
     pub colour: Rgb,

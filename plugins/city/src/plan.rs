@@ -1,7 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Anchor, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Place, PlacedMonument, Rgb, RoofShape, Styles, Viewpoint,
+    Anchor, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Place, PlacedMonument, PlanTerrain, Rgb, RoofShape, Styles,
+    Viewpoint,
 };
 
 /// The city plan: everything that will stand and lie in the city, on the grid, with every choice made that looks at
@@ -29,6 +30,9 @@ pub struct CityPlan {
     pub start: Viewpoint,
     /// Edge of the modelled city, counter-clockwise.
     pub extent: GridPolygon,
+    /// Elevations of the ground.
+    #[serde(default, skip_serializing_if = "PlanTerrain::is_level")]
+    pub terrain: PlanTerrain,
     /// Ground partition: patches do not overlap and leave no gap inside the extent, except under houses.
     pub ground: Vec<GroundPatch>,
     /// Houses.
@@ -89,7 +93,7 @@ pub struct GroundPatch {
     pub surface: SurfaceKind,
     /// Where.
     pub outline: GridPolygon,
-    /// Height of its top above the city's zero, grid steps (pavements stand a kerb above the carriageway).
+    /// Height of its top above the terrain, grid steps (pavements stand a kerb above the carriageway).
     pub z: i32,
 }
 
@@ -107,6 +111,9 @@ pub struct House {
     pub number: String,
     /// Index into [`CityPlan::styles`].
     pub style: u16,
+    /// Its ground floor above the city's zero, grid steps: what begins there stands on the ground, however that slopes.
+    #[serde(default, skip_serializing_if = "is_at_zero")]
+    pub floor: i32,
     /// Its bodies; never empty.
     pub volumes: Vec<Volume>,
     /// What is seen in place of the bodies' walls and roofs.
@@ -135,6 +142,14 @@ pub struct Volume {
     pub gable: Gable,
     /// One for each edge: of the outer ring in order, then of each hole in order.
     pub walls: Vec<Wall>,
+}
+
+fn is_at_zero(height: &i32) -> bool {
+    *height == 0
+}
+
+fn is_none(bays: &u32) -> bool {
+    *bays == 0
 }
 
 fn is_plain(gable: &Gable) -> bool {
@@ -255,6 +270,9 @@ pub struct GroundFloor {
     /// Bays of shops: bit i for bay i.
     #[serde(default)]
     pub shops: u32,
+    /// Bays without an opening, because the ground before them is too high: bit i for bay i.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub blank: u32,
 }
 
 impl Wall {
@@ -268,7 +286,11 @@ impl Wall {
         if self.ground_floor.door_bay == Some(bay) {
             return self.ground_floor.door;
         }
-        if bay < 32 && self.ground_floor.shops >> bay & 1 == 1 {
+        let is_in = |bays: u32| bay < 32 && bays >> bay & 1 == 1;
+        if is_in(self.ground_floor.blank) {
+            return Opening::Blank;
+        }
+        if is_in(self.ground_floor.shops) {
             return Opening::Shop;
         }
         s.opening
@@ -321,7 +343,7 @@ pub struct Marking {
     pub line: Vec<GridPos>,
     /// Breadth across its line, grid steps: of paint; of a zebra, the length of its stripes; of rails, the gauge.
     pub width: i32,
-    /// Height of the ground under it above the city's zero, grid steps.
+    /// Height of what it is laid on above the terrain, grid steps.
     pub z: i32,
 }
 
@@ -363,10 +385,10 @@ mod tests {
             kind: WallKind::Street,
             bays: 3,
             storeys: vec![storey(Opening::Window), storey(Opening::FramedWindow)],
-            ground_floor: GroundFloor { door_bay: Some(1), door: Opening::Portal, shops: 0b100 },
+            ground_floor: GroundFloor { door_bay: Some(1), door: Opening::Portal, shops: 0b101, blank: 0b001 },
         };
         let row = |s| (0..3).map(|b| wall.opening(s, b)).collect::<Vec<_>>();
-        assert_eq!(row(0), [Opening::Window, Opening::Portal, Opening::Shop]);
+        assert_eq!(row(0), [Opening::Blank, Opening::Portal, Opening::Shop]);
         assert_eq!(row(1), [Opening::FramedWindow; 3]);
         assert_eq!(wall.opening(9, 0), Opening::Blank);
     }

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Every function is pure and looks at one cell alone. Positions are metres in the engine's axes local to the cell: x east,
-//! y up, z south; in plan relative to [`CellShell::origin`](veduta_city::CellShell), in height to the city's zero.
+//! y up, z south; in plan relative to [`CellShell::origin`](veduta_city::CellShell), in height to the city's zero. What lies on the
+//! ground is cut where its terrain bends.
 //!
 //! A roof is a parameter `t` over the footprint, 0 at the eaves and 1 at the ridge, bent by a profile (straight, broken,
 //! round): [`RoofForm`] decides it once a volume, and the roof's faces as well as the gables above the walls follow it, so
@@ -33,6 +34,8 @@
 
 mod collision;
 mod data;
+mod drape;
+mod footing;
 mod form;
 mod gable;
 mod ground;
@@ -53,6 +56,7 @@ mod proof;
 
 pub use collision::{Collision, Pillar, Trimesh, collision};
 pub use data::{MeshData, MeshError};
+pub use footing::footings;
 pub use form::RoofForm;
 pub use ground::ground;
 pub use marking::markings;

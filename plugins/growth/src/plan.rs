@@ -42,6 +42,7 @@ mod bounds;
 mod crossroads;
 mod extent;
 mod facing;
+mod floors;
 mod furniture;
 mod ground;
 mod groups;
@@ -61,6 +62,7 @@ mod relation;
 mod stand;
 mod stock;
 mod streets;
+mod terrain;
 mod variety;
 mod walls;
 
@@ -69,7 +71,7 @@ use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, 
 pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 5;
+pub const GROWTH_VERSION: u32 = 6;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -144,15 +146,17 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     drafts.extend(lots::grow_lots(graph, &areas, &layers, &ground, &extent, &drafts, &book, &mut findings));
     let standing = facing::bodies(&drafts);
     let facing = facing::facing(&drafts, &standing, &on_ground);
-    let masses = massing::masses(&drafts, &facing, &book, &mut findings);
+    let terrain = terrain::terrain(graph, &extent);
+    let floors = floors::floors(&drafts, &facing, &terrain);
+    let masses = massing::masses(&drafts, &facing, &floors, &book, &mut findings);
     let looks = variety::looks(&drafts, &facing, &book);
-    let mut houses = walls::houses(&drafts, &facing, &masses, &looks, &book);
+    let mut houses = walls::houses(&drafts, &facing, &masses, &looks, &book, &terrain);
     let mut designs = monuments::Designs::new(monuments);
     designs.of_houses(graph, &mut houses, &mut findings);
 
     let doors = walls::doorsteps(&houses).into_iter().map(|d| (GridPolygon::simple(vec![GridPos::from_metres(d)]), ()));
     let doorsteps = index::Index::new(doors.collect());
-    let site = objects::Site { ground: &on_ground, standing: &standing, doorsteps: &doorsteps };
+    let site = objects::Site { terrain: &terrain, ground: &on_ground, standing: &standing, doorsteps: &doorsteps };
     let network = network::Network::new(graph);
     let (mut objects, grown) = objects::objects(graph, &areas, (&network, furniture), &site, &mut findings);
     designs.of_objects(graph.objects.iter().chain(&grown), &mut objects, &mut findings);
@@ -169,6 +173,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
         start,
         extent: extent.polygon(),
         places: places::places(graph, &houses, styles),
+        terrain,
         ground,
         houses,
         objects,

@@ -101,8 +101,8 @@ mod tests {
     use veduta_city::monument::{Axis, Content, Head, Hole, HoleShape, Material, PathPoint, Piece, Repeat, Shape};
     use veduta_city::{
         Design, Gable, GridPolygon, GridPos, GroundFloor, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind, Opening,
-        PlacedMonument, PlanObject, PlanRoof, Portal, PortalSide, Rgb, RoofShape, Storey, SurfaceKind, Tile, VolumeShell, Wall,
-        WallKind,
+        PlacedMonument, PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, Storey, SurfaceKind, Tile,
+        VolumeShell, Wall, WallKind,
     };
 
     use super::*;
@@ -202,8 +202,14 @@ mod tests {
     fn any_shell() -> impl Strategy<Value = CellShell> {
         let surface = prop::sample::select(&[SurfaceKind::Asphalt, SurfaceKind::Ballast][..]);
         let patch = (surface, any_polygon(), -NEAR..NEAR).prop_map(|(surface, outline, z)| GroundPatch { surface, outline, z });
-        let house = (any::<u64>(), any::<u16>(), vec(any_volume(), 0..3), any::<bool>());
-        let house = house.prop_map(|(id, style, volumes, is_monument)| HouseShell { id: Id(id), style, volumes, is_monument });
+        let house = (any::<u64>(), any::<u16>(), -NEAR..NEAR, vec(any_volume(), 0..3), any::<bool>());
+        let house = house.prop_map(|(id, style, floor, volumes, is_monument)| HouseShell {
+            id: Id(id),
+            style,
+            floor,
+            volumes,
+            is_monument,
+        });
         let object = (any::<u64>(), any_pos(), -NEAR..NEAR, any::<u16>(), 1..NEAR);
         let object = object.prop_map(|(id, pos, z, heading, height)| PlanObject {
             id: Id(id),
@@ -223,9 +229,11 @@ mod tests {
                 let monuments = ground.first().map(|patch| patch.outline.outer.iter().map(placed).collect()).unwrap_or_default();
                 let line = outline.outer.clone();
                 let marking = Marking { kind: MarkingKind::Dashes, line, width: 128, z: -3 };
+                let heights = vec![origin.0 % 999, 5, outline.outer[0].1 % 999, -7, 0, 8];
                 CellShell {
                     origin,
                     outline,
+                    terrain: PlanTerrain { origin: GridPos(-7, 8), step: 2048, columns: 3, heights },
                     ground,
                     houses,
                     objects,
@@ -247,7 +255,7 @@ mod tests {
             kind,
             bays,
             storeys,
-            ground_floor: GroundFloor { door_bay, door: Opening::Gate, shops },
+            ground_floor: GroundFloor { door_bay, door: Opening::Gate, shops, blank: shops / 3 },
         })
     }
 
@@ -368,7 +376,7 @@ mod tests {
             kind,
             bays: 3,
             storeys: openings.iter().map(|&opening| Storey { height: 3000, opening }).collect(),
-            ground_floor: GroundFloor { door_bay: Some(1), door: O::Door, shops: 4 },
+            ground_floor: GroundFloor { door_bay: Some(1), door: O::Door, shops: 4, blank: 1 },
         };
         let ends = (GridPos(0, 0), GridPos(5, 0));
         let blind = [PortalSide::Edge, PortalSide::Cell(3)].map(|beyond| Portal { ends, cell: 2, beyond });
@@ -376,8 +384,9 @@ mod tests {
         let shell = CellShell {
             origin: GridPos(1000, -1000),
             outline: outline(0),
+            terrain: PlanTerrain { origin: GridPos(-9, 9), step: 4096, columns: 2, heights: vec![1, 2, 3, 5] },
             ground: surfaces.iter().map(|&surface| GroundPatch { surface, outline: outline(9), z: 3 }).collect(),
-            houses: vec![HouseShell { id: Id::from_source(2, 99), style: 1, volumes, is_monument: true }],
+            houses: vec![HouseShell { id: Id::from_source(2, 99), style: 1, floor: -5, volumes, is_monument: true }],
             objects: kinds.iter().map(object).collect(),
             blind: blind.to_vec(),
             markings: [MarkingKind::Line, MarkingKind::Dashes, MarkingKind::Zebra, MarkingKind::Rails]
@@ -394,8 +403,8 @@ mod tests {
         let (shell, sheet) = full();
         let hash = |content: Vec<u8>| blake3::hash(&content).to_hex()[..16].to_owned();
         let forms = (hash(to_bytes(&WireShell::from(&shell))), hash(to_bytes(&WireSheet::from(&sheet))));
-        let expected = ("518cba7d729e4b0f".to_owned(), "917468b7a8aa35f3".to_owned());
-        assert_eq!((crate::FORMAT_VERSION, forms), (2, expected), "raise FORMAT_VERSION if this is on purpose");
+        let expected = ("915be8df8d5a51d1".to_owned(), "ccc8b71824605507".to_owned());
+        assert_eq!((crate::FORMAT_VERSION, forms), (3, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

@@ -58,6 +58,7 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
         return Err(format!("its origin is at ({}, {}), too far", shell.origin.0, shell.origin.1));
     }
     check_polygon("its outline", &shell.outline, NEAR)?;
+    shell.terrain.check().map_err(|reason| format!("its terrain: {reason}"))?;
     for (i, patch) in shell.ground.iter().enumerate() {
         check_polygon("it", &patch.outline, NEAR)
             .and_then(|()| check_height("it", patch.z))
@@ -109,6 +110,7 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
 }
 
 fn check_house(house: &HouseShell) -> Check {
+    check_height("its floor", house.floor).map_err(|reason| format!("house {}: {reason}", house.id))?;
     for (v, volume) in house.volumes.iter().enumerate() {
         check_volume(volume).map_err(|reason| format!("house {}, volume {v}: {reason}", house.id))?;
     }

@@ -46,7 +46,7 @@ pub fn volume(footprint: GridPolygon, bottom_m: f64, eaves_m: f64) -> Volume {
 
 pub fn house(id: u64, footprint: GridPolygon) -> House {
     let volumes = vec![volume(footprint, 0.0, 12.0)];
-    House { id: Id(id), name: String::new(), number: String::new(), style: 0, volumes, monument: None }
+    House { id: Id(id), name: String::new(), number: String::new(), style: 0, floor: 0, volumes, monument: None }
 }
 
 pub fn patch(surface: SurfaceKind, outline: GridPolygon) -> GroundPatch {

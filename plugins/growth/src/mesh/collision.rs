@@ -1,6 +1,8 @@
 use glam::DVec2;
 use veduta_city::{CellShell, PlanObject, SurfaceKind, metres};
 
+use super::drape::Drape;
+use super::footing::stands;
 use super::ground::LevelEdges;
 use super::object::scale_of;
 use super::outline::{Edge, GroundHeights, Triangulator, engine, rings, wall_edge};
@@ -46,19 +48,20 @@ const FOOTING_M: f64 = 1.0;
 #[must_use]
 pub fn collision(shell: &CellShell) -> Collision {
     let ground = GroundHeights::new(shell);
+    let drape = Drape::of(shell);
     let mut walls = Trimesh::default();
-    house_walls(shell, &ground, &mut walls);
-    let zero = ground.lowest().map_or(0.0, metres);
+    house_walls(shell, &ground, &drape, &mut walls);
     for portal in &shell.blind {
         if let Some(edge) = Edge::new(portal.ends.0.to_metres(), portal.ends.1.to_metres()) {
             // The portal's own cell lies on its left: the ground before the other side of the edge.
             let inner = Edge { out: -edge.out, ..edge };
-            let foot = ground.before(&inner).unwrap_or(zero);
-            walls.upright(&edge, foot.min(zero) - FOOTING_M, foot + WALL_M);
+            let (low, high) = shell.terrain.range_along(edge.a, edge.b);
+            let foot = ground.before(&inner).unwrap_or(low);
+            walls.upright(&edge, low.min(foot) - FOOTING_M, high.max(foot) + WALL_M);
         }
     }
-    banks(shell, &ground, &mut walls);
-    Collision { walls, ground: walkable(shell), objects: shell.objects.iter().map(pillar).collect() }
+    banks(shell, &ground, &drape, &mut walls);
+    Collision { walls, ground: walkable(shell, &drape), objects: shell.objects.iter().map(pillar).collect() }
 }
 
 impl Trimesh {
@@ -70,21 +73,22 @@ impl Trimesh {
     }
 }
 
-fn house_walls(shell: &CellShell, ground: &GroundHeights<'_>, walls: &mut Trimesh) {
-    for volume in shell.houses.iter().flat_map(|house| &house.volumes) {
+fn house_walls(shell: &CellShell, ground: &GroundHeights<'_>, drape: &Drape<'_>, walls: &mut Trimesh) {
+    for (house, volume) in shell.houses.iter().flat_map(|house| house.volumes.iter().map(move |volume| (house, volume))) {
         let (bottom, eaves) = (metres(volume.bottom), metres(volume.eaves));
         for &wall in &volume.walls {
             let Some(edge) = wall_edge(&volume.footprint, wall.into()) else { continue };
             let foot = ground.before(&edge).unwrap_or(bottom);
-            if bottom < foot + HEADROOM_M {
-                walls.upright(&edge, bottom.min(foot) - FOOTING_M, eaves.max(foot + WALL_M));
+            if stands(house, volume) || bottom < foot + HEADROOM_M {
+                let low = drape.lowest(edge.a, edge.b);
+                walls.upright(&edge, bottom.min(foot).min(low) - FOOTING_M, eaves.max(foot + WALL_M));
             }
         }
     }
 }
 
 /// Edges of water that no other water shares.
-fn banks(shell: &CellShell, ground: &GroundHeights<'_>, walls: &mut Trimesh) {
+fn banks(shell: &CellShell, ground: &GroundHeights<'_>, drape: &Drape<'_>, walls: &mut Trimesh) {
     let water = || shell.ground.iter().filter(|patch| patch.surface == SurfaceKind::Water);
     let shared = LevelEdges::new(water());
     for patch in water() {
@@ -95,7 +99,7 @@ fn banks(shell: &CellShell, ground: &GroundHeights<'_>, walls: &mut Trimesh) {
                 let Some(edge) = wall_edge(&patch.outline, first + i).filter(|_| !shared.has_neighbour(a, b, i32::MIN)) else {
                     continue;
                 };
-                let surface = metres(patch.z);
+                let surface = drape.lowest(edge.a, edge.b) + metres(patch.z);
                 let beside = ground.before(&edge).unwrap_or(surface);
                 walls.upright(&edge, surface.min(beside) - FOOTING_M, surface.max(beside) + WALL_M);
             }
@@ -104,15 +108,26 @@ fn banks(shell: &CellShell, ground: &GroundHeights<'_>, walls: &mut Trimesh) {
     }
 }
 
-fn walkable(shell: &CellShell) -> Trimesh {
+fn walkable(shell: &CellShell, drape: &Drape<'_>) -> Trimesh {
     let mut mesh = Trimesh::default();
     let mut triangulator = Triangulator::default();
     for patch in shell.ground.iter().filter(|patch| patch.surface.is_walkable()) {
         let rings = rings(&patch.outline);
-        let base = mesh.positions.len() as u32;
-        let y = metres(patch.z);
-        mesh.positions.extend(rings.iter().flatten().map(|&p: &DVec2| engine(p, y).as_vec3().to_array()));
-        triangulator.each(&rings, |index, _| mesh.triangles.push(index.map(|i| base + i as u32)));
+        let lift = metres(patch.z);
+        let corner = |&p: &DVec2| drape.above(p, lift).as_vec3().to_array();
+        if drape.is_level() {
+            let base = mesh.positions.len() as u32;
+            mesh.positions.extend(rings.iter().flatten().map(corner));
+            triangulator.each(&rings, |index, _| mesh.triangles.push(index.map(|i| base + i as u32)));
+            continue;
+        }
+        triangulator.each(&rings, |_, triangle| {
+            drape.pieces(&triangle, |piece| {
+                let base = mesh.positions.len() as u32;
+                mesh.positions.extend(piece.iter().map(corner));
+                mesh.triangles.extend((1..piece.len() as u32 - 1).map(|i| [base, base + i, base + i + 1]));
+            });
+        });
     }
     mesh
 }
@@ -150,7 +165,7 @@ mod tests {
             has_roof: true,
             walls: vec![3],
         };
-        HouseShell { id: Id(1), style: 0, volumes: vec![volume], is_monument: false }
+        HouseShell { id: Id(1), style: 0, floor: 0, volumes: vec![volume], is_monument: false }
     }
 
     fn ground(surface: SurfaceKind, x: i32) -> GroundPatch {

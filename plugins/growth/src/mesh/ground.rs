@@ -2,7 +2,9 @@ use glam::DVec2;
 use veduta_city::{CellShell, GRID_PER_METRE, GridPos, GroundPatch, Rgb, SurfaceKind, Tile, metres};
 
 use super::data::{MeshData, Paint};
-use super::outline::{Triangulator, centre_of, engine, middle, rings, wall_edge};
+use super::drape::Drape;
+use super::footing::footings;
+use super::outline::{Triangulator, centre_of, middle, rings, wall_edge};
 
 /// Depth of a kerb's face below the top of its patch where nothing lower is known of, and the most a bank goes down; metres.
 const KERB_M: f64 = 0.15;
@@ -12,32 +14,38 @@ const BANK_M: f64 = 6.0;
 /// between cells and stay small; grid steps.
 const REPEAT: i64 = 16 * GRID_PER_METRE as i64;
 
-/// The cell's ground, facing up, with upright faces at the kerbs and banks of patches that stand above others. Texture
-/// coordinates go on across cells.
+/// The cell's ground, facing up, with upright faces at the kerbs and banks of patches that stand above others, and under the walls of
+/// houses on slopes. Texture coordinates go on across cells.
 #[must_use]
 pub fn ground(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
     let mut triangulator = Triangulator::default();
     let lowest = shell.ground.iter().map(|patch| patch.z).min().unwrap_or(0);
     let level = LevelEdges::new(&shell.ground);
+    let drape = Drape::of(shell);
     let offset = DVec2::new(remainder(shell.origin.0), remainder(shell.origin.1));
     for patch in &shell.ground {
         let tile = Tile::Ground(patch.surface);
         let paint = Paint::new(centre_of(middle(&patch.outline)), Rgb(255, 255, 255), tile);
-        let y = metres(patch.z);
+        let lift = metres(patch.z);
         triangulator.each(&rings(&patch.outline), |_, places| {
-            let base = mesh.positions.len() as u32;
-            for p in places {
-                let uv = DVec2::new(p.x + offset.x, -(p.y + offset.y)) / paint.size_m();
-                mesh.vertex(engine(p, y), [0.0, 1.0, 0.0], uv, paint);
-            }
-            mesh.indices.extend([base, base + 1, base + 2]);
+            drape.pieces(&places, |piece| {
+                let base = mesh.positions.len() as u32;
+                for &p in piece {
+                    let uv = DVec2::new(p.x + offset.x, -(p.y + offset.y)) / paint.size_m();
+                    mesh.vertex(drape.above(p, lift), drape.normal(p), uv, paint);
+                }
+                for i in 1..piece.len() as u32 - 1 {
+                    mesh.indices.extend([base, base + i, base + i + 1]);
+                }
+            });
         });
         if patch.surface != SurfaceKind::Water && (patch.z > 0 || patch.z > lowest) {
             let below = metres(patch.z) - metres(lowest);
-            kerb(patch, &level, below.clamp(KERB_M, BANK_M), &mut mesh);
+            kerb(patch, &level, below.clamp(KERB_M, BANK_M), &drape, &mut mesh);
         }
     }
+    mesh.append(&footings(shell));
     mesh
 }
 
@@ -45,7 +53,7 @@ fn remainder(origin: i32) -> f64 {
     metres(i64::from(origin).rem_euclid(REPEAT) as i32)
 }
 
-fn kerb(patch: &GroundPatch, level: &LevelEdges, depth: f64, mesh: &mut MeshData) {
+fn kerb(patch: &GroundPatch, level: &LevelEdges, depth: f64, drape: &Drape<'_>, mesh: &mut MeshData) {
     let paint = Paint::new(centre_of(middle(&patch.outline)), Rgb(0xB9, 0xB4, 0xA8), Tile::Stone);
     let top = metres(patch.z);
     let mut first = 0;
@@ -57,7 +65,10 @@ fn kerb(patch: &GroundPatch, level: &LevelEdges, depth: f64, mesh: &mut MeshData
             }
             let Some(edge) = wall_edge(&patch.outline, first + i) else { continue };
             let low = top - depth;
-            mesh.polygon(&[engine(edge.a, low), engine(edge.b, low), engine(edge.b, top), engine(edge.a, top)], paint);
+            for pair in drape.way(edge.a, edge.b).windows(2) {
+                let face = [(pair[0], low), (pair[1], low), (pair[1], top), (pair[0], top)];
+                mesh.polygon(&face.map(|(p, lift)| drape.above(p, lift)), paint);
+            }
         }
         first += ring.len();
     }

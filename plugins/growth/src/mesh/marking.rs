@@ -1,8 +1,9 @@
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use veduta_city::{CellShell, Marking, MarkingKind, Rgb, Tile, metres};
 
 use super::data::{MeshData, Paint};
-use super::outline::{centre_of, engine};
+use super::drape::Drape;
+use super::outline::centre_of;
 
 /// How far paint lies above the ground, metres: more than the depth buffer confuses, less than a shoe.
 const LIFT_M: f64 = 0.012;
@@ -32,11 +33,12 @@ const MOST: usize = 100;
 #[must_use]
 pub fn markings(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
+    let drape = Drape::of(shell);
     for marking in &shell.markings {
         let line: Vec<DVec2> = marking.line.iter().map(|p| p.to_metres()).collect();
         let (Some(&first), Some(&last)) = (line.first(), line.last()) else { continue };
         let paint = Paint::new(centre_of((first + last) / 2.0), PAINT, Tile::Plaster);
-        let layer = Layer { y: metres(marking.z) + LIFT_M, paint };
+        let layer = Layer { drape: &drape, lift: metres(marking.z) + LIFT_M, paint };
         let width = metres(marking.width.max(0));
         match marking.kind {
             MarkingKind::Line => layer.strip(&line, [-width / 2.0, width / 2.0], &mut mesh),
@@ -57,8 +59,9 @@ pub fn markings(shell: &CellShell) -> MeshData {
 }
 
 /// Sleepers, and two rails on them.
-fn railway(layer: &Layer, line: &[DVec2], gauge: f64, mesh: &mut MeshData) {
-    let of = |colour, tile, lift: f64| Layer { y: layer.y + lift, paint: Paint::new(layer.paint.centre, colour, tile) };
+fn railway(layer: &Layer<'_>, line: &[DVec2], gauge: f64, mesh: &mut MeshData) {
+    let of =
+        |colour, tile, lift: f64| Layer { lift: layer.lift + lift, paint: Paint::new(layer.paint.centre, colour, tile), ..*layer };
     let wood = of(SLEEPER, Tile::Wood, 0.0);
     let half = (gauge / 2.0 + SLEEPER_M.0, SLEEPER_M.1 / 2.0);
     for piece in dashes(line, SLEEPER_STEP_M, SLEEPER_STEP_M) {
@@ -79,8 +82,9 @@ fn railway(layer: &Layer, line: &[DVec2], gauge: f64, mesh: &mut MeshData) {
 }
 
 /// A bed of setts, and two rails in it.
-fn tramway(layer: &Layer, line: &[DVec2], gauge: f64, mesh: &mut MeshData) {
-    let of = |colour, tile, lift: f64| Layer { y: layer.y + lift, paint: Paint::new(layer.paint.centre, colour, tile) };
+fn tramway(layer: &Layer<'_>, line: &[DVec2], gauge: f64, mesh: &mut MeshData) {
+    let of =
+        |colour, tile, lift: f64| Layer { lift: layer.lift + lift, paint: Paint::new(layer.paint.centre, colour, tile), ..*layer };
     let half = gauge / 2.0;
     of(BED, Tile::Stone, 0.0).strip(line, [-half - BED_M, half + BED_M], mesh);
     for side in [-1.0, 1.0] {
@@ -117,19 +121,21 @@ fn part(line: &[DVec2], from: f64, to: f64) -> Vec<DVec2> {
 }
 
 /// What a marking is drawn with.
-struct Layer {
-    y: f64,
+struct Layer<'a> {
+    drape: &'a Drape<'a>,
+    /// Above the terrain, metres.
+    lift: f64,
     paint: Paint,
 }
 
-impl Layer {
+impl Layer<'_> {
     /// A block on a ring that runs counter-clockwise, without its underside.
     fn block(&self, ring: &[DVec2; 4], height: f64, mesh: &mut MeshData) {
-        mesh.polygon(&ring.map(|p| engine(p, self.y + height)), self.paint);
+        mesh.polygon(&ring.map(|p| self.drape.above(p, self.lift + height)), self.paint);
         for (i, &a) in ring.iter().enumerate() {
             let b = ring[(i + 1) % 4];
             let face = [(a, 0.0), (b, 0.0), (b, height), (a, height)];
-            mesh.polygon(&face.map(|(p, up)| engine(p, self.y + up)), self.paint);
+            mesh.polygon(&face.map(|(p, up)| self.drape.above(p, self.lift + up)), self.paint);
         }
     }
 
@@ -138,8 +144,10 @@ impl Layer {
         for pair in line.windows(2) {
             let off = (pair[1] - pair[0]).normalize_or_zero().perp() * left;
             let (a, b) = if from_left { (pair[1] + off, pair[0] + off) } else { (pair[0] + off, pair[1] + off) };
-            let face = [(a, 0.0), (b, 0.0), (b, height), (a, height)];
-            mesh.polygon(&face.map(|(p, up)| engine(p, self.y + up)), self.paint);
+            for pair in self.drape.way(a, b).windows(2) {
+                let face = [(pair[0], 0.0), (pair[1], 0.0), (pair[1], height), (pair[0], height)];
+                mesh.polygon(&face.map(|(p, up)| self.drape.above(p, self.lift + up)), self.paint);
+            }
         }
     }
 
@@ -153,7 +161,15 @@ impl Layer {
             let mitre = (a + b).perp() / (1.0 + a.dot(b)).max(2.0 / (LONGEST_MITRE * LONGEST_MITRE));
             let here = [p + mitre * right, p + mitre * left];
             if let Some([r, l]) = before {
-                mesh.polygon(&[r, here[0], here[1], l].map(|p| engine(p, self.y)), self.paint);
+                let whole = [r, here[0], here[1], l];
+                if self.drape.is_level() {
+                    mesh.polygon(&whole.map(|p| self.drape.above(p, self.lift)), self.paint);
+                } else {
+                    self.drape.pieces(&whole, |piece| {
+                        let corners: Vec<DVec3> = piece.iter().map(|&p| self.drape.above(p, self.lift)).collect();
+                        mesh.polygon(&corners, self.paint);
+                    });
+                }
             }
             before = Some(here);
         }

@@ -1,8 +1,9 @@
 use glam::DVec2;
-use veduta_city::{CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, WallKind, metres};
+use veduta_city::{CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, WallKind};
 
 use super::data::{MeshData, MeshError, Paint};
-use super::outline::{Edge, GroundHeights, engine, neighbours, wall_edge};
+use super::footing::stands;
+use super::outline::{Edge, engine, neighbours, wall_edge};
 use super::roof_detail::{OVERHANG_DROP_M, mitre};
 use super::wall::{Front, check, runs, seen};
 
@@ -40,8 +41,7 @@ struct Paints {
 /// Adds the mouldings of walls that a sheet of the right length tells.
 pub(super) fn add_mouldings(shell: &CellShell, sheet: &FacadeSheet, mesh: &mut MeshData) {
     mesh.reserve_quads(sheet.walls.iter().filter(|wall| wall.kind == WallKind::Street).count() * 14);
-    let ground = GroundHeights::new(shell);
-    for (volume, plans) in seen(shell, sheet) {
+    for (house, volume, plans) in seen(shell, sheet) {
         if plans.iter().all(|plan| plan.kind != WallKind::Street) {
             continue;
         }
@@ -52,7 +52,7 @@ pub(super) fn add_mouldings(shell: &CellShell, sheet: &FacadeSheet, mesh: &mut M
             let centre = front.plaster.centre;
             let paints = Paints { trim: trim.at(centre), plinth: plinth.at(centre) };
             let ends = ends(volume, plans, wall, &front.edge);
-            dress(volume, &front, plan, ends, &ground, &paints, mesh);
+            dress(&front, plan, ends, stands(house, volume), &paints, mesh);
         }
     }
 }
@@ -83,15 +83,7 @@ fn ends(volume: &VolumeShell, plans: &[Wall], wall: u16, edge: &Edge) -> [End; 2
     [end(before, true), end(after, false)]
 }
 
-fn dress(
-    volume: &VolumeShell,
-    front: &Front,
-    plan: &Wall,
-    ends: [End; 2],
-    ground: &GroundHeights<'_>,
-    paints: &Paints,
-    mesh: &mut MeshData,
-) {
+fn dress(front: &Front, plan: &Wall, ends: [End; 2], stands: bool, paints: &Paints, mesh: &mut MeshData) {
     let height = front.eaves - front.bottom;
     let trim = paints.trim;
     if height >= CORNICE_FROM_M && front.edge.length > 1.0 {
@@ -104,7 +96,6 @@ fn dress(
             sweep(&front.edge, ends, STRING, floor, trim, mesh);
         }
     }
-    let stands = ground.before(&front.edge).is_none_or(|g| metres(volume.bottom) < g + 1.0);
     if stands && height > 1.5 {
         plinth(front, plan, ends, paints.plinth, mesh);
     }

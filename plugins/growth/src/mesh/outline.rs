@@ -1,6 +1,6 @@
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
-use veduta_city::{GridPolygon, GridPos, metres};
+use veduta_city::{GridPolygon, GridPos, PlanTerrain, metres};
 
 /// Plan position (x, y) at a height, in the engine's axes.
 pub(super) fn engine(plan: DVec2, y: f64) -> DVec3 {
@@ -223,7 +223,9 @@ impl Triangulator {
 /// Height of the ground by place.
 pub(super) struct GroundHeights<'a> {
     patches: Vec<(DVec2, DVec2, &'a GridPolygon, i32)>,
+    /// Of the patches above the terrain.
     lowest: Option<i32>,
+    terrain: &'a PlanTerrain,
 }
 
 impl<'a> GroundHeights<'a> {
@@ -231,20 +233,16 @@ impl<'a> GroundHeights<'a> {
         let bounded = shell.ground.iter().filter_map(|p| p.outline.bounds().map(|bounds| (bounds, p)));
         let patches: Vec<_> = bounded.map(|((low, high), p)| (low.to_metres(), high.to_metres(), &p.outline, p.z)).collect();
         let lowest = patches.iter().map(|p| p.3).min();
-        Self { patches, lowest }
+        Self { patches, lowest, terrain: &shell.terrain }
     }
 
-    /// Lowest patch of the cell, grid steps.
-    pub(super) fn lowest(&self) -> Option<i32> {
-        self.lowest
-    }
-
-    /// Height in metres of the ground before a wall; the cell's lowest where no patch lies there; `None` without any.
+    /// Height in metres of the ground before a wall; on the cell's lowest patch where none lies there; `None` without any.
     pub(super) fn before(&self, edge: &Edge) -> Option<f64> {
         let p = edge.at(0.5) + edge.out * 0.3;
         let within = |low: DVec2, high: DVec2| low.cmple(p).all() && p.cmple(high).all();
         let here = self.patches.iter().find(|(low, high, outline, _)| within(*low, *high) && grid_contains(outline, p));
-        here.map(|patch| patch.3).or(self.lowest).map(metres)
+        let lift = here.map(|patch| patch.3).or(self.lowest)?;
+        Some(self.terrain.height_m(p) + metres(lift))
     }
 }
 

@@ -75,7 +75,10 @@ fn volume(footprint: GridPolygon, shape: RoofShape, direction: u16, height: i32)
 }
 
 fn cell(volume: VolumeShell) -> CellShell {
-    CellShell { houses: vec![HouseShell { id: Id(77), style: 0, volumes: vec![volume], is_monument: false }], ..Default::default() }
+    CellShell {
+        houses: vec![HouseShell { id: Id(77), style: 0, floor: 0, volumes: vec![volume], is_monument: false }],
+        ..Default::default()
+    }
 }
 
 fn sheet(shell: &CellShell, bays: u8) -> FacadeSheet {
@@ -89,7 +92,7 @@ fn sheet(shell: &CellShell, bays: u8) -> FacadeSheet {
             storey(3, Opening::Blank),
             storey(3, Opening::Blank),
         ],
-        ground_floor: GroundFloor { door_bay: Some(1), door: Opening::Portal, shops: 0b1001 },
+        ground_floor: GroundFloor { door_bay: Some(1), door: Opening::Portal, shops: 0b1001, blank: 0 },
     };
     FacadeSheet { walls: (0..wall::wall_total(shell)).map(wall).collect() }
 }

@@ -5,7 +5,7 @@ use super::data::{MeshData, Paint};
 use super::form::{Affine, Form, Ridge, RoofForm};
 use super::hip::{Pieces, clip, hip};
 use super::lathe::lathe;
-use super::outline::{GroundHeights, Rings, Triangulator, centre_of, contains, engine, middle, rings, wall_edge};
+use super::outline::{Rings, Triangulator, centre_of, contains, engine, middle, rings, wall_edge};
 use super::roof_detail;
 use crate::skeleton::Skeletons;
 
@@ -18,13 +18,12 @@ const HANGING_M: f64 = 1.5;
 pub fn roofs(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
     let mut roofer = Roofer::default();
-    let lowest = GroundHeights::new(shell).lowest();
     for house in shell.houses.iter().filter(|house| !house.is_monument) {
         for volume in house.volumes.iter().filter(|v| v.has_roof) {
             let Some(form) = roofer.start(volume) else { continue };
             roofer.cover(&form, &mut mesh);
             roof_detail::details(house.id, &form, &mut roofer, &mut mesh);
-            if lowest.is_some_and(|low| metres(volume.bottom) > metres(low) + HANGING_M) {
+            if metres(volume.bottom) > metres(house.floor) + HANGING_M {
                 roofer.underside(volume, &mut mesh);
             }
         }

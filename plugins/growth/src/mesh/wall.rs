@@ -1,5 +1,5 @@
 use glam::DVec2;
-use veduta_city::{CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, WallKind, metres};
+use veduta_city::{CellShell, FacadeSheet, HouseShell, Opening, Tile, VolumeShell, Wall, WallKind, metres};
 
 use super::data::{MeshData, MeshError, Paint};
 use super::form::RoofForm;
@@ -48,7 +48,7 @@ pub fn facades(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshE
     let mut mesh = MeshData::default();
     mesh.reserve_quads(sheet.walls.len() * 5);
     let mut along = Vec::new();
-    for (volume, plans) in seen(shell, sheet) {
+    for (_, volume, plans) in seen(shell, sheet) {
         let (form, plaster) = (RoofForm::new(volume), plaster(volume));
         for (&wall, plan) in volume.walls.iter().zip(plans) {
             let Some(front) = Front::new(volume, wall, plaster) else { continue };
@@ -65,13 +65,16 @@ pub(super) fn wall_total(shell: &CellShell) -> usize {
 }
 
 /// Volumes whose walls are seen, each with what a sheet tells of its walls.
-pub(super) fn seen<'a>(shell: &'a CellShell, sheet: &'a FacadeSheet) -> impl Iterator<Item = (&'a VolumeShell, &'a [Wall])> {
+pub(super) fn seen<'a>(
+    shell: &'a CellShell,
+    sheet: &'a FacadeSheet,
+) -> impl Iterator<Item = (&'a HouseShell, &'a VolumeShell, &'a [Wall])> {
     let mut told = sheet.walls.as_slice();
     let volumes = shell.houses.iter().flat_map(|house| house.volumes.iter().map(move |volume| (house, volume)));
     volumes.filter_map(move |(house, volume)| {
         let (plans, rest) = told.split_at(volume.walls.len().min(told.len()));
         told = rest;
-        (!house.is_monument).then_some((volume, plans))
+        (!house.is_monument).then_some((house, volume, plans))
     })
 }
 
@@ -216,7 +219,7 @@ mod tests {
         let (colour, trim) = (Rgb(0xD9, 0xB3, 0x6C), Rgb(0xEF, 0xE3, 0xC8));
         let volume =
             VolumeShell { footprint, bottom: 0, eaves: 13 * m, colour, trim, roof, gable: Gable::Plain, has_roof: true, walls };
-        let house = HouseShell { id: Id(5), style: 0, volumes: vec![volume], is_monument: false };
+        let house = HouseShell { id: Id(5), style: 0, floor: 0, volumes: vec![volume], is_monument: false };
         CellShell { houses: vec![house], ..Default::default() }
     }
 
@@ -231,7 +234,7 @@ mod tests {
                 storey(3, Opening::FramedWindow),
                 storey(3, Opening::FramedWindow),
             ],
-            ground_floor: GroundFloor { door_bay: Some(1), door: Opening::Portal, shops: 0b100 },
+            ground_floor: GroundFloor { door_bay: Some(1), door: Opening::Portal, shops: 0b100, blank: 0 },
         }
     }
 

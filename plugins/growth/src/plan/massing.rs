@@ -8,6 +8,7 @@ use veduta_city::{Finding, GridPos, PlanRoof, RoofShape, Severity, Style, metres
 use super::facing::{Edge, Facing};
 use super::houses::{Body, Draft, StyleBook};
 use super::outline::{self, Box2};
+use super::walls::DOORSTEP;
 
 /// Least height of walls under a roof that stands on the ground; metres.
 const LEAST_WALL_M: f64 = 2.2;
@@ -27,6 +28,8 @@ const EAVES_SPREAD_M: f64 = 1.1;
 /// Heights and roof of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Mass {
+    /// The house's floor above the city's zero, grid steps.
+    pub floor: i32,
     /// Grid steps.
     pub bottom: i32,
     /// Grid steps.
@@ -35,16 +38,34 @@ pub(super) struct Mass {
     pub roof: PlanRoof,
 }
 
+impl Mass {
+    /// The same on another floor.
+    fn raised(self, floor: i32) -> Self {
+        Self { floor, bottom: self.bottom.saturating_add(floor), eaves: self.eaves.saturating_add(floor), ..self }
+    }
+
+    /// Whether its foot is too high for doors.
+    pub fn hangs(&self) -> bool {
+        self.bottom.saturating_sub(self.floor) > DOORSTEP
+    }
+}
+
 /// Heights and roofs of all bodies of all houses.
-pub(super) fn masses(drafts: &[Draft], facing: &Facing, book: &StyleBook<'_>, findings: &mut Vec<Finding>) -> Vec<Vec<Mass>> {
-    let grown = grown_eaves(drafts, facing);
+pub(super) fn masses(
+    drafts: &[Draft],
+    facing: &Facing,
+    floors: &[i32],
+    book: &StyleBook<'_>,
+    findings: &mut Vec<Finding>,
+) -> Vec<Vec<Mass>> {
+    let grown = grown_eaves(drafts, facing, floors);
     let of_house = |(h, draft): (usize, &Draft)| {
         let mut findings = Vec::new();
         let Some(style) = book.style(draft.style) else { return (Vec::new(), findings) };
         let edges = facing.edges.get(h).map_or(&[][..], Vec::as_slice);
         let mass = |(b, body): (usize, &Body)| {
             let edges = edges.get(b).map_or(&[][..], Vec::as_slice);
-            mass(draft, body, b, edges, style, grown[h], &mut findings)
+            mass(draft, body, b, edges, style, grown[h], &mut findings).raised(floors[h])
         };
         (draft.bodies.iter().enumerate().map(mass).collect(), findings)
     };
@@ -54,13 +75,15 @@ pub(super) fn masses(drafts: &[Draft], facing: &Facing, book: &StyleBook<'_>, fi
 }
 
 /// Eaves of grown houses, in order: within 1.1 m of their row's, 0.3 m or more from every neighbour's that is settled.
-fn grown_eaves(drafts: &[Draft], facing: &Facing) -> Vec<Option<f64>> {
+fn grown_eaves(drafts: &[Draft], facing: &Facing, floors: &[i32]) -> Vec<Option<f64>> {
     let wish = |draft: &Draft| draft.draw.between("eaves", -EAVES_SPREAD_M, EAVES_SPREAD_M);
     let wishes: Vec<f64> = drafts.par_iter().map(wish).collect();
     let mut eaves: Vec<Option<f64>> = vec![None; drafts.len()];
     for (h, draft) in drafts.iter().enumerate() {
         let Some(grown) = draft.grown else { continue };
-        let settled: Vec<f64> = facing.neighbours[h].iter().filter_map(|&n| eaves[n]).collect();
+        // Above this house's own floor.
+        let settled = facing.neighbours[h].iter().filter_map(|&n| Some(eaves[n]? + metres(floors[n] - floors[h])));
+        let settled: Vec<f64> = settled.collect();
         let clear = |e: f64| settled.iter().map(|s| (s - e).abs()).fold(f64::INFINITY, f64::min);
         let wish = wishes[h];
         // Steps away from the wish, up and down in turn, within the spread: the first that is clear, else the clearest.
@@ -102,7 +125,12 @@ fn mass(
     let eaves = GridPos::steps(eaves_m).max(bottom + GridPos::steps(LEAST_HANGING_WALL_M));
     let height = if level { 0 } else { GridPos::steps(roof_m).max(0) };
     let shape = if height == 0 { RoofShape::Flat } else { shape };
-    Mass { bottom, eaves, roof: PlanRoof { shape, height, direction: degrees(ridge, shape), colour: veduta_city::Rgb::default() } }
+    Mass {
+        floor: 0,
+        bottom,
+        eaves,
+        roof: PlanRoof { shape, height, direction: degrees(ridge, shape), colour: veduta_city::Rgb::default() },
+    }
 }
 
 /// Most that a roof rises over walls of a height where no map says so.

@@ -5,7 +5,9 @@ use std::collections::HashSet;
 use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::draw::Draw;
-use veduta_city::{CityGraph, Finding, FurnitureRule, GridPos, Id, ObjectKind, PlanObject, Severity, StandingObject, SurfaceKind};
+use veduta_city::{
+    CityGraph, Finding, FurnitureRule, GridPos, Id, ObjectKind, PlanObject, PlanTerrain, Severity, StandingObject, SurfaceKind,
+};
 
 use super::facing::{BodyRef, HEADROOM_M};
 use super::furniture::{Furnisher, Taken};
@@ -25,6 +27,7 @@ const TALLEST_M: f64 = 200.0;
 
 /// What lies and stands, for questions about places.
 pub(super) struct Site<'a> {
+    pub terrain: &'a PlanTerrain,
     pub ground: &'a Ground,
     pub standing: &'a Index<(BodyRef, f64)>,
     pub doorsteps: &'a Index<()>,
@@ -52,7 +55,18 @@ impl Site<'_> {
         about.find(|&p| self.is_free(p))
     }
 
-    /// What lies at a position, and how high.
+    /// The foot of something round above the city's zero, grid steps: on slopes the lowest ground under it, so that it hangs nowhere.
+    fn foot(&self, pos: DVec2, radius_m: f64) -> i32 {
+        let above = self.surface(pos).map_or(0, |(_, z)| z);
+        if self.terrain.is_level() {
+            return above;
+        }
+        let rim = |i: u32| self.terrain.height_m(pos + compass(f64::from(i) * 90.0) * radius_m);
+        let lowest = (0..4).map(rim).fold(self.terrain.height_m(pos), f64::min);
+        above.saturating_add(GridPos::steps(lowest))
+    }
+
+    /// What lies at a position, and how high above the terrain.
     pub fn surface(&self, pos: DVec2) -> Option<(SurfaceKind, i32)> {
         self.ground.at(GridPos::from_metres(pos)).next().copied()
     }
@@ -94,7 +108,7 @@ fn placed(object: &StandingObject, seed: u64, site: &Site<'_>) -> PlanObject {
         id: object.id,
         kind: object.kind,
         pos: GridPos::from_metres(object.pos),
-        z: site.surface(object.pos).map_or(0, |(_, z)| z),
+        z: site.foot(object.pos, object.kind.radius_m()),
         heading: libm::round(heading.rem_euclid(360.0)) as u16 % 360,
         height: GridPos::steps(height).max(1),
         monument: None,

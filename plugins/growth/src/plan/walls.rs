@@ -1,9 +1,10 @@
 //! Walls: what each faces, its axes, storeys and openings.
 
 use rayon::prelude::*;
-use veduta_city::{GroundFloor, House, Opening, PlanRoof, Storey, Style, Volume, Wall, WallKind, metres};
+use veduta_city::{GroundFloor, House, Opening, PlanRoof, PlanTerrain, Storey, Style, Volume, Wall, WallKind, metres};
 
 use super::facing::{Edge, Facing};
+use super::floors::before_bay;
 use super::houses::{Body, Draft, StyleBook};
 use super::massing::{self, Mass};
 use super::variety::{Look, bays, bounded};
@@ -15,7 +16,13 @@ const ATTIC_M: f64 = 2.6;
 /// Least height of a storey; metres.
 const LEAST_STOREY_M: f64 = 2.0;
 /// Bodies whose foot is higher than this have no doors; grid steps.
-const DOORSTEP: i32 = 512;
+pub(super) const DOORSTEP: i32 = 512;
+/// Windows begin so high above the floor; a bay where the ground rises above has none. Metres.
+const SILL_M: f64 = 0.8;
+/// Shops have the ground before them between these heights above their floor, metres.
+const BEFORE_SHOPS_M: core::ops::RangeInclusive<f64> = -0.45..=0.3;
+/// A door stands where it was drawn, unless the ground suits it better elsewhere by more than this; metres.
+const DOOR_CHOICE_M: f64 = 0.12;
 /// Ground floors lower than this have no shops; metres.
 const LEAST_SHOP_M: f64 = 2.6;
 
@@ -26,6 +33,7 @@ pub(super) fn houses(
     masses: &[Vec<Mass>],
     looks: &[Option<Look>],
     book: &StyleBook<'_>,
+    terrain: &PlanTerrain,
 ) -> Vec<House> {
     let of_house = |(h, draft): (usize, &Draft)| {
         let (Some(look), Some(style)) = (&looks[h], book.style(draft.style)) else { return None };
@@ -33,12 +41,14 @@ pub(super) fn houses(
         for (b, body) in draft.bodies.iter().enumerate() {
             volumes.push(volume(draft, body, b, &facing.edges[h][b], masses, masses[h][b], look, style));
         }
-        add_ground_floor(&mut volumes, &facing.edges[h], draft, look, style);
+        let slope = Slope { terrain, floor_m: masses[h].first().map_or(0.0, |mass| metres(mass.floor)) };
+        add_ground_floor(&mut volumes, &facing.edges[h], &masses[h], draft, look, style, &slope);
         Some(House {
             id: draft.id,
             name: draft.name.clone(),
             number: draft.number.clone(),
             style: draft.style as u16,
+            floor: masses[h].first().map_or(0, |mass| mass.floor),
             volumes,
             monument: None,
         })
@@ -106,9 +116,9 @@ fn storey_heights(body: &Body, mass: &Mass, style: &Style, draft: &Draft, index:
     let draw = draft.draw.part(index as u64);
     let (ground, upper) = massing::storey_heights(style, draw);
     let whole = massing::wall_m(mass);
-    let ground = if mass.bottom > DOORSTEP { upper } else { ground };
+    let ground = if mass.hangs() { upper } else { ground };
     let fitting = if whole < ground + 0.5 * upper { 1.0 } else { 1.0 + libm::round((whole - ground) / upper) };
-    let told = body.levels.filter(|_| mass.bottom <= DOORSTEP).map(libm::round);
+    let told = body.levels.filter(|_| !mass.hangs()).map(libm::round);
     let n = told.unwrap_or(fitting).clamp(1.0, libm::floor(whole / LEAST_STOREY_M).clamp(1.0, 250.0)) as usize;
     let mut weights = vec![upper; n];
     weights[0] = ground;
@@ -135,7 +145,7 @@ fn fill(length: i32, weights: &[f64]) -> Vec<i32> {
 
 fn storeys(heights: &[i32], kind: WallKind, mass: &Mass, body: &Body, look: &Look) -> Vec<Storey> {
     let last = heights.len() - 1;
-    let hangs = mass.bottom > DOORSTEP;
+    let hangs = mass.hangs();
     let opening = |i: usize, height: i32| {
         if let Some(given) = body.opening {
             return given;
@@ -162,10 +172,18 @@ fn storeys(heights: &[i32], kind: WallKind, mass: &Mass, body: &Body, look: &Loo
 }
 
 /// One door a house, on its longest street wall, else on its longest wall to a yard; shops on street walls.
-fn add_ground_floor(volumes: &mut [Volume], edges: &[Vec<Edge>], draft: &Draft, look: &Look, style: &Style) {
+fn add_ground_floor(
+    volumes: &mut [Volume],
+    edges: &[Vec<Edge>],
+    masses: &[Mass],
+    draft: &Draft,
+    look: &Look,
+    style: &Style,
+    slope: &Slope<'_>,
+) {
     let shopkeeper = style.shops > 0.0 && draft.draw.chance("shops", (style.shops * 1.6).min(1.0));
     let mut best: Option<(WallKind, f64, usize, usize)> = None;
-    for (v, volume) in volumes.iter_mut().enumerate().filter(|(_, volume)| volume.bottom <= DOORSTEP) {
+    for (v, volume) in volumes.iter_mut().enumerate().filter(|(v, _)| !masses[*v].hangs()) {
         for (w, wall) in volume.walls.iter_mut().enumerate().filter(|(_, wall)| wall.bays > 0) {
             let length = edges[v][w].length_m();
             // Street before yard, then the longer; of equals the first.
@@ -184,11 +202,47 @@ fn add_ground_floor(volumes: &mut [Volume], edges: &[Vec<Edge>], draft: &Draft, 
     if let Some((kind, length, v, w)) = best
         && let Some(wall) = volumes.get_mut(v).and_then(|volume| volume.walls.get_mut(w))
     {
-        put_door(wall, kind, length, draft, look);
+        put_door(wall, kind, length, draft, look, &slope.before(&edges[v][w], wall.bays));
+    }
+    if !slope.terrain.is_level() {
+        for (v, volume) in volumes.iter_mut().enumerate().filter(|(v, _)| !masses[*v].hangs()) {
+            for (wall, edge) in volume.walls.iter_mut().zip(&edges[v]) {
+                suit_ground(wall, &slope.before(edge, wall.bays));
+            }
+        }
     }
 }
 
-fn put_door(wall: &mut Wall, kind: WallKind, length_m: f64, draft: &Draft, look: &Look) {
+/// The ground about a house.
+struct Slope<'a> {
+    terrain: &'a PlanTerrain,
+    floor_m: f64,
+}
+
+impl Slope<'_> {
+    /// Lowest and highest ground before each bay of a wall above the floor, metres; none where the ground is level.
+    fn before(&self, edge: &Edge, bays: u8) -> Vec<(f64, f64)> {
+        if self.terrain.is_level() {
+            return Vec::new();
+        }
+        (0..bays).map(|bay| before_bay(self.terrain, self.floor_m, (edge.a, edge.b), bay, bays)).collect()
+    }
+}
+
+/// Leaves out windows and shops where the ground before them is too high, and shops where it is too low.
+fn suit_ground(wall: &mut Wall, before: &[(f64, f64)]) {
+    let floor = &mut wall.ground_floor;
+    for (bay, &(low, high)) in (0..32_u8).zip(before).filter(|(bay, _)| floor.door_bay != Some(*bay)) {
+        if high > SILL_M {
+            floor.blank |= 1 << bay;
+        }
+        if !BEFORE_SHOPS_M.contains(&low) || !BEFORE_SHOPS_M.contains(&high) {
+            floor.shops &= !(1 << bay);
+        }
+    }
+}
+
+fn put_door(wall: &mut Wall, kind: WallKind, length_m: f64, draft: &Draft, look: &Look, before: &[(f64, f64)]) {
     let bay_m = length_m / f64::from(wall.bays.max(1));
     let door = match look.door {
         Opening::Blank => return,
@@ -202,6 +256,10 @@ fn put_door(wall: &mut Wall, kind: WallKind, length_m: f64, draft: &Draft, look:
         1 => last,
         _ => middle,
     };
+    // Ground above the threshold is worse than steps up to it.
+    let unfit = |bay: u8| before.get(usize::from(bay)).map_or(0.0, |&(low, high)| 4.0 * high.max(0.0) - low.min(0.0));
+    let fittest = (0..wall.bays).min_by(|&a, &b| unfit(a).total_cmp(&unfit(b))).unwrap_or(bay);
+    let bay = if unfit(bay) <= unfit(fittest) + DOOR_CHOICE_M { bay } else { fittest };
     wall.ground_floor.door_bay = Some(bay);
     wall.ground_floor.door = door;
     if bay < 32 {

@@ -13,6 +13,7 @@ mod overview;
 mod points;
 mod sheet;
 mod shell;
+mod terrain;
 
 pub(crate) use index::WireIndex;
 pub(crate) use overview::WireOverview;

@@ -1,15 +1,17 @@
 use serde::{Deserialize, Serialize};
-use veduta_city::{HouseName, ObjectKind, Overview, PlanStreet, SurfaceKind};
+use veduta_city::{HouseName, ObjectKind, Overview, PlanStreet, PlanTerrain, SurfaceKind};
 
 use super::{
     Malformed,
     columns::{Deltas, Ids, Pull, Texts},
     points::{PointWriter, Points, PullPoints},
+    terrain::WireTerrain,
 };
 
 /// An [`Overview`] in columns.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct WireOverview {
+    terrain: WireTerrain,
     points: Points,
     /// Names of streets, then name and number of each named house.
     texts: Texts,
@@ -41,6 +43,7 @@ impl From<&Overview> for WireOverview {
         let streets = overview.streets.iter().map(|street| street.name.as_str());
         let names = overview.names.iter().flat_map(|name| [name.name.as_str(), name.number.as_str()]);
         Self {
+            terrain: WireTerrain::from(&overview.terrain),
             points: points.finish(),
             texts: Texts::of(streets.chain(names)),
             street_ids,
@@ -78,7 +81,7 @@ impl TryFrom<WireOverview> for Overview {
             .map(|house| Ok(HouseName { house: house as u32, name: texts.take()?, number: texts.take()? }))
             .collect::<Result<_, _>>()?;
         texts.finish()?;
-        Ok(Self { streets, areas, houses, names, objects })
+        Ok(Self { terrain: PlanTerrain::try_from(wire.terrain)?, streets, areas, houses, names, objects })
     }
 }
 

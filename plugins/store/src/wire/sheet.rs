@@ -17,6 +17,7 @@ pub(crate) struct WireSheet {
     door_bays: Vec<u16>,
     doors: Vec<Opening>,
     shops: Vec<u32>,
+    blank: Vec<u32>,
     /// For each different wall, which of the different stacks it has.
     stacks: Vec<u32>,
     /// Storeys of each different stack.
@@ -44,6 +45,7 @@ impl From<&FacadeSheet> for WireSheet {
             door_bays: different.iter().map(|wall| wall.ground_floor.door_bay.map_or(0, |bay| u16::from(bay) + 1)).collect(),
             doors: different.iter().map(|wall| wall.ground_floor.door).collect(),
             shops: different.iter().map(|wall| wall.ground_floor.shops).collect(),
+            blank: different.iter().map(|wall| wall.ground_floor.blank).collect(),
             stacks,
             storeys: tall.iter().map(|stack| stack.len() as u32).collect(),
             heights: Deltas::of(tall.iter().flatten().map(|storey| storey.height)),
@@ -67,6 +69,7 @@ impl TryFrom<WireSheet> for FacadeSheet {
         let mut door_bays = Pull::new("bays of doors", wire.door_bays);
         let mut doors = Pull::new("doors", wire.doors);
         let mut shops = Pull::new("shops", wire.shops);
+        let mut blank = Pull::new("bays without an opening", wire.blank);
         let mut different = Vec::with_capacity(wire.kinds.len());
         for kind in wire.kinds {
             let door_bay = door_bays.take()?.checked_sub(1).map(u8::try_from).transpose();
@@ -74,6 +77,7 @@ impl TryFrom<WireSheet> for FacadeSheet {
                 door_bay: door_bay.map_err(|_| Malformed::Reason("a door's bay is too large"))?,
                 door: doors.take()?,
                 shops: shops.take()?,
+                blank: blank.take()?,
             };
             let storeys = stacks.take_ref()?;
             spend(storeys.len())?;
@@ -84,6 +88,7 @@ impl TryFrom<WireSheet> for FacadeSheet {
         door_bays.finish()?;
         doors.finish()?;
         shops.finish()?;
+        blank.finish()?;
         let mut uses = Table::of_parts(different, wire.walls).pull();
         if uses.left() > WALLS_CAP {
             return Err(Malformed::Reason("a sheet has too many walls"));

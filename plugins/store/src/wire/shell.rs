@@ -1,19 +1,21 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
     CellShell, Design, Gable, GridPos, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind, PlacedMonument, PlanObject,
-    PlanRoof, Portal, PortalSide, Rgb, RoofShape, SurfaceKind, VolumeShell,
+    PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SurfaceKind, VolumeShell,
 };
 
 use super::{
     Malformed,
     columns::{Deltas, Ids, Lists, Pull, PullIds, PullLists, PullTable, Table, TableWriter},
     points::{PointWriter, Points, PullPoints},
+    terrain::WireTerrain,
 };
 
 /// A [`CellShell`] in columns.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct WireShell {
     origin: GridPos,
+    terrain: WireTerrain,
     points: Points,
     colours: Table<Rgb>,
     ground: WireGround,
@@ -36,6 +38,7 @@ struct WireGround {
 struct WireHouses {
     ids: Ids,
     styles: Vec<u16>,
+    floors: Deltas,
     volumes: Vec<u32>,
     /// Which of them are monuments.
     monuments: Vec<u32>,
@@ -115,6 +118,7 @@ impl From<&CellShell> for WireShell {
         }
         Self {
             origin: shell.origin,
+            terrain: WireTerrain::from(&shell.terrain),
             points: points.finish(),
             colours: colours.finish(),
             ground: WireGround {
@@ -124,6 +128,7 @@ impl From<&CellShell> for WireShell {
             houses: WireHouses {
                 ids: ids(shell.houses.iter().map(|house| house.id)),
                 styles: shell.houses.iter().map(|house| house.style).collect(),
+                floors: Deltas::of(shell.houses.iter().map(|house| house.floor)),
                 volumes: shell.houses.iter().map(|house| house.volumes.len() as u32).collect(),
                 monuments: (0..).zip(&shell.houses).filter(|(_, house)| house.is_monument).map(|(i, _)| i).collect(),
             },
@@ -195,7 +200,8 @@ impl TryFrom<WireShell> for CellShell {
         points.finish()?;
         colours.finish()?;
         let (designs, monuments) = (wire.designs, wire.monuments);
-        Ok(Self { origin: wire.origin, outline, ground, houses, objects, blind, markings, designs, monuments })
+        let terrain = PlanTerrain::try_from(wire.terrain)?;
+        Ok(Self { origin: wire.origin, outline, terrain, ground, houses, objects, blind, markings, designs, monuments })
     }
 }
 
@@ -221,6 +227,7 @@ impl WireHouses {
     ) -> Result<Vec<HouseShell>, Malformed> {
         let mut ids = self.ids.pull();
         let mut counts = Pull::new("volumes of houses", self.volumes);
+        let mut floors = Pull::new("floors of houses", self.floors.numbers());
         let mut houses = Vec::with_capacity(self.styles.len());
         for style in self.styles {
             let count = counts.take()? as usize;
@@ -229,7 +236,7 @@ impl WireHouses {
             }
             let id = ids.take()?;
             let volumes = (0..count).map(|_| volumes.take(points, colours)).collect::<Result<_, _>>()?;
-            houses.push(HouseShell { id, style, volumes, is_monument: false });
+            houses.push(HouseShell { id, style, floor: floors.take()?, volumes, is_monument: false });
         }
         for i in self.monuments {
             let house = houses.get_mut(i as usize).ok_or(Malformed::Reason("a monument stands for a house that is not there"))?;
@@ -237,6 +244,7 @@ impl WireHouses {
         }
         ids.finish()?;
         counts.finish()?;
+        floors.finish()?;
         volumes.finish()?;
         Ok(houses)
     }

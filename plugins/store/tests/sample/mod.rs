@@ -50,7 +50,8 @@ fn walls(draw: Draw, storeys: usize, height: i32) -> Vec<Wall> {
     };
     let windows = *draw.pick("windows", &[Opening::FramedWindow, Opening::CorniceWindow, Opening::ArchedWindow]).expect("three");
     let bays = 3 + draw.below("bays", 4) as u8;
-    let door = GroundFloor { door_bay: Some(draw.below("door", bays.into()) as u8), door: Opening::Portal, shops: 0b101 };
+    let door =
+        GroundFloor { door_bay: Some(draw.below("door", bays.into()) as u8), door: Opening::Portal, shops: 0b101, blank: 0b10 };
     let party = || Wall { kind: WallKind::Party, bays: 0, storeys: stack(Opening::Blank), ground_floor: GroundFloor::default() };
     vec![
         Wall { kind: WallKind::Street, bays, storeys: stack(windows), ground_floor: door },
@@ -69,6 +70,7 @@ fn house(draw: Draw, footprint: GridPolygon) -> House {
         name: String::new(),
         number: format!("{}", draw.below("number", 900)),
         style: 0,
+        floor: 0,
         volumes: vec![Volume {
             walls: walls(draw, storeys, height),
             footprint,
@@ -93,7 +95,7 @@ fn shell_of(house: &House, origin: GridPos) -> HouseShell {
         let walls = (0..volume.walls.len() as u16).collect();
         VolumeShell { footprint: moved(&volume.footprint, origin), ..VolumeShell::of(volume, walls, true) }
     });
-    HouseShell { id: house.id, style: house.style, volumes: volumes.collect(), is_monument: false }
+    HouseShell { id: house.id, style: house.style, floor: house.floor, volumes: volumes.collect(), is_monument: false }
 }
 
 fn moved(polygon: &GridPolygon, origin: GridPos) -> GridPolygon {

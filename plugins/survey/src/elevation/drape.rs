@@ -4,11 +4,16 @@ use glam::DVec2;
 use veduta_city::{CityGraph, Finding, Id, Severity};
 
 use super::ElevationGrid;
+use super::posts::posts;
 use super::sample::Sample;
 use super::spread::spread;
 use crate::log::Log;
 
-/// Lays a city on a terrain model: every node gets its elevation `z`, in hundredths of a metre above the city's zero.
+/// Lays a city on a terrain model: [`CityGraph::terrain`] gets the ground under and around the city, and every node its
+/// elevation `z`, in hundredths of a metre above the city's zero.
+///
+/// The posts of the terrain stand as far apart as the model's cells, but at least 4 m and at most 32 m (farther in cities of
+/// more than four million posts). Where the model tells nothing they take the heights around.
 ///
 /// The zero is the lowest elevation of a node on the ground, rounded down to a whole metre above the sea; it is kept in
 /// [`CityGraph::zero_m`], so that `zero_m + z` is the elevation in the terrain model. Draping again, on the same or another
@@ -51,6 +56,14 @@ pub fn drape(graph: &mut CityGraph, terrain: &ElevationGrid) -> Vec<Finding> {
     for (node, height) in graph.nodes.iter_mut().zip(heights) {
         node.z = height.map_or(0.0, |h| libm::round((h - zero) * 100.0) / 100.0);
     }
+    graph.terrain = posts(graph, terrain, &sampler, zero).map(|(ground, lacking)| {
+        if lacking > 0 {
+            let name = terrain.name();
+            let message = format!("{lacking} posts of the ground lie where {name} tells nothing: they take the heights around");
+            log.note(Id::NONE, None, message);
+        }
+        ground
+    });
     log.finish()
 }
 

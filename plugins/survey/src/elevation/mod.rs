@@ -5,6 +5,7 @@ mod drape;
 mod geotiff;
 mod hgt;
 mod packed;
+mod posts;
 mod sample;
 mod spikes;
 mod spread;

@@ -79,6 +79,13 @@ fn a_slope_is_read_exactly_between_its_cells() {
         assert!((graph.zero_m + node.z - expected(node.pos)).abs() < 0.02, "{node:?}");
         assert!(node.z >= 0.0 && (node.z * 100.0).fract().abs() < 1e-6);
     }
+    let ground = graph.terrain.as_ref().expect("ground");
+    assert_eq!((ground.check(), ground.step_m), (Ok(()), 10.0));
+    let (low, high) = (ground.origin, DVec2::new(407.0, 217.0));
+    assert!(low.cmple(DVec2::new(100.0, 20.0) - 40.0).all(), "{low}");
+    for p in [DVec2::new(100.0, 20.0), DVec2::new(222.2, 133.3), DVec2::new(307.0, 147.0)] {
+        assert!((graph.zero_m + ground.height_m(p) - expected(p)).abs() < 0.02 && p.cmple(high).all());
+    }
     let once = graph.clone();
     drape(&mut graph, &slope);
     assert_eq!(graph, once, "draping again gives the same");
@@ -124,8 +131,10 @@ fn small_holes_are_filled_and_large_ones_told() {
     assert!((graph.zero_m + graph.nodes[0].z - 310.0).abs() < 0.3, "{:?}", graph.nodes);
     assert_eq!((findings.len(), findings[0].severity), (1, Severity::Note), "{findings:?}");
     let findings = drape(&mut graph, &with_hole(1500.0));
-    assert_eq!((findings.len(), findings[0].severity), (1, Severity::Repaired), "{findings:?}");
-    assert!(findings[0].message.contains("large hole"));
+    let told: Vec<Severity> = findings.iter().map(|f| f.severity).collect();
+    assert_eq!(told, [Severity::Note, Severity::Repaired], "{findings:?}");
+    assert!(findings[0].message.contains("posts of the ground") && findings[1].message.contains("large hole"));
+    assert!(graph.terrain.as_ref().is_some_and(|ground| ground.check().is_ok()));
     assert_eq!(graph.nodes[0].z, graph.nodes[1].z, "guessed from its neighbour");
     // At the ragged border of the data nothing is carried far out.
     let half = grid(200, 20, 10.0, |x, _| if x < 1000.0 { 250.0 } else { -9999.0 });
@@ -138,9 +147,10 @@ fn nodes_outside_are_told_once_with_the_first_place() {
     let small = grid(10, 10, 10.0, |_, _| 240.0);
     let mut graph = city(&[(50.0, 50.0), (500.0, 50.0), (900.0, 50.0)], &[(1, 2, 0), (2, 3, 0)]);
     let findings = drape(&mut graph, &small);
-    assert_eq!(findings.len(), 1);
-    assert!(findings[0].message.contains("outside of made.asc") && findings[0].message.contains("first of 2"), "{}", findings[0]);
-    assert_eq!((findings[0].id, findings[0].plan_pos), (Id(2), Some(DVec2::new(500.0, 50.0))));
+    assert_eq!(findings.len(), 2, "{findings:?}");
+    let outside = &findings[1];
+    assert!(outside.message.contains("outside of made.asc") && outside.message.contains("first of 2"), "{outside}");
+    assert_eq!((outside.id, outside.plan_pos), (Id(2), Some(DVec2::new(500.0, 50.0))));
     assert!(graph.nodes.iter().all(|n| n.z == 0.0));
     graph.anchor.lat = 40.0;
     let before = graph.clone();

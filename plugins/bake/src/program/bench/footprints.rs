@@ -64,7 +64,7 @@ impl Footprints {
                 has_roof: true,
                 walls,
             };
-            HouseShell { id: Id(i as u64), style: 0, volumes: vec![volume], is_monument: false }
+            HouseShell { id: Id(i as u64), style: 0, floor: 0, volumes: vec![volume], is_monument: false }
         };
         CellShell { houses: self.few.iter().enumerate().map(house).collect(), ..CellShell::default() }
     }

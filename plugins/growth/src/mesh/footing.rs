@@ -1,0 +1,43 @@
+use veduta_city::{CellShell, HouseShell, Tile, VolumeShell, metres};
+
+use super::data::{MeshData, Paint};
+use super::drape::Drape;
+use super::outline::{centre_of, engine, wall_edge};
+
+/// Footings reach so far below the ground, metres.
+const BELOW_M: f64 = 0.3;
+/// How dark the stone is against the wall.
+const SHADE: f64 = 0.72;
+/// A volume whose foot is higher above the house's floor than this does not stand on the ground; metres.
+const STANDING_M: f64 = 0.5;
+
+/// Whether a volume stands on the ground.
+pub(super) fn stands(house: &HouseShell, volume: &VolumeShell) -> bool {
+    metres(volume.bottom) - metres(house.floor) <= STANDING_M
+}
+
+/// The stone under the walls of houses on slopes whose foot is above the ground: from there down into it. Part of [`ground`](super::ground).
+#[must_use]
+pub fn footings(shell: &CellShell) -> MeshData {
+    let (mut mesh, drape) = (MeshData::default(), Drape::of(shell));
+    if drape.is_level() {
+        return mesh;
+    }
+    for house in &shell.houses {
+        for volume in house.volumes.iter().filter(|volume| stands(house, volume)) {
+            let top = metres(volume.bottom);
+            for &wall in &volume.walls {
+                let Some(edge) = wall_edge(&volume.footprint, wall.into()) else { continue };
+                let paint = Paint::new(centre_of(edge.at(0.5)), volume.colour.scaled(SHADE), Tile::Stone);
+                for pair in drape.way(edge.a, edge.b).windows(2) {
+                    let low = [drape.y(pair[0]) - BELOW_M, drape.y(pair[1]) - BELOW_M].map(|y| y.min(top));
+                    if low[0] < top || low[1] < top {
+                        let [a, b] = [pair[0], pair[1]];
+                        mesh.polygon(&[engine(a, low[0]), engine(b, low[1]), engine(b, top), engine(a, top)], paint);
+                    }
+                }
+            }
+        }
+    }
+    mesh
+}

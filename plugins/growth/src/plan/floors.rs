@@ -1,0 +1,38 @@
+//! How high the ground floors of houses lie.
+
+use glam::DVec2;
+use rayon::prelude::*;
+use veduta_city::{GridPos, PlanTerrain};
+
+use super::facing::{Edge, Facing};
+use super::houses::Draft;
+use super::walls::DOORSTEP;
+
+/// Streets may rise so far above a ground floor along the house's front, metres: below its windows.
+const DEEPEST_M: f64 = 0.7;
+
+/// The floor of every house, grid steps above the city's zero: the ground before the middle of its longest front to a street, or
+/// higher where the street would otherwise rise to the windows.
+pub(super) fn floors(drafts: &[Draft], facing: &Facing, terrain: &PlanTerrain) -> Vec<i32> {
+    if terrain.is_level() {
+        return vec![0; drafts.len()];
+    }
+    let floor = |(draft, edges): (&Draft, &Vec<Vec<Edge>>)| {
+        let on_ground = draft.bodies.iter().zip(edges).filter(|(body, _)| GridPos::steps(body.bottom_m) <= DOORSTEP);
+        let all: Vec<&Edge> = on_ground.flat_map(|(_, edges)| edges).collect();
+        let fronts: Vec<&Edge> = all.iter().copied().filter(|edge| edge.is_public).collect();
+        let fronts = if fronts.is_empty() { all } else { fronts };
+        let longest = fronts.iter().max_by(|e, f| e.length_m().total_cmp(&f.length_m()));
+        let Some(door) = longest.map(|edge| terrain.height_m((edge.a + edge.b) / 2.0)) else { return 0 };
+        let highest = fronts.iter().map(|edge| terrain.range_along(edge.a, edge.b).1).fold(door, f64::max);
+        GridPos::steps(door.max(highest - DEEPEST_M))
+    };
+    drafts.par_iter().zip(&facing.edges).map(floor).collect()
+}
+
+/// Lowest and highest ground before a bay of a wall, above a floor; metres.
+pub(super) fn before_bay(terrain: &PlanTerrain, floor_m: f64, (a, b): (DVec2, DVec2), bay: u8, bays: u8) -> (f64, f64) {
+    let at = |i: f64| a.lerp(b, i / f64::from(bays.max(1)));
+    let (low, high) = terrain.range_along(at(f64::from(bay) + 0.2), at(f64::from(bay) + 0.8));
+    (low - floor_m, high - floor_m)
+}

@@ -1,0 +1,228 @@
+//! The ground of a plan: that of the graph, with the streets cut into it.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+use rayon::prelude::*;
+use veduta_city::{CityGraph, GRID_PER_METRE, GridPos, Link, LinkKind, PlanTerrain, Terrain};
+
+use super::extent::Extent;
+use super::streets::{length_m, width_at_m};
+
+/// Distance of posts, and of those of cities with more than so many; metres.
+const STEP_M: i32 = 4;
+const MOST_POSTS: i64 = 4_000_000;
+/// Streets are level across, so far beyond their sides: wider than a square between posts.
+const LEVEL_M: f64 = 4.5;
+/// So far beyond that the ground goes over into what it was; metres.
+const BLEND_M: f64 = 14.0;
+/// Street profiles are told so closely, and smoothed over so many metres each way.
+const STATION_M: f64 = 4.0;
+const SMOOTHED_M: f64 = 12.0;
+
+/// The ground of a city: level across its streets, whose middle lines follow the graph's terrain, smoothed; at crossroads between
+/// those that meet; and as it was 20 m away from them.
+pub(super) fn terrain(graph: &CityGraph, extent: &Extent) -> PlanTerrain {
+    let Some(raw) = &graph.terrain else { return PlanTerrain::default() };
+    let posts = Posts::over(extent);
+    let at = graph.node_positions();
+    let cut = |link: &Link| {
+        let is_cut = link.layer == 0 && !matches!(link.kind, LinkKind::Watercourse);
+        let line = graph.polyline(link, &at).filter(|_| is_cut)?;
+        Some(posts.claims(&pieces(&line, link, raw)))
+    };
+    let claims: Vec<(usize, Claim)> = graph.links.par_iter().filter_map(cut).flatten_iter().collect();
+    let mut heights: Vec<i32> =
+        (0..posts.count()).into_par_iter().map(|i| GridPos::steps(raw.height_m(posts.pos(i).to_metres()))).collect();
+    // In the order of links: sums are the same for any number of threads.
+    let mut by_post: BTreeMap<usize, Vec<Claim>> = BTreeMap::new();
+    claims.into_iter().for_each(|(post, claim)| by_post.entry(post).or_default().push(claim));
+    for (post, claims) in by_post {
+        heights[post] = GridPos::steps(settled(raw.height_m(posts.pos(post).to_metres()), &claims));
+    }
+    PlanTerrain { origin: posts.origin, step: posts.step, columns: posts.columns as u32, heights }
+}
+
+/// Where the posts are.
+struct Posts {
+    origin: GridPos,
+    step: i32,
+    columns: usize,
+    rows: usize,
+}
+
+impl Posts {
+    fn over(extent: &Extent) -> Self {
+        let span = |lo: i32, hi: i32| i64::from(hi) - i64::from(lo);
+        let (width, height) = (span(extent.lo.0, extent.hi.0), span(extent.lo.1, extent.hi.1));
+        let mut step = STEP_M * GRID_PER_METRE;
+        while (width / i64::from(step) + 2) * (height / i64::from(step) + 2) > MOST_POSTS {
+            step += GRID_PER_METRE;
+        }
+        let first = |lo: i32| lo.div_euclid(step).saturating_mul(step);
+        let origin = GridPos(first(extent.lo.0), first(extent.lo.1));
+        let count = |from: i32, hi: i32| (span(from, hi) / i64::from(step)) as usize + 2;
+        Self { origin, step, columns: count(origin.0, extent.hi.0), rows: count(origin.1, extent.hi.1) }
+    }
+
+    const fn count(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    fn pos(&self, i: usize) -> GridPos {
+        let place = |from: i32, n: usize| from.saturating_add(self.step.saturating_mul(n as i32));
+        GridPos(place(self.origin.0, i % self.columns), place(self.origin.1, i / self.columns))
+    }
+
+    /// What a street says of each post near it: by the nearest place on its middle line.
+    fn claims(&self, pieces: &[Piece]) -> Vec<(usize, Claim)> {
+        let mut nearest: BTreeMap<usize, Claim> = BTreeMap::new();
+        for piece in pieces {
+            let reach = piece.half_m.0.max(piece.half_m.1) + LEVEL_M + BLEND_M;
+            let (lo, hi) = (piece.ends.0.min(piece.ends.1) - reach, piece.ends.0.max(piece.ends.1) + reach);
+            let step = f64::from(self.step);
+            let first =
+                |metres: f64, from: i32| ((f64::from(GridPos::steps(metres)) - f64::from(from)) / step).ceil().max(0.0) as usize;
+            let (x0, y0) = (first(lo.x, self.origin.0), first(lo.y, self.origin.1));
+            let (x1, y1) = (first(hi.x, self.origin.0).min(self.columns), first(hi.y, self.origin.1).min(self.rows));
+            for i in (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * self.columns + x)) {
+                let claim = piece.claim(self.pos(i).to_metres());
+                if claim.beyond_m < BLEND_M && nearest.get(&i).is_none_or(|known| claim.far_m < known.far_m) {
+                    nearest.insert(i, claim);
+                }
+            }
+        }
+        nearest.into_iter().collect()
+    }
+}
+
+/// What a street says of the height of a post.
+#[derive(Debug, Clone, Copy)]
+struct Claim {
+    height_m: f64,
+    /// How far the post is from the middle line.
+    far_m: f64,
+    /// How far it is from where the street is level across; 0 within.
+    beyond_m: f64,
+}
+
+/// The height of a post on ground of a height that streets claim.
+fn settled(ground_m: f64, claims: &[Claim]) -> f64 {
+    let (mut sum, mut weights, mut nearest) = (0.0, 0.0, BLEND_M);
+    for claim in claims {
+        let fade = 1.0 - claim.beyond_m / BLEND_M;
+        let weight = fade * fade / ((claim.far_m + 0.5) * (claim.far_m + 0.5));
+        (sum, weights) = (sum + weight * claim.height_m, weights + weight);
+        nearest = nearest.min(claim.beyond_m);
+    }
+    if weights <= 0.0 {
+        return ground_m;
+    }
+    let t = nearest / BLEND_M;
+    let share = t * t * (3.0 - 2.0 * t);
+    sum / weights * (1.0 - share) + ground_m * share
+}
+
+/// A short straight piece of a street: its ends, the heights there, and half its width.
+struct Piece {
+    ends: (DVec2, DVec2),
+    height_m: (f64, f64),
+    half_m: (f64, f64),
+}
+
+impl Piece {
+    fn claim(&self, p: DVec2) -> Claim {
+        let way = self.ends.1 - self.ends.0;
+        let share = ((p - self.ends.0).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+        let far_m = p.distance(self.ends.0 + way * share);
+        let between = |(a, b): (f64, f64)| a + (b - a) * share;
+        Claim { height_m: between(self.height_m), far_m, beyond_m: (far_m - between(self.half_m) - LEVEL_M).max(0.0) }
+    }
+}
+
+/// A street in short pieces, its heights smoothed along it. At its ends they are those of the ground, so that streets which meet agree.
+fn pieces(line: &[DVec2], link: &Link, raw: &Terrain) -> Vec<Piece> {
+    let whole = length_m(line);
+    let mut stations: Vec<(f64, DVec2)> = Vec::new();
+    let mut gone = 0.0;
+    for pair in line.windows(2) {
+        let length = pair[0].distance(pair[1]);
+        let count = (length / STATION_M).ceil().max(1.0) as u32;
+        let place = |i: u32| f64::from(i) / f64::from(count);
+        stations.extend((0..count).map(|i| (gone + length * place(i), pair[0].lerp(pair[1], place(i)))));
+        gone += length;
+    }
+    stations.extend(line.last().map(|&p| (whole, p)));
+    let ground: Vec<f64> = stations.iter().map(|&(_, p)| raw.height_m(p)).collect();
+    let smooth = |i: usize| {
+        let s = stations[i].0;
+        let reach = SMOOTHED_M.min(s).min(whole - s) + 1e-9;
+        let first = stations.partition_point(|other| other.0 < s - reach);
+        let end = stations.partition_point(|other| other.0 <= s + reach);
+        ground[first..end].iter().sum::<f64>() / (end - first).max(1) as f64
+    };
+    let heights: Vec<f64> = (0..stations.len()).map(smooth).collect();
+    let half = |s: f64| width_at_m(link, if whole > 0.0 { s / whole } else { 0.0 }) / 2.0;
+    let piece = |i: usize| {
+        let ((s, a), (t, b)) = (stations[i], stations[i + 1]);
+        Piece { ends: (a, b), height_m: (heights[i], heights[i + 1]), half_m: (half(s), half(t)) }
+    };
+    (0..stations.len().saturating_sub(1)).map(piece).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hillside that rises northwards by a fifth, with a street along it and one up it.
+    fn hillside() -> CityGraph {
+        let text = "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 1, pos: (-80, 0)), (id: 2, pos: (0, 0)), (id: 3, pos: (80, 0)),
+             (id: 4, pos: (0, 80))], links: [(from: 1, to: 2, kind: Street(Street), width_m: 10), (from: 2, to: 3, kind: Street(Street), width_m: 10),
+             (from: 2, to: 4, kind: Street(Street), width_m: 10)])";
+        let mut graph: CityGraph = veduta_city::file::parse(text, "t").unwrap_or_else(|e| panic!("{e}"));
+        let heights_m = (0..41).flat_map(|row| [f64::from(row); 41]).collect();
+        graph.terrain = Some(Terrain { origin: DVec2::splat(-100.0), step_m: 5.0, columns: 41, heights_m });
+        graph.fill_ids();
+        graph
+    }
+
+    fn grown(graph: &CityGraph) -> PlanTerrain {
+        terrain(graph, &super::super::extent::extent(graph, &mut Vec::new()))
+    }
+
+    #[test]
+    fn streets_are_level_across_and_the_hill_stays_beyond() {
+        let ground = grown(&hillside());
+        assert_eq!(ground.check(), Ok(()));
+        let height = |x: f64, y: f64| ground.height_m(DVec2::new(x, y));
+        for x in [-60.0, -33.3, 40.0, 61.7] {
+            let across: Vec<f64> = [-5.0, -2.2, 0.0, 3.1, 5.0].map(|y| height(x, y)).to_vec();
+            assert!(across.iter().all(|h| (h - 20.0).abs() < 0.02), "at {x}: {across:?}");
+            assert!((height(x, 27.0) - 25.4).abs() < 0.01 && (height(x, -27.0) - 14.6).abs() < 0.01);
+        }
+        for y in [30.0, 50.0, 70.0] {
+            assert!((height(-5.0, y) - (20.0 + y / 5.0)).abs() < 0.05 && (height(5.0, y) - height(-5.0, y)).abs() < 0.05);
+        }
+        // No step on the way up, also where the streets meet: nowhere much steeper than the hill.
+        for i in 0..160 {
+            let (y, x) = (f64::from(i) * 0.5, 0.7);
+            assert!((height(x, y + 0.5) - height(x, y)).abs() < 0.5 * 0.45, "at {y}");
+        }
+        let mut level = hillside();
+        level.terrain = None;
+        assert!(grown(&level).is_level());
+    }
+
+    #[test]
+    fn a_bump_in_the_street_is_smoothed_and_bridges_cut_nothing() {
+        let mut graph = hillside();
+        let terrain = graph.terrain.as_mut().expect("a hill");
+        terrain.heights_m[20 * 41 + 12] += 3.0;
+        let raw = terrain.clone();
+        let bump = DVec2::new(-40.0, 0.0);
+        let ground = grown(&graph);
+        assert!(raw.height_m(bump) == 23.0 && (20.1..21.2).contains(&ground.height_m(bump)), "{}", ground.height_m(bump));
+        graph.links.iter_mut().for_each(|link| link.layer = 1);
+        assert!((grown(&graph).height_m(bump) - 23.0).abs() < 0.01, "under a bridge the ground is as it was");
+    }
+}
