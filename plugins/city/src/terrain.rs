@@ -10,9 +10,11 @@ const STEPS_M: core::ops::RangeInclusive<f64> = 0.5..=1_000.0;
 /// No ground is higher above a city's zero, or lower beneath it; metres.
 const HIGHEST_GROUND_M: f64 = 10_000.0;
 
-/// Elevations of the bare ground under a city graph: posts on a regular grid, level lines between them straight.
+/// Elevations of the bare ground under a city graph: posts on a regular grid.
+///
+/// In a file it is `(origin: (x, y), step_m: …, rows_m: [[…], …])`, the southernmost row first.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "Rows", into = "Rows")]
 pub struct Terrain {
     /// Plan position of the south-western post, metres.
     pub origin: DVec2,
@@ -65,6 +67,67 @@ impl Terrain {
     }
 }
 
+/// A [`Terrain`] as files tell it.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Rows {
+    origin: DVec2,
+    step_m: f64,
+    rows_m: Vec<Vec<f64>>,
+}
+
+/// A [`PlanTerrain`] as files tell it.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlanRows {
+    origin: GridPos,
+    step: i32,
+    rows: Vec<Vec<i32>>,
+}
+
+/// Rows end to end, and how long each is.
+fn flat<H: Copy>(rows: &[Vec<H>]) -> Result<(u32, Vec<H>), String> {
+    let columns = rows.first().map_or(0, Vec::len);
+    match rows.iter().position(|row| row.len() != columns) {
+        Some(i) => Err(format!("row {} of the terrain has {} posts, the first {columns}", i + 1, rows[i].len())),
+        None => Ok((u32::try_from(columns).map_err(|_| "a row of the terrain is too long")?, rows.concat())),
+    }
+}
+
+fn rows<H: Copy>(columns: u32, heights: &[H]) -> Vec<Vec<H>> {
+    heights.chunks(columns.max(1) as usize).map(<[H]>::to_vec).collect()
+}
+
+impl From<Terrain> for Rows {
+    fn from(terrain: Terrain) -> Self {
+        Self { origin: terrain.origin, step_m: terrain.step_m, rows_m: rows(terrain.columns, &terrain.heights_m) }
+    }
+}
+
+impl TryFrom<Rows> for Terrain {
+    type Error = String;
+
+    fn try_from(told: Rows) -> Result<Self, String> {
+        let (columns, heights_m) = flat(&told.rows_m)?;
+        Ok(Self { origin: told.origin, step_m: told.step_m, columns, heights_m })
+    }
+}
+
+impl From<PlanTerrain> for PlanRows {
+    fn from(terrain: PlanTerrain) -> Self {
+        Self { origin: terrain.origin, step: terrain.step, rows: rows(terrain.columns, &terrain.heights) }
+    }
+}
+
+impl TryFrom<PlanRows> for PlanTerrain {
+    type Error = String;
+
+    fn try_from(told: PlanRows) -> Result<Self, String> {
+        let (columns, heights) = flat(&told.rows)?;
+        Ok(Self { origin: told.origin, step: told.step, columns, heights })
+    }
+}
+
 /// Four posts about a place, and where it lies between them.
 struct Square {
     /// South-west, south-east, north-west, north-east.
@@ -91,8 +154,10 @@ impl Square {
 
 /// The ground of a plan: posts on a regular grid, and triangles between them, the squares cut from south-west to north-east. What
 /// lies on it tells its height above it; without posts it is level, at the city's zero.
+///
+/// In a file it is `(origin: (x, y), step: …, rows: [[…], …])`, the southernmost row first.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "PlanRows", into = "PlanRows")]
 pub struct PlanTerrain {
     /// The south-western post.
     pub origin: GridPos,
@@ -272,6 +337,16 @@ mod tests {
         assert_eq!(PlanTerrain::default().height_m(DVec2::ONE), 0.0);
         let metres = Terrain { origin: DVec2::splat(-4.0), step_m: 4.0, columns: 4, heights_m: (0..12).map(f64::from).collect() };
         assert_eq!((metres.check(), metres.height_m(DVec2::new(2.0, 1.0))), (Ok(()), 1.5 + 4.0 * 1.25));
+    }
+
+    #[test]
+    fn files_tell_a_row_a_line() {
+        let plan = crate::CityPlan { terrain: slanted(), ..crate::CityPlan::default() };
+        let text = crate::file::to_text(&plan).expect("plain values");
+        assert!(text.contains("\n   [0, 1024, 2048, 3072],\n"), "{text}");
+        assert_eq!(crate::file::parse::<crate::CityPlan>(&text, "t").unwrap_or_else(|e| panic!("{e}")), plan);
+        let ragged = crate::file::parse::<Terrain>("(origin: (0, 0), step_m: 5, rows_m: [[1, 2], [3]])", "t");
+        assert!(ragged.is_err_and(|e| e.to_string().contains("row 2 of the terrain has 1 posts, the first 2")));
     }
 
     #[test]

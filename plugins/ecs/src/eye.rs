@@ -3,12 +3,12 @@ use bevy::prelude::*;
 use bevy::render::view::ColorGrading;
 use veduta_city::Viewpoint;
 
-use crate::WorldOrigin;
+use crate::{Footing, WorldOrigin};
 
 /// A camera that sees the city: streaming loads what it needs, its [`Eye`] says where it is.
 #[derive(Component, Reflect, Debug, Default, Clone, Copy)]
 #[reflect(Component)]
-#[require(Eye)]
+#[require(Eye, Footing)]
 pub struct Viewer;
 
 /// Where a viewer stands and looks, in plan space. The one interface through which cameras are moved: the walker, tours,
@@ -18,7 +18,7 @@ pub struct Viewer;
 pub struct Eye {
     /// Plan metres.
     pub plan_pos: DVec2,
-    /// Elevation of the ground under the eye, metres.
+    /// Elevation of the ground under the eye, metres: set by `EcsPlugin`, but for a viewer with [`Footing::Own`].
     pub ground_m: f64,
     /// Metres above the ground.
     pub eye_m: f64,
@@ -47,7 +47,7 @@ impl Default for Eye {
 }
 
 impl Eye {
-    /// An eye at a viewpoint, on ground of elevation 0, with the default field of view.
+    /// An eye at a viewpoint, with the default field of view.
     #[must_use]
     pub fn at(view: Viewpoint) -> Self {
         Self {
@@ -112,7 +112,7 @@ mod tests {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, EcsPlugin));
         let eye = Eye { plan_pos: DVec2::new(3.0, 4.0), ground_m: 1.0, fov_deg: 40.0, ..Eye::default() };
-        let viewer = app.world_mut().spawn((Viewer, eye, Transform::default(), Projection::default())).id();
+        let viewer = app.world_mut().spawn((Viewer, Footing::Own, eye, Transform::default(), Projection::default())).id();
         app.update();
         let entity = app.world().entity(viewer);
         let at = entity.get::<Transform>().expect("spawned above").translation;

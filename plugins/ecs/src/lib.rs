@@ -1,5 +1,5 @@
 //! What the plugins of Veduta share: components, messages, resources, system sets and the one module that converts between
-//! plan and engine coordinates. Almost no systems: only the one that puts an [`Eye`] on screen.
+//! plan and engine coordinates. Almost no systems: only those that put the ground under an [`Eye`], and the eye on screen.
 //!
 //! ```text
 //!  tour ─┐                        ┌─► streaming ──CellReady──► buildings ──CellMesh──► facade
@@ -17,6 +17,7 @@
 mod cell;
 mod clock;
 mod eye;
+mod ground;
 mod place;
 mod sets;
 mod space;
@@ -29,6 +30,7 @@ pub use cell::{
 };
 pub use clock::CityClock;
 pub use eye::{Eye, Steering, Viewer};
+pub use ground::{Footing, Ground};
 pub use place::{City, CityFailed, CityOpened, JumpTo, OpenCity};
 pub use sets::VedutaSystems;
 pub use space::WorldOrigin;
@@ -46,6 +48,7 @@ impl Plugin for EcsPlugin {
             .init_resource::<CityClock>()
             .register_type::<Eye>()
             .register_type::<Viewer>()
+            .register_type::<Footing>()
             .register_type::<LevelFade>()
             .register_type::<CityClock>()
             .add_message::<CellEntered>()
@@ -59,7 +62,7 @@ impl Plugin for EcsPlugin {
                 Update,
                 (VedutaSystems::Steer, VedutaSystems::Stream, VedutaSystems::Build, VedutaSystems::Show).chain(),
             )
-            .add_systems(Update, eye::apply_eyes.in_set(VedutaSystems::Show));
+            .add_systems(Update, (ground::follow_ground, eye::apply_eyes).chain().in_set(VedutaSystems::Show));
     }
 
     fn is_unique(&self) -> bool {

@@ -1,7 +1,7 @@
 //! The second half of compiling: acts are set in time.
 
 use glam::{DVec2, swizzles::Vec3Swizzles};
-use veduta_city::{Ease, Step, Tour};
+use veduta_city::{Ease, PlanTerrain, Step, Tour};
 
 use crate::{
     FreeLine, Gazetteer, Pose, StepKind, StepProblem, StreetNet, TourError,
@@ -104,7 +104,7 @@ pub fn compile_with(tour: &Tour, net: &StreetNet, places: &Gazetteer, free: Free
 }
 
 fn compile_plotter(plotter: &Plotter<'_>) -> Result<CompiledTour, TourError> {
-    let tour = plotter.tour;
+    let (tour, terrain) = (plotter.tour, &plotter.net.terrain);
     if tour.steps.len() > MOST_STEPS {
         return Err(TourError::TooManySteps(tour.steps.len()));
     }
@@ -114,12 +114,12 @@ fn compile_plotter(plotter: &Plotter<'_>) -> Result<CompiledTour, TourError> {
     setting("field of view in degrees", tour.fov_deg, FOV.0, FOV.1)?;
     setting("hour", tour.hour, 0.0, 24.0)?;
     let acts = plotter.plot()?;
-    let Some((at, facing)) = acts.iter().enumerate().find_map(|(i, act)| opening(act, &acts[i + 1..])) else {
+    let Some((at, facing)) = acts.iter().enumerate().find_map(|(i, act)| opening(act, &acts[i + 1..], terrain)) else {
         return Err(TourError::Empty);
     };
     let mut score = Score {
         tour,
-        draft: Draft::new(at, facing),
+        draft: Draft::new(at, facing, terrain),
         fov: Dial { first: tour.fov_deg, turns: Vec::new() },
         hour: Dial { first: tour.hour, turns: Vec::new() },
         fades: Vec::new(),
@@ -138,11 +138,11 @@ fn compile_plotter(plotter: &Plotter<'_>) -> Result<CompiledTour, TourError> {
 const FOV: (f64, f64) = (5.0, 140.0);
 
 /// Position and direction where a place is taken, if the act is one; the view ahead needs what follows.
-fn opening(act: &Act, following: &[Act]) -> Option<(glam::DVec3, Facing)> {
+fn opening(act: &Act, following: &[Act], terrain: &PlanTerrain) -> Option<(glam::DVec3, Facing)> {
     let Act::Place { at, gaze, otherwise, .. } = act else { return None };
     let facing = match gaze {
         Gaze::Ahead => direction_ahead(following).or(*otherwise).unwrap_or_default(),
-        gaze => gaze.from(*at, Facing::default()),
+        gaze => gaze.from(*at, Facing::default(), terrain),
     };
     Some((*at, facing))
 }
@@ -176,7 +176,7 @@ fn reach_m(kind: StepKind, speed: f64) -> f64 {
 /// A tour being set in time.
 struct Score<'a> {
     tour: &'a Tour,
-    draft: Draft,
+    draft: Draft<'a>,
     fov: Dial,
     hour: Dial,
     fades: Vec<Fade>,
@@ -200,7 +200,7 @@ impl Score<'_> {
         let start_s = self.draft.now_s;
         let step = match act {
             Act::Place { step, gaze, fade_s, .. } => {
-                if let Some((at, facing)) = opening(act, following) {
+                if let Some((at, facing)) = opening(act, following, self.draft.terrain) {
                     self.place(at, facing, *gaze, *fade_s);
                 }
                 *step
@@ -286,7 +286,7 @@ impl Score<'_> {
             }
             self.draft.facing = match gaze_of(last) {
                 Gaze::Ahead => run.facing(path.length(), self.draft.facing),
-                gaze => gaze.from(path.at(path.length()), self.draft.facing),
+                gaze => gaze.from(path.at(path.length()), self.draft.facing, self.draft.terrain),
             };
             self.draft.run(run);
         }

@@ -7,7 +7,7 @@ use rstar::{
     RTree,
     primitives::{GeomWithData, Line},
 };
-use veduta_city::{GridPos, Id, PlanStreet, metres};
+use veduta_city::{GridPos, Id, PlanStreet, PlanTerrain, metres};
 
 /// Ends of lines that lie this near to another line are joined to it, in metres.
 pub const JOIN_M: f64 = 0.5;
@@ -55,6 +55,8 @@ pub(crate) type Entry = GeomWithData<Line<[f64; 2]>, u32>;
 /// is a bridge.
 #[derive(Debug, Clone)]
 pub struct StreetNet {
+    /// What its streets lie on.
+    pub(crate) terrain: PlanTerrain,
     pub(crate) nodes: Vec<DVec2>,
     pub(crate) segments: Vec<Segment>,
     streets: Vec<Street>,
@@ -80,6 +82,12 @@ impl StreetNet {
         }
         draft.join_ends();
         draft.finish()
+    }
+
+    /// The same on the ground of a city, so that who walks there looks up and down at what stands higher and lower.
+    #[must_use]
+    pub fn on(self, terrain: &PlanTerrain) -> Self {
+        Self { terrain: terrain.clone(), ..self }
     }
 
     /// The nearest point on any street; `None` if there is no street or the position is not finite.
@@ -279,7 +287,8 @@ impl Draft {
         let piece = vec![u32::MAX; self.nodes.len()];
         let Self { nodes, segments, streets, .. } = self;
         let dead_ends = RTree::bulk_load(dead_ends);
-        let mut net = StreetNet { nodes, segments, streets, first, neighbours, piece, tree, dead_ends };
+        let mut net =
+            StreetNet { terrain: PlanTerrain::default(), nodes, segments, streets, first, neighbours, piece, tree, dead_ends };
         net.find_pieces();
         net
     }

@@ -71,7 +71,7 @@ fn tail_time(t: f64) -> f64 {
 
 fn walk_back(net: &StreetNet, from: &Pose, to: &Pose, free: Option<FreeLine<'_>>) -> Option<Timeline> {
     const HERE_M: f64 = 0.3;
-    let mut draft = Draft::new(from.at(), from.facing());
+    let mut draft = Draft::new(from.at(), from.facing(), &net.terrain);
     draft.stand(SETTLE_S);
     if from.at().distance(to.at()) > HERE_M {
         if from.eye_m.max(to.eye_m) > WALK_EYE_M || from.plan_pos.distance(to.plan_pos) > WALK_BACK_M {

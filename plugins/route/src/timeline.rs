@@ -6,6 +6,7 @@
 //! two bound the angular acceleration and make it continuous. Nothing is averaged across a cut.
 
 use glam::{DVec2, DVec3, swizzles::Vec3Swizzles};
+use veduta_city::PlanTerrain;
 
 use crate::{
     pace::Pace,
@@ -36,12 +37,15 @@ pub(crate) enum Gaze {
 }
 
 impl Gaze {
-    /// The direction from a standing eye.
-    pub fn from(self, at: DVec3, now: Facing) -> Facing {
+    /// The direction from a standing eye, on the ground of a city.
+    pub fn from(self, at: DVec3, now: Facing, terrain: &PlanTerrain) -> Facing {
         match self {
             Self::Hold | Self::Ahead => now,
             Self::Direction(facing) => facing,
-            Self::Spot(spot) => Facing::along(spot - at, now),
+            Self::Spot(spot) => {
+                let rise = terrain.height_m(spot.xy()) - terrain.height_m(at.xy());
+                Facing::along((spot - at) + DVec3::Z * rise, now)
+            }
         }
     }
 }
@@ -106,7 +110,8 @@ struct Shot {
 
 /// A timeline in the making.
 #[derive(Debug)]
-pub(crate) struct Draft {
+pub(crate) struct Draft<'a> {
+    pub terrain: &'a PlanTerrain,
     pub now_s: f64,
     pub here: DVec3,
     /// The direction wanted now.
@@ -116,9 +121,9 @@ pub(crate) struct Draft {
     shots: Vec<Shot>,
 }
 
-impl Draft {
-    pub fn new(here: DVec3, facing: Facing) -> Self {
-        let mut draft = Self { now_s: 0.0, here, facing, clips: Vec::new(), cues: Vec::new(), shots: Vec::new() };
+impl<'a> Draft<'a> {
+    pub fn new(here: DVec3, facing: Facing, terrain: &'a PlanTerrain) -> Self {
+        let mut draft = Self { terrain, now_s: 0.0, here, facing, clips: Vec::new(), cues: Vec::new(), shots: Vec::new() };
         draft.place(here, facing);
         draft
     }
@@ -146,7 +151,7 @@ impl Draft {
 
     /// Turns on the spot in so many seconds, or as many as the bound on angular speed asks for.
     pub fn turn(&mut self, gaze: Gaze, seconds: f64) {
-        let to = gaze.from(self.here, self.facing);
+        let to = gaze.from(self.here, self.facing, self.terrain);
         let angle = turn_deg(self.facing.heading, to.heading).abs().max((to.pitch - self.facing.pitch).abs());
         let seconds = seconds.max(1.5 * angle / TURN_DEG_S);
         self.cue(self.now_s, gaze, seconds);
@@ -182,7 +187,7 @@ impl Draft {
         let mut end = end_s;
         for (shot, cut_s) in self.shots.iter_mut().zip(ends) {
             let least = libm::ceil((end_s.min(cut_s) - shot.start_s).max(0.0) * RATE_HZ) as usize + 1;
-            shot.table = look_along(&self.clips, &self.cues, shot, cut_s, least);
+            shot.table = look_along(self.terrain, &self.clips, &self.cues, shot, cut_s, least);
             if shot.table.len() > least {
                 end = end.max(shot.start_s + (shot.table.len() - 1) as f64 / RATE_HZ);
             }
@@ -192,7 +197,7 @@ impl Draft {
 }
 
 /// Follows the cues through a shot for at least so many entries; through the last one until the view is still.
-fn look_along(clips: &[Clip], cues: &[Cue], shot: &Shot, cut_s: f64, least: usize) -> Vec<Facing> {
+fn look_along(terrain: &PlanTerrain, clips: &[Clip], cues: &[Cue], shot: &Shot, cut_s: f64, least: usize) -> Vec<Facing> {
     /// Half a turn, and time to spare.
     const LONGEST: usize = 5 * RATE_HZ as usize;
     let before = |start_s: f64| start_s < shot.start_s;
@@ -213,7 +218,7 @@ fn look_along(clips: &[Clip], cues: &[Cue], shot: &Shot, cut_s: f64, least: usiz
         }
         let last = state;
         if let (Some(clip), Some(cue)) = (clips.get(clip), cues.get(cue)) {
-            state = follow(state, wanted(clip, cue, t, from, state));
+            state = follow(state, wanted(terrain, clip, cue, t, from, state));
         }
         let is_still = (state.heading - last.heading).abs().max((state.pitch - last.pitch).abs()) < 1e-9;
         still = if is_still { still + 1 } else { 0 };
@@ -222,10 +227,10 @@ fn look_along(clips: &[Clip], cues: &[Cue], shot: &Shot, cut_s: f64, least: usiz
     averaged(&averaged(&followed))
 }
 
-fn wanted(clip: &Clip, cue: &Cue, t: f64, from: Facing, state: Facing) -> Facing {
+fn wanted(terrain: &PlanTerrain, clip: &Clip, cue: &Cue, t: f64, from: Facing, state: Facing) -> Facing {
     let to = match (cue.gaze, &clip.motion) {
         (Gaze::Ahead, Motion::Run(run)) => run.facing(run.pace.travelled(t - clip.start_s), state),
-        (gaze, _) => gaze.from(clip.at(t), state),
+        (gaze, _) => gaze.from(clip.at(t), state, terrain),
     };
     if cue.turn_s <= 0.0 {
         return to;

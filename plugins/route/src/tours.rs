@@ -2,7 +2,7 @@
 
 use glam::{DVec2, swizzles::Vec3Swizzles};
 use proptest::prelude::*;
-use veduta_city::{Ease, LookAt, Place, Step, Tour, Viewpoint, Where, file};
+use veduta_city::{Ease, GridPos, LookAt, Place, PlanTerrain, Step, Tour, Viewpoint, Where, file};
 
 use crate::{
     CompiledTour, Gazetteer, Pose, StepKind, StepProblem, StreetNet, TURN_DEG_S, TourError, compile, compile_with, pose::turn_deg,
@@ -170,6 +170,21 @@ fn the_eye_looks_where_the_step_says() {
     let end = tour.pose(tour.duration_s());
     assert!((end.heading_deg - 90.0).abs() < 1e-6 && (end.pitch_deg + 5.0).abs() < 1e-6, "{end:?}");
     assert_eq!(tour.pose(0.0).eye_m, 1.65);
+}
+
+#[test]
+fn on_a_slope_the_eye_looks_up_and_down_at_what_stands_higher_and_lower() {
+    // The ground falls northwards by a quarter.
+    let heights = (0..4).flat_map(|row| [-row * 25 * 1024; 2]).collect();
+    let terrain = PlanTerrain { origin: GridPos(0, 0), step: 100 * 1024, columns: 2, heights };
+    let steps = vec![
+        start(20.0, 30.0),
+        Step::Look { at: LookAt::Spot { at: Where::At(20.0, 70.0), height_m: 1.65 }, seconds: 4.0 },
+        Step::Wait { seconds: 2.0 },
+    ];
+    let tour = compile(&with_steps(steps), &town().on(&terrain), &places()).unwrap_or_else(|e| panic!("{e}"));
+    let end = tour.pose(tour.duration_s());
+    assert!((end.pitch_deg + libm::atan(0.25).to_degrees()).abs() < 1e-6, "{end:?}");
 }
 
 #[test]

@@ -281,7 +281,7 @@ pub(crate) fn compile_tour(
     let Some(city) = city else { return };
     let Some(overview) = &city.overview else { return };
     let Some(source) = player.source.take() else { return };
-    let net = StreetNet::new(&overview.streets);
+    let net = StreetNet::new(&overview.streets).on(&overview.terrain);
     match compile(&source, &net, &Gazetteer::new(&city.places)) {
         Ok(tour) => {
             info!("tour “{}”: {:.0} s", tour.title(), tour.duration_s());
@@ -362,7 +362,7 @@ pub(crate) fn play(
         clock.hour = pose.hour;
     }
     for mut eye in &mut viewers {
-        let ground_m = 0.0;
+        let ground_m = eye.ground_m;
         eye.set_if_neq(Eye {
             plan_pos: DVec2::new(pose.plan_pos.x, pose.plan_pos.y),
             ground_m,

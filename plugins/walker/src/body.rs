@@ -4,7 +4,7 @@ use bevy_rapier3d::prelude::{
     CharacterAutostep, CharacterLength, Collider, KinematicCharacterController, KinematicCharacterControllerOutput, RigidBody,
 };
 use veduta_city::GridPos;
-use veduta_ecs::{Eye, Steering, Viewer, WorldOrigin};
+use veduta_ecs::{Eye, Footing, Ground, Steering, Viewer, WorldOrigin};
 
 use crate::{Intent, Jump, SolidCells, WalkerSettings};
 
@@ -37,6 +37,9 @@ pub struct WalkerBody {
 const HEIGHT_M: f32 = 1.7;
 /// Gap that the controller keeps to everything, metres.
 const SKIN_M: f32 = 0.02;
+/// Pavements lie so high above the terrain, and whoever is deeper than this under it has fallen through; metres.
+const KERB_M: f64 = 0.13;
+const FALLEN_M: f64 = 1.0;
 /// Farther than this from its eye, a body is put there instead of walked: someone else has moved the eye.
 const APART_M: f64 = 1.0;
 
@@ -78,15 +81,20 @@ pub(crate) fn take_over(
     origin: Res<WorldOrigin>,
     steering: Res<Steering>,
     jump: Res<Jump>,
-    walkers: Query<(&Eye, &Gait), With<Walker>>,
+    ground: Ground<'_>,
+    mut walkers: Query<(&Eye, &Gait, &mut Footing), With<Walker>>,
     mut bodies: Query<(&WalkerBody, &mut Transform, &mut KinematicCharacterController)>,
 ) {
     for (body, mut transform, mut controller) in &mut bodies {
-        let Ok((eye, gait)) = walkers.get(body.of) else { continue };
-        let (at, _) = origin.plan_from_world(transform.translation);
+        let Ok((eye, gait, mut footing)) = walkers.get_mut(body.of) else { continue };
+        let (at, z_m) = origin.plan_from_world(transform.translation);
+        let ground_m = ground.at(eye.plan_pos);
+        let has_fallen = z_m < ground_m - FALLEN_M;
         let carried = *steering == Steering::Guided || gait.flying || jump.is_under_way();
-        if carried || at.distance(eye.plan_pos) > APART_M {
-            let place = origin.world_from_plan(eye.plan_pos, eye.ground_m) + Vec3::Y * (middle_m() + 0.01);
+        footing.set_if_neq(if carried { Footing::Terrain } else { Footing::Own });
+        if carried || has_fallen || at.distance(eye.plan_pos) > APART_M {
+            let foot_m = eye.ground_m.max(ground_m + KERB_M);
+            let place = origin.world_from_plan(eye.plan_pos, foot_m) + Vec3::Y * (middle_m() + 0.01);
             transform.set_if_neq(Transform::from_translation(place));
             controller.translation = None;
         }
@@ -142,6 +150,7 @@ pub(crate) fn stride(
     jump: Res<Jump>,
     intent: Res<Intent>,
     solid: Res<SolidCells>,
+    ground: Ground<'_>,
     mut walkers: Query<(Entity, &mut Eye, &mut Gait), With<Walker>>,
     mut bodies: Query<(&WalkerBody, &mut KinematicCharacterController)>,
 ) {
@@ -175,8 +184,10 @@ pub(crate) fn stride(
             let rise = (intent.go.z + intent.go.y * eye.pitch_deg.to_radians().sin()) * pace;
             gait.velocity.z += (rise - gait.velocity.z) * ease;
             let step = gait.velocity * dt;
+            // A flight goes straight on over hills and valleys.
+            let (was_m, eye_m) = (ground.about(eye.plan_pos, eye.eye_m), eye.eye_m);
             eye.plan_pos += step.truncate();
-            eye.eye_m = (eye.eye_m + step.z).max(1.0);
+            eye.eye_m = (eye.eye_m + step.z + was_m - ground.about(eye.plan_pos, eye_m)).max(1.0);
             continue;
         }
         // Without a floor there is no falling: the cell has not arrived.

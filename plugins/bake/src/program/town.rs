@@ -65,7 +65,7 @@ fn open(city: &Path) -> Result<Town, String> {
     let input = Input::of(city).map_err(|error| error.to_string())?;
     let planned = plan(&input, &BakeSettings::default(), &mut |_| ()).map_err(|error| error.to_string())?;
     let overview = Overview::of(&planned.plan);
-    Ok(Town { net: StreetNet::new(&overview.streets), places: Gazetteer::new(&planned.plan.places) })
+    Ok(Town { net: StreetNet::new(&overview.streets).on(&overview.terrain), places: Gazetteer::new(&planned.plan.places) })
 }
 
 fn open_baked(city: &Path) -> Result<Town, veduta_store::StoreError> {
@@ -75,5 +75,5 @@ fn open_baked(city: &Path) -> Result<Town, veduta_store::StoreError> {
     let path = index.overview.path();
     let stored = reader.read(&path, u64::from(index.overview.bytes))?;
     let overview = decode_overview(&stored, &index.overview).map_err(|error| error.in_file(reader.describe(), &path))?;
-    Ok(Town { net: StreetNet::new(&overview.streets), places: Gazetteer::new(&index.places) })
+    Ok(Town { net: StreetNet::new(&overview.streets).on(&overview.terrain), places: Gazetteer::new(&index.places) })
 }
