@@ -19,6 +19,18 @@ pub struct Input {
     pub vector: Option<VectorMap>,
     /// How a raster map is to be read; of nothing else.
     pub raster: Option<RasterMap>,
+    /// What is known of the ground; of no plan, which has its own.
+    pub heights: Heights,
+}
+
+/// Files of elevations, each of one of the formats of [`ElevationGrid`](veduta_survey::ElevationGrid). The `.prj` beside a file is read
+/// with it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Heights {
+    /// Of the bare ground.
+    pub terrain: Option<PathBuf>,
+    /// With roofs and trees: buildings without a height get the one that it shows.
+    pub surface: Option<PathBuf>,
 }
 
 /// What an input is.
@@ -69,16 +81,22 @@ impl Input {
                 () if looks_like_layer(&head) => return Ok(Self::vector(path, VectorMap::of_layers([path.to_owned()]))),
                 () if Picture::looks_like_picture(&head) => {
                     let raster = Some(RasterMap::default());
-                    return Ok(Self { path: path.to_owned(), kind: InputKind::Raster, vector: None, raster });
+                    return Ok(Self {
+                        path: path.to_owned(),
+                        kind: InputKind::Raster,
+                        vector: None,
+                        raster,
+                        heights: Heights::default(),
+                    });
                 }
                 () => return Err(BakeError::UnknownKind(path.to_owned())),
             }
         };
-        Ok(Self { path: path.to_owned(), kind, vector: None, raster: None })
+        Ok(Self { path: path.to_owned(), kind, vector: None, raster: None, heights: Heights::default() })
     }
 
     fn vector(path: &Path, map: VectorMap) -> Self {
-        Self { path: path.to_owned(), kind: InputKind::Vector, vector: Some(map), raster: None }
+        Self { path: path.to_owned(), kind: InputKind::Vector, vector: Some(map), raster: None, heights: Heights::default() }
     }
 
     /// What several paths are: one of them by itself, more of them the layers of one vector map.
@@ -183,7 +201,9 @@ fn scene(dir: &Path) -> Result<Input, BakeError> {
     let named = |ending: &str| paths.iter().filter(|p| p.to_string_lossy().ends_with(ending)).cloned().collect::<Vec<_>>();
     let (graphs, maps) = (named(".graph.ron"), named(".map.ron"));
     match (graphs.as_slice(), maps.as_slice()) {
-        ([path], _) => Ok(Input { path: path.clone(), kind: InputKind::Graph, vector: None, raster: None }),
+        ([path], _) => {
+            Ok(Input { path: path.clone(), kind: InputKind::Graph, vector: None, raster: None, heights: Heights::default() })
+        }
         ([], [path]) => Input::of(path),
         ([], []) => {
             let layers: Vec<PathBuf> = paths.into_iter().filter(|p| p.is_file() && is_layer_name(p)).collect();

@@ -37,7 +37,7 @@ mod vector_map;
 pub use enlarge::enlarged;
 pub use error::BakeError;
 pub use export::{ExportError, ExportSettings, export_glb, export_monuments};
-pub use input::{Input, InputKind};
+pub use input::{Heights, Input, InputKind};
 pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, bake_input, cut, plan, survey, survey_bare};
 pub use raster_map::{RasterMap, RasterSurvey};
 pub use scene::overrides_beside;

@@ -6,7 +6,7 @@ use veduta_city::{Cells, CityGraph, CityPlan, Finding, GraphOverrides, file};
 use veduta_growth::plan::Stock;
 use veduta_store::{CityStats, write_city};
 
-use crate::{BakeError, Input, InputKind, overrides_beside};
+use crate::{BakeError, Heights, Input, InputKind, lay_on_ground, overrides_beside};
 
 /// What may be chosen of a bake.
 #[derive(Debug, Clone, Default)]
@@ -108,7 +108,7 @@ fn read_overrides(path: &Path) -> Result<GraphOverrides, BakeError> {
 
 /// A graph as it was written or surveyed; not validated yet, because an edit may mend it.
 fn read_graph(input: &Input) -> Result<(CityGraph, Vec<Finding>), BakeError> {
-    let (mut graph, findings) = match input.kind {
+    let (mut graph, mut findings) = match input.kind {
         InputKind::Osm => {
             let name = input.path.file_name().unwrap_or_default().to_string_lossy();
             let survey = veduta_survey::survey_osm(&input.content()?, &name)?;
@@ -132,6 +132,7 @@ fn read_graph(input: &Input) -> Result<(CityGraph, Vec<Finding>), BakeError> {
         InputKind::Plan => return Err(BakeError::UnknownKind(input.path.clone())),
     };
     graph.fill_ids();
+    findings.extend(lay_on_ground(&mut graph, &input.heights)?);
     Ok((graph, findings))
 }
 
@@ -142,6 +143,9 @@ fn read_graph(input: &Input) -> Result<(CityGraph, Vec<Finding>), BakeError> {
 pub fn plan(input: &Input, settings: &BakeSettings, progress: &mut dyn FnMut(Stage)) -> Result<Planned, BakeError> {
     progress(Stage::Survey);
     if input.kind == InputKind::Plan {
+        if input.heights != Heights::default() {
+            return Err(BakeError::HeightsOfPlan(input.path.clone()));
+        }
         return Ok(Planned { plan: file::read(&input.path)?, findings: Vec::new() });
     }
     let (mut graph, stock, mut findings) = survey(input)?;

@@ -53,13 +53,6 @@ enum Command {
         /// Print the seconds that each step took on a picture of a map, as one line of JSON.
         #[arg(long)]
         timings: bool,
-        /// Terrain model that gives nodes their elevation: ESRI ASCII grid, SRTM .hgt or GeoTIFF, also in .zip or .gz; a .prj
-        /// beside it tells its coordinate system where it does not do so itself.
-        #[arg(long, value_name = "FILE")]
-        terrain: Option<PathBuf>,
-        /// Surface model (with roofs) that gives buildings without a height theirs; formats as for --terrain.
-        #[arg(long, value_name = "FILE")]
-        surface: Option<PathBuf>,
     },
     /// Grow a city graph into a plan.
     Grow {
@@ -170,12 +163,12 @@ pub(crate) fn run() -> ExitCode {
 fn command(arguments: Arguments) -> Result<(), Failure> {
     let quiet = arguments.quiet;
     match arguments.command {
-        Command::Survey { source, output, geojson, degrees, timings, terrain, surface } => {
+        Command::Survey { source, output, geojson, degrees, timings } => {
             let began = Instant::now();
             let mut extent_m = None;
             let mut seconds = Vec::new();
             let input = source.input()?;
-            let (mut graph, mut findings) = match &input.raster {
+            let (graph, findings) = match &input.raster {
                 Some(raster) => {
                     let mut since = began;
                     let survey = raster.survey(&input.path, &mut |step| {
@@ -189,12 +182,13 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
                         println!("{}: the legend as guessed; correct it and give it by --legend", path.display());
                     }
                     extent_m = survey.extent_m;
-                    (survey.graph, survey.findings)
+                    let (mut graph, mut findings) = (survey.graph, survey.findings);
+                    findings.extend(lay_on_ground(&mut graph, &input.heights)?);
+                    (graph, findings)
                 }
                 None => survey_bare(&input)?,
             };
             let surveyed = began.elapsed();
-            findings.extend(lay_on_ground(&mut graph, terrain.as_deref(), surface.as_deref())?);
             file::write(&graph, &output)?;
             if let Some(path) = geojson {
                 let settings = GeoJsonSettings { degrees, extent_m };

@@ -1,19 +1,18 @@
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use veduta_city::{CityGraph, Finding};
 use veduta_survey::{ElevationGrid, drape, heights_from_surface};
 
-use crate::BakeError;
 use crate::input::content;
+use crate::{BakeError, Heights};
 
-/// Gives the nodes of a graph the elevations of a terrain model, and its buildings the heights of a surface model, each where
-/// its file is given. The `.prj` beside a file is read with it.
+/// Gives a graph the ground of a terrain model, and its buildings the heights of a surface model, each where its file is given.
 ///
 /// # Errors
 /// If a file cannot be read, is no grid of elevations, or lies elsewhere than the city.
-pub fn lay_on_ground(graph: &mut CityGraph, terrain: Option<&Path>, surface: Option<&Path>) -> Result<Vec<Finding>, BakeError> {
-    let read = |path: Option<&Path>| path.map(|path| grid(path, graph)).transpose();
-    let (terrain, surface) = (read(terrain)?, read(surface)?);
+pub fn lay_on_ground(graph: &mut CityGraph, heights: &Heights) -> Result<Vec<Finding>, BakeError> {
+    let read = |path: &Option<PathBuf>| path.as_ref().map(|path| grid(path, graph)).transpose();
+    let (terrain, surface) = (read(&heights.terrain)?, read(&heights.surface)?);
     let mut findings = Vec::new();
     if let Some(terrain) = &terrain {
         findings.extend(drape(graph, terrain));

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use veduta_bake::Input;
+use veduta_bake::{Heights, Input};
 use veduta_survey::raster::SCALES_M;
 use veduta_survey::{Crs, Date, KnownPoint};
 
@@ -47,6 +47,13 @@ pub(crate) struct Source {
     /// When to show a vector map whose features have dates: 1876, 1876-05 or 1876-05-12.
     #[arg(long)]
     date: Option<Date>,
+    /// Terrain model, the city's bare ground: ESRI ASCII grid, SRTM .hgt or GeoTIFF, also in .zip or .gz; a .prj beside it tells its
+    /// coordinate system where it does not do so itself.
+    #[arg(long, value_name = "FILE")]
+    terrain: Option<PathBuf>,
+    /// Surface model (with roofs) that gives buildings without a height theirs; formats as for --terrain.
+    #[arg(long, value_name = "FILE")]
+    surface: Option<PathBuf>,
 }
 
 /// A size of pixels that a street map can have.
@@ -99,6 +106,7 @@ impl Source {
             raster.colours = self.colours.map(usize::from);
             raster.keeps_margin = self.keep_margin;
         }
+        input.heights = Heights { terrain: self.terrain.clone(), surface: self.surface.clone() };
         Ok(input)
     }
 

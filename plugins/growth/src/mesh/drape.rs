@@ -43,10 +43,40 @@ impl<'a> Drape<'a> {
         DVec3::new(-slope.x, 1.0, slope.y).normalize().as_vec3().to_array()
     }
 
-    /// The places at which a straight way bends with the ground, its ends among them.
+    /// The places at which a straight way bends with the ground, its ends among them: those at which [`Drape::pieces`] cuts a polygon
+    /// along it.
     pub(super) fn way(&self, a: DVec2, b: DVec2) -> Vec<DVec2> {
-        let bends = self.terrain.bends(a, b);
-        core::iter::once(a).chain(bends.into_iter().map(|share| a.lerp(b, share))).chain([b]).collect()
+        let mut way = vec![a, b];
+        if self.is_level() {
+            return way;
+        }
+        for family in [Family::East, Family::North, Family::Diagonal] {
+            let mut cut = Vec::with_capacity(way.len() + 4);
+            for pair in way.windows(2) {
+                cut.push(pair[0]);
+                self.cut_edge(pair[0], pair[1], family, &mut cut);
+            }
+            cut.push(b);
+            way = cut;
+        }
+        way
+    }
+
+    /// Adds where an edge crosses the lines of a family, from its first end on.
+    fn cut_edge(&self, p: DVec2, q: DVec2, family: Family, out: &mut Vec<DVec2>) {
+        let (from, to) = (self.place(p, family), self.place(q, family));
+        let (mut low, high) = if from < to { (p, q) } else { (q, p) };
+        let first = out.len();
+        let mut line = (from.min(to) + ON_LINE).floor() + 1.0;
+        while line < from.max(to) - ON_LINE {
+            let offset = |p: DVec2| (p, self.place(p, family) - line);
+            low = self.crossing(offset(low), offset(high), family, line);
+            out.push(low);
+            line += 1.0;
+        }
+        if from > to {
+            out[first..].reverse();
+        }
     }
 
     /// Lowest ground along a straight way.
@@ -157,6 +187,22 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn a_way_bends_where_polygons_along_it_are_cut(a in point(), b in point(), c in point()) {
+            prop_assume!((b - a).perp_dot(c - a) > 1e-3);
+            let shell = hill();
+            let drape = Drape::of(&shell);
+            let way = drape.way(a, b);
+            let mut corners = Vec::new();
+            drape.pieces(&[a, b, c], |piece| corners.extend(piece.iter().copied()));
+            for p in &way {
+                prop_assert!(corners.contains(p), "{p}");
+            }
+            for pair in way.windows(2) {
+                prop_assert!((b - a).dot(pair[1] - pair[0]) >= 0.0);
+            }
+        }
+
         #[test]
         fn pieces_fill_a_triangle_and_the_ground_is_flat_on_each(a in point(), b in point(), c in point()) {
             prop_assume!((b - a).perp_dot(c - a) > 1e-3);

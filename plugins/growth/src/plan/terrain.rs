@@ -16,6 +16,8 @@ const MOST_POSTS: i64 = 4_000_000;
 const LEVEL_M: f64 = 4.5;
 /// So far beyond that the ground goes over into what it was; metres.
 const BLEND_M: f64 = 14.0;
+/// Posts stand at heights of so many grid steps (1.6 cm), which makes them shorter to tell.
+const POST_STEPS: i32 = 16;
 /// Street profiles are told so closely, and smoothed over so many metres each way.
 const STATION_M: f64 = 4.0;
 const SMOOTHED_M: f64 = 12.0;
@@ -32,15 +34,19 @@ pub(super) fn terrain(graph: &CityGraph, extent: &Extent) -> PlanTerrain {
         Some(posts.claims(&pieces(&line, link, raw)))
     };
     let claims: Vec<(usize, Claim)> = graph.links.par_iter().filter_map(cut).flatten_iter().collect();
-    let mut heights: Vec<i32> =
-        (0..posts.count()).into_par_iter().map(|i| GridPos::steps(raw.height_m(posts.pos(i).to_metres()))).collect();
+    let mut heights: Vec<i32> = (0..posts.count()).into_par_iter().map(|i| steps(raw.height_m(posts.pos(i).to_metres()))).collect();
     // In the order of links: sums are the same for any number of threads.
     let mut by_post: BTreeMap<usize, Vec<Claim>> = BTreeMap::new();
     claims.into_iter().for_each(|(post, claim)| by_post.entry(post).or_default().push(claim));
     for (post, claims) in by_post {
-        heights[post] = GridPos::steps(settled(raw.height_m(posts.pos(post).to_metres()), &claims));
+        heights[post] = steps(settled(raw.height_m(posts.pos(post).to_metres()), &claims));
     }
     PlanTerrain { origin: posts.origin, step: posts.step, columns: posts.columns as u32, heights }
+}
+
+/// Height of a post in grid steps.
+fn steps(height_m: f64) -> i32 {
+    libm::round(height_m * f64::from(GRID_PER_METRE / POST_STEPS)) as i32 * POST_STEPS
 }
 
 /// Where the posts are.

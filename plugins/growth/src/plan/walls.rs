@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use veduta_city::{GroundFloor, House, Opening, PlanRoof, PlanTerrain, Storey, Style, Volume, Wall, WallKind, metres};
 
 use super::facing::{Edge, Facing};
-use super::floors::before_bay;
+use super::floors::{before_bay, threshold};
 use super::houses::{Body, Draft, StyleBook};
 use super::massing::{self, Mass};
 use super::variety::{Look, bays, bounded};
@@ -41,14 +41,17 @@ pub(super) fn houses(
         for (b, body) in draft.bodies.iter().enumerate() {
             volumes.push(volume(draft, body, b, &facing.edges[h][b], masses, masses[h][b], look, style));
         }
-        let slope = Slope { terrain, floor_m: masses[h].first().map_or(0.0, |mass| metres(mass.floor)) };
-        add_ground_floor(&mut volumes, &facing.edges[h], &masses[h], draft, look, style, &slope);
+        let mut floor = masses[h].first().map_or(0, |mass| mass.floor);
+        floor += add_ground_floor(&mut volumes, &facing.edges[h], &masses[h], draft, look, style, &Slope { terrain, floor });
+        if !terrain.is_level() {
+            suit_ground(&mut volumes, &facing.edges[h], &masses[h], &Slope { terrain, floor });
+        }
         Some(House {
             id: draft.id,
             name: draft.name.clone(),
             number: draft.number.clone(),
             style: draft.style as u16,
-            floor: masses[h].first().map_or(0, |mass| mass.floor),
+            floor,
             volumes,
             monument: None,
         })
@@ -171,7 +174,8 @@ fn storeys(heights: &[i32], kind: WallKind, mass: &Mass, body: &Body, look: &Loo
     heights.iter().enumerate().map(|(i, &height)| Storey { height, opening: opening(i, height) }).collect()
 }
 
-/// One door a house, on its longest street wall, else on its longest wall to a yard; shops on street walls.
+/// One door a house, on its longest street wall, else on its longest wall to a yard; shops on street walls. Raises the house so that
+/// its door opens onto the ground before it, and tells by how much.
 fn add_ground_floor(
     volumes: &mut [Volume],
     edges: &[Vec<Edge>],
@@ -180,7 +184,7 @@ fn add_ground_floor(
     look: &Look,
     style: &Style,
     slope: &Slope<'_>,
-) {
+) -> i32 {
     let shopkeeper = style.shops > 0.0 && draft.draw.chance("shops", (style.shops * 1.6).min(1.0));
     let mut best: Option<(WallKind, f64, usize, usize)> = None;
     for (v, volume) in volumes.iter_mut().enumerate().filter(|(v, _)| !masses[*v].hangs()) {
@@ -199,24 +203,24 @@ fn add_ground_floor(
             }
         }
     }
-    if let Some((kind, length, v, w)) = best
-        && let Some(wall) = volumes.get_mut(v).and_then(|volume| volume.walls.get_mut(w))
-    {
-        put_door(wall, kind, length, draft, look, &slope.before(&edges[v][w], wall.bays));
+    let Some((kind, length, v, w)) = best else { return 0 };
+    let wall = &mut volumes[v].walls[w];
+    let before = slope.before(&edges[v][w], wall.bays);
+    put_door(wall, kind, length, draft, look, &before);
+    let at_door = wall.ground_floor.door_bay.and_then(|bay| before.get(usize::from(bay)));
+    let rise = at_door.map_or(0, |&ground| threshold(ground));
+    for volume in volumes {
+        volume.bottom = volume.bottom.saturating_add(rise);
+        volume.eaves = volume.eaves.saturating_add(rise);
     }
-    if !slope.terrain.is_level() {
-        for (v, volume) in volumes.iter_mut().enumerate().filter(|(v, _)| !masses[*v].hangs()) {
-            for (wall, edge) in volume.walls.iter_mut().zip(&edges[v]) {
-                suit_ground(wall, &slope.before(edge, wall.bays));
-            }
-        }
-    }
+    rise
 }
 
 /// The ground about a house.
 struct Slope<'a> {
     terrain: &'a PlanTerrain,
-    floor_m: f64,
+    /// Of the house, grid steps above the city's zero.
+    floor: i32,
 }
 
 impl Slope<'_> {
@@ -225,19 +229,22 @@ impl Slope<'_> {
         if self.terrain.is_level() {
             return Vec::new();
         }
-        (0..bays).map(|bay| before_bay(self.terrain, self.floor_m, (edge.a, edge.b), bay, bays)).collect()
+        (0..bays).map(|bay| before_bay(self.terrain, metres(self.floor), (edge.a, edge.b), bay, bays)).collect()
     }
 }
 
 /// Leaves out windows and shops where the ground before them is too high, and shops where it is too low.
-fn suit_ground(wall: &mut Wall, before: &[(f64, f64)]) {
-    let floor = &mut wall.ground_floor;
-    for (bay, &(low, high)) in (0..32_u8).zip(before).filter(|(bay, _)| floor.door_bay != Some(*bay)) {
-        if high > SILL_M {
-            floor.blank |= 1 << bay;
-        }
-        if !BEFORE_SHOPS_M.contains(&low) || !BEFORE_SHOPS_M.contains(&high) {
-            floor.shops &= !(1 << bay);
+fn suit_ground(volumes: &mut [Volume], edges: &[Vec<Edge>], masses: &[Mass], slope: &Slope<'_>) {
+    let on_ground = volumes.iter_mut().zip(edges).zip(masses).filter(|(_, mass)| !mass.hangs());
+    for (wall, edge) in on_ground.flat_map(|((volume, edges), _)| volume.walls.iter_mut().zip(edges)) {
+        let (before, floor) = (slope.before(edge, wall.bays), &mut wall.ground_floor);
+        for (bay, (low, high)) in (0..32_u8).zip(before).filter(|(bay, _)| floor.door_bay != Some(*bay)) {
+            if high > SILL_M {
+                floor.blank |= 1 << bay;
+            }
+            if !BEFORE_SHOPS_M.contains(&low) || !BEFORE_SHOPS_M.contains(&high) {
+                floor.shops &= !(1 << bay);
+            }
         }
     }
 }

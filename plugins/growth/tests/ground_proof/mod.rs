@@ -1,4 +1,5 @@
 //! What must hold for the ground of any plan, and for its mesh.
+#![allow(dead_code, reason = "each test uses its own part")]
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -64,5 +65,50 @@ pub fn prove_mesh(plan: &CityPlan) {
         assert!(is_outer || beyond.is_some(), "the ground is open at {a:?} {b:?}");
         let is_upper = beyond.is_some_and(|&y| f32::from_bits(y) < a[1]);
         assert!(!is_upper || faces.contains_key(&(q, p)), "no kerb closes the step at {a:?} {b:?}");
+    }
+}
+
+/// The mesh of ground on a slope: whatever is not upright faces up, together it covers the extent, every edge is shared from corner to
+/// corner, and where one side lies higher a kerb closes the step.
+pub fn prove_slope(plan: &CityPlan) {
+    let shell = CellShell { ground: plan.ground.clone(), terrain: plan.terrain.clone(), ..CellShell::default() };
+    let mesh: MeshData = mesh::ground(&shell);
+    mesh.validate().unwrap_or_else(|e| panic!("{e}"));
+    let position = |i: u32| mesh.positions[i as usize];
+    let place = |i: u32| [position(i)[0].to_bits(), position(i)[2].to_bits()];
+    let mut ground: HashMap<([u32; 2], [u32; 2]), (f32, f32)> = HashMap::new();
+    let mut kerbs: BTreeSet<([u32; 2], [u32; 2])> = BTreeSet::new();
+    let mut area = 0.0;
+    for t in mesh.indices.chunks_exact(3) {
+        let [a, b, c] = [t[0], t[1], t[2]].map(|i| glam::Vec3::from(position(i)).as_dvec3());
+        let is_ground = mesh.normals[t[0] as usize][1] > 0.2;
+        if is_ground {
+            let up = (b - a).cross(c - a).y;
+            assert!(up > -1e-4, "a triangle faces down at {a}");
+            area += up / 2.0;
+        }
+        for (i, j) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+            if is_ground {
+                ground.insert((place(i), place(j)), (position(i)[1], position(j)[1]));
+            } else if place(i) != place(j) {
+                kerbs.insert((place(i), place(j)));
+            }
+        }
+    }
+    let whole = plan.extent.area_m2();
+    assert!((area - whole).abs() < 1e-3 * whole.sqrt() + 1e-6 * whole, "{area} m² of {whole} m²");
+    let (lo, hi) = plan.extent.bounds().map(|(lo, hi)| (lo.to_metres(), hi.to_metres())).expect("it has an extent");
+    let is_on = |p: [u32; 2], axis: usize, side: f64| (f64::from(f32::from_bits(p[axis])) - side).abs() < 1e-3;
+    let sides = [(0, lo.x), (0, hi.x), (1, -lo.y), (1, -hi.y)];
+    for (&(p, q), &(y, z)) in &ground {
+        let is_outer = sides.iter().any(|&(axis, side)| is_on(p, axis, side) && is_on(q, axis, side));
+        let at = p.map(f32::from_bits);
+        let Some(&(beyond_q, beyond_p)) = ground.get(&(q, p)) else {
+            assert!(is_outer, "the ground is open at {at:?}");
+            continue;
+        };
+        let (step, other) = (y - beyond_p, z - beyond_q);
+        assert!((step - other).abs() < 2e-4, "a step of {step} m becomes one of {other} m at {at:?}");
+        assert!(step < 1e-3 || kerbs.contains(&(p, q)) || kerbs.contains(&(q, p)), "no kerb closes the step at {at:?}");
     }
 }

@@ -4,12 +4,13 @@ use veduta_city::{GridPos, PlanTerrain};
 use super::Malformed;
 
 /// A [`PlanTerrain`]: each post as the difference from where the three before it (west, south, south-west) let it be expected, which
-/// on even slopes is next to nothing.
+/// on even slopes is next to nothing, in the largest power of two of grid steps that tells them all.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct WireTerrain {
     origin: GridPos,
     step: i32,
     columns: u32,
+    unit: u8,
     off: Vec<i32>,
 }
 
@@ -27,8 +28,9 @@ fn expected(before: &[i32], i: usize, columns: usize) -> i32 {
 impl From<&PlanTerrain> for WireTerrain {
     fn from(terrain: &PlanTerrain) -> Self {
         let (heights, columns) = (&terrain.heights, terrain.columns.max(1) as usize);
-        let off = (0..heights.len()).map(|i| heights[i].wrapping_sub(expected(heights, i, columns))).collect();
-        Self { origin: terrain.origin, step: terrain.step, columns: terrain.columns, off }
+        let unit = heights.iter().fold(0, |bits, height| bits | height).trailing_zeros() % i32::BITS;
+        let off = (0..heights.len()).map(|i| heights[i].wrapping_sub(expected(heights, i, columns)) >> unit).collect();
+        Self { origin: terrain.origin, step: terrain.step, columns: terrain.columns, unit: unit as u8, off }
     }
 }
 
@@ -39,7 +41,7 @@ impl TryFrom<WireTerrain> for PlanTerrain {
         let columns = wire.columns.max(1) as usize;
         let mut heights = Vec::with_capacity(wire.off.len());
         for (i, off) in wire.off.into_iter().enumerate() {
-            heights.push(expected(&heights, i, columns).wrapping_add(off));
+            heights.push(expected(&heights, i, columns).wrapping_add(off.wrapping_shl(wire.unit.into())));
         }
         let terrain = Self { origin: wire.origin, step: wire.step, columns: wire.columns, heights };
         match terrain.check() {
@@ -58,6 +60,9 @@ mod tests {
         let terrain = |heights: Vec<i32>| PlanTerrain { origin: GridPos(3, -9), step: 4096, columns: 4, heights };
         let odd = terrain(vec![20_480_000, 0, -1, 7, -20_480_000, 3, 3, 20_480_000]);
         assert_eq!(PlanTerrain::try_from(WireTerrain::from(&odd)), Ok(odd));
+        let even = terrain(vec![0, 160, -320, 48, 16, 0, 0, 64]);
+        let wire = WireTerrain::from(&even);
+        assert_eq!((wire.unit, wire.off[1], PlanTerrain::try_from(wire)), (4, 10, Ok(even)));
         let slope = terrain((0..40).map(|i| 5_000 + (i % 4) * 300 + (i / 4) * 77).collect());
         let wire = WireTerrain::from(&slope);
         assert_eq!(wire.off.iter().filter(|off| **off != 0).count(), 13, "the first row and the first column");
