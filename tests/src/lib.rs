@@ -53,6 +53,26 @@ pub fn sample_city() -> &'static Path {
     })
 }
 
+/// A hillside with three streets, baked once a run.
+///
+/// # Panics
+/// If it cannot be baked.
+#[must_use]
+pub fn hillside_city() -> &'static Path {
+    static CITY: OnceLock<PathBuf> = OnceLock::new();
+    CITY.get_or_init(|| {
+        let (graph, city) = (hillside_graph(), workplace("hillside").join("hillside.city"));
+        bake(&graph, &city, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
+        city
+    })
+}
+
+/// The hillside's graph.
+#[must_use]
+pub fn hillside_graph() -> PathBuf {
+    root().join("plugins/bake/tests/places/hillside/hillside.graph.ron")
+}
+
 /// The sample city's plan, grown once a run.
 ///
 /// # Panics

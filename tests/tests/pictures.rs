@@ -10,7 +10,7 @@ use veduta_game::film::{FilmOrder, film};
 use veduta_game::profile::Profile;
 use veduta_game::shot::{At, ShotOrder, picture};
 use veduta_game::studio::Size;
-use veduta_tests::{root, sample_city, scene, workplace};
+use veduta_tests::{hillside_city, root, sample_city, scene, workplace};
 
 /// One renderer at a time: two cores share it.
 static RENDERER: Mutex<()> = Mutex::new(());
@@ -47,17 +47,18 @@ fn read(path: &Path) -> RgbImage {
 }
 
 #[test]
-fn three_stills_look_as_agreed() {
+fn stills_look_as_agreed() {
     let _alone = RENDERER.lock().unwrap_or_else(PoisonError::into_inner);
     let stills = [
-        ("street", "300,-25,1.65,265,4", 9.0, 60.0),
-        ("square", "40,-10,1.65,300,8", 16.0, 65.0),
-        ("skyline", "-30,-44,62,75,-8", 18.0, 60.0),
+        (sample_city(), "street", "300,-25,1.65,265,4", 9.0, 60.0),
+        (sample_city(), "square", "40,-10,1.65,300,8", 16.0, 65.0),
+        (sample_city(), "skyline", "-30,-44,62,75,-8", 18.0, 60.0),
+        (hillside_city(), "hillside", "60,64,1.65,85,2", 11.0, 60.0),
     ];
     let mut unlike = Vec::new();
-    for (name, at, hour, fov_deg) in stills {
+    for (city, name, at, hour, fov_deg) in stills {
         let at: Option<At> = Some(at.parse().expect("five numbers"));
-        let city = sample_city().display().to_string();
+        let city = city.display().to_string();
         let order = ShotOrder { city, at, out: PathBuf::new(), size: SIZE, hour, fov_deg, profile: Profile::Medium };
         let taken = picture(&order).unwrap_or_else(|e| panic!("{name}: {e}"));
         if !taken.is_software {

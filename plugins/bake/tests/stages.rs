@@ -1,4 +1,4 @@
-//! Stage goldens: what every stage makes of two tiny places drawn by hand and of one real extract.
+//! Stage goldens: what every stage makes of tiny places drawn by hand and of one real extract.
 //!
 //! `VEDUTA_BLESS=1` writes the goldens anew. Where something else comes out than is written there, it is left beside the golden
 //! as `*.actual`, and the message tells the first line that differs. Plans and cells lie on the grid, and what a graph holds comes
@@ -96,10 +96,10 @@ fn the_crossroads_stay_what_they_are() {
     );
 }
 
-#[test]
-fn the_lane_is_built_up_the_same_way() {
-    let dir = places().join("lane");
-    let s = stages(&dir.join("lane.graph.ron"));
+/// Compares what becomes of a place drawn as a graph.
+fn compare_place(name: &str) {
+    let dir = places().join(name);
+    let s = stages(&dir.join(format!("{name}.graph.ron")));
     compare(
         &dir,
         &[
@@ -109,6 +109,16 @@ fn the_lane_is_built_up_the_same_way() {
             ("packets.golden.txt", &s.packets),
         ],
     );
+}
+
+#[test]
+fn the_lane_is_built_up_the_same_way() {
+    compare_place("lane");
+}
+
+#[test]
+fn the_hillside_is_built_up_the_same_way() {
+    compare_place("hillside");
 }
 
 #[test]

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!  CityGraph ─┬─► extent ─► streets ─► ground ─► verges ─┬─► lots ─┐
-//!             └─► houses (given) ────────────────┴────────┴────────┴─► facing ─► massing ─► variety ─► walls ─► CityPlan
+//!             ├─► houses (given) ────────────────┴────────┴────────┴─► facing ─► floors ─► massing ─► variety ─► walls ─► CityPlan
+//!             └─► terrain (streets cut into it) ─────────────────────────────────┘                             │
 //!                                                  network (who waits where) ─► objects, markings, places, start ──┘
 //! ```
 //!
@@ -27,8 +28,8 @@
 //! ```
 //!
 //! # Limits
-//! The ground is flat: elevations of nodes are not followed yet, bridges lie on the ground (over water or railways), and
-//! what lies below the ground is left out with a finding. Arcades are openings, not rooms.
+//! Bridges lie on the ground (over water or railways), and what lies below the ground is left out with a finding. Arcades are openings,
+//! not rooms. A house on a steep slope stands on a blank footing where a person would build cellars with windows.
 //!
 //! # Rejected
 //! Boolean operations in place of one arrangement of the ground (neighbours do not share their vertices) ·

@@ -154,7 +154,7 @@ fn entry(
     let (mut packets, mut blobs) = ([None; 4], Vec::new());
     let stored = encode_shell(shell);
     let blob = BlobRef::of(&stored);
-    read_back(&Packet::Shell(shell.clone()), &decode_packet(&stored, &blob, Level::One)?)?;
+    read_back(&Packet::Shell(Box::new(shell.clone())), &decode_packet(&stored, &blob, Level::One)?)?;
     blobs.push((blob, stored));
     packets[Level::One.index()] = Some(blob);
     if walls > 0 {

@@ -8,7 +8,7 @@ use crate::{BlobRef, StoreError, valid};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Packet {
     /// Level 1: all that stands and lies in the cell.
-    Shell(CellShell),
+    Shell(Box<CellShell>),
     /// Level 2: openings of its walls.
     Facades(FacadeSheet),
 }
@@ -54,7 +54,7 @@ pub fn decode_packet(stored: &[u8], blob: &BlobRef, level: Level) -> Result<Pack
             let wire: WireShell = from_bytes(what, &unpack(BlobKind::Shell, stored, blob)?)?;
             let shell = CellShell::try_from(wire).map_err(|malformed| malformed.of(what))?;
             valid::check_shell(&shell).map_err(|reason| StoreError::Invalid { what, reason })?;
-            Ok(Packet::Shell(shell))
+            Ok(Packet::Shell(Box::new(shell)))
         }
         Level::Two => {
             let what = BlobKind::Facades.words();
@@ -185,7 +185,7 @@ mod tests {
     }
 
     fn refused(shell: CellShell) -> String {
-        let stored = encode_packet(&Packet::Shell(shell));
+        let stored = encode_packet(&Packet::Shell(Box::new(shell)));
         decode_packet(&stored, &BlobRef::of(&stored), Level::One).map_or_else(|e| e.to_string(), |_| String::new())
     }
 
@@ -262,7 +262,7 @@ mod tests {
     proptest! {
         #[test]
         fn shells_survive(shell in any_shell()) {
-            let packet = Packet::Shell(shell);
+            let packet = Packet::Shell(Box::new(shell));
             let stored = encode_packet(&packet);
             prop_assert_eq!(decode_packet(&stored, &BlobRef::of(&stored), Level::One), Ok(packet));
         }

@@ -79,7 +79,7 @@ fn a_newer_city_asks_for_a_newer_program() {
 #[test]
 fn any_flipped_byte_of_a_packet_is_noticed_and_may_be_asked_for_again() {
     let city = city(1, 3);
-    let packets = [Packet::Shell(city.shells[0].clone()), Packet::Facades(city.sheets[0].clone())];
+    let packets = [Packet::Shell(Box::new(city.shells[0].clone())), Packet::Facades(city.sheets[0].clone())];
     for packet in packets {
         let good = encode_packet(&packet);
         let blob = BlobRef::of(&good);

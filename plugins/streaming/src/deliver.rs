@@ -148,7 +148,7 @@ fn arrive(world: &mut World, store: &mut Store, cell: u32, level: Level, packet:
     let entity = match (packet, known) {
         (Packet::Shell(shell), None) => {
             let at = Transform::from_translation(origin.world_from_grid(shell.origin));
-            let content = CellContent { shell: Arc::new(shell), sheet: None };
+            let content = CellContent { shell: Arc::from(shell), sheet: None };
             world.spawn((Cell(cell), content, LevelFade::default(), at)).id()
         }
         (Packet::Facades(sheet), Some(entity)) => {

@@ -150,12 +150,17 @@ impl MeshData {
     /// Adds a flat convex polygon, counter-clockwise seen from outside, with texture coordinates in metres over the tile's
     /// size that run level and uphill. Nothing if it has no area.
     pub(super) fn polygon(&mut self, corners: &[DVec3], paint: Paint) {
+        self.polygon_as(corners, corners, paint);
+    }
+
+    /// The same with texture coordinates as if its corners were elsewhere.
+    pub(super) fn polygon_as(&mut self, corners: &[DVec3], charted: &[DVec3], paint: Paint) {
         let Some(normal) = newell(corners) else { return };
         let chart = Chart::new(normal, paint.tile);
         let base = self.positions.len() as u32;
         self.positions.extend(corners.iter().map(|p| p.as_vec3().to_array()));
         self.normals.extend(corners.iter().map(|_| normal.as_vec3().to_array()));
-        self.uvs.extend(corners.iter().map(|&p| chart.uv(p).as_vec2().to_array()));
+        self.uvs.extend(charted.iter().map(|&p| chart.uv(p).as_vec2().to_array()));
         self.centres.extend(corners.iter().map(|_| paint.centre));
         self.colours.extend(corners.iter().map(|_| paint.colour));
         for i in 1..corners.len() as u32 - 1 {

@@ -4,7 +4,7 @@ use veduta_city::{CellShell, GRID_PER_METRE, GridPos, GroundPatch, Rgb, SurfaceK
 use super::data::{MeshData, Paint};
 use super::drape::Drape;
 use super::footing::footings;
-use super::outline::{Triangulator, centre_of, middle, rings, wall_edge};
+use super::outline::{Triangulator, centre_of, engine, middle, rings, wall_edge};
 
 /// Depth of a kerb's face below the top of its patch where nothing lower is known of, and the most a bank goes down; metres.
 const KERB_M: f64 = 0.15;
@@ -67,7 +67,8 @@ fn kerb(patch: &GroundPatch, level: &LevelEdges, depth: f64, drape: &Drape<'_>, 
             let low = top - depth;
             for pair in drape.way(edge.a, edge.b).windows(2) {
                 let face = [(pair[0], low), (pair[1], low), (pair[1], top), (pair[0], top)];
-                mesh.polygon(&face.map(|(p, lift)| drape.above(p, lift)), paint);
+                // The stone runs along the kerb, however steep.
+                mesh.polygon_as(&face.map(|(p, lift)| drape.above(p, lift)), &face.map(|(p, lift)| engine(p, lift)), paint);
             }
         }
         first += ring.len();

@@ -17,7 +17,7 @@ pub(crate) struct WireTerrain {
 /// What a post is expected to be after those before it.
 fn expected(before: &[i32], i: usize, columns: usize) -> i32 {
     let post = |back: usize| before[i - back];
-    match (i % columns > 0, i >= columns) {
+    match (!i.is_multiple_of(columns), i >= columns) {
         (true, true) => post(1).wrapping_add(post(columns)).wrapping_sub(post(columns + 1)),
         (true, false) => post(1),
         (false, true) => post(columns),
