@@ -2,12 +2,12 @@ use glam::DVec2;
 use veduta_city::{CityGraph, Id};
 
 /// A city of `columns` × `rows` copies of a graph side by side, the first where the original lies: for measuring how costs
-/// grow with a city's size. Places keep their names in the first copy alone.
+/// grow with a city's size. Places keep their names in the first copy alone. The ground is level.
 #[must_use]
 pub fn enlarged(graph: &CityGraph, columns: u32, rows: u32) -> CityGraph {
     let Some((low, high)) = bounds(graph) else { return graph.clone() };
     let step = high - low + DVec2::splat(2.0 * graph.margin_m + 20.0);
-    let mut large = CityGraph { nodes: Vec::new(), ..graph.clone() };
+    let mut large = CityGraph { nodes: Vec::new(), terrain: None, ..graph.clone() };
     for copy in 0..columns.max(1) * rows.max(1) {
         let by = DVec2::new(f64::from(copy % columns.max(1)), f64::from(copy / columns.max(1))) * step;
         let id = |id: Id| if copy == 0 { id } else { Id::from_place(&format!("{id} copy {copy}"), DVec2::ZERO) };

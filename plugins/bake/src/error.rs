@@ -30,6 +30,14 @@ pub enum BakeError {
         "{0}: not a map that can be baked; give an OpenStreetMap extract (.osm, .osm.gz, .osm.pbf, Overpass .json), a vector map (.geojson, .shp, .map.ron), a picture of a street map (.png, .jpg, .tif, .webp), a city graph (.graph.ron), a plan (.plan.ron), a description (.words.ron) or a folder with a .graph.ron"
     )]
     UnknownKind(PathBuf),
+    /// A plan whose ground is none.
+    #[error("{path}: the terrain: {reason}")]
+    Terrain {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Elevations for a plan.
     #[error("{0}: a plan has its ground already; give elevations with the map or graph that it is grown from")]
     HeightsOfPlan(PathBuf),

@@ -132,7 +132,10 @@ fn read_graph(input: &Input) -> Result<(CityGraph, Vec<Finding>), BakeError> {
         InputKind::Plan => return Err(BakeError::UnknownKind(input.path.clone())),
     };
     graph.fill_ids();
-    findings.extend(lay_on_ground(&mut graph, &input.heights)?);
+    // What lies too far away, or nowhere, is told by whoever validates the graph.
+    if input.heights != Heights::default() && graph.validate().is_empty() {
+        findings.extend(lay_on_ground(&mut graph, &input.heights)?);
+    }
     Ok((graph, findings))
 }
 
@@ -146,7 +149,9 @@ pub fn plan(input: &Input, settings: &BakeSettings, progress: &mut dyn FnMut(Sta
         if input.heights != Heights::default() {
             return Err(BakeError::HeightsOfPlan(input.path.clone()));
         }
-        return Ok(Planned { plan: file::read(&input.path)?, findings: Vec::new() });
+        let plan: CityPlan = file::read(&input.path)?;
+        plan.terrain.check().map_err(|reason| BakeError::Terrain { path: input.path.clone(), reason })?;
+        return Ok(Planned { plan, findings: Vec::new() });
     }
     let (mut graph, stock, mut findings) = survey(input)?;
     graph.seed = settings.seed.unwrap_or(graph.seed);

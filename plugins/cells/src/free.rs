@@ -63,6 +63,9 @@ fn is_within_reach(volume: &Volume, extent: Bounds) -> bool {
 fn is_passage(house: &House, volume: &Volume, patches: &Patches<'_>, settings: &PartitionSettings) -> bool {
     let Some((lo, hi)) = volume.footprint.bounds() else { return false };
     let clearance = GridPos::steps(settings.clearance_m);
+    if i64::from(volume.bottom) - i64::from(house.floor) <= i64::from(clearance) {
+        return false;
+    }
     let hangs_above = |z: i32| i64::from(volume.bottom) - i64::from(z) > i64::from(clearance);
     let margin = GRID_PER_METRE;
     let around = (GridPos(lo.0 - margin, lo.1 - margin), GridPos(hi.0 + margin, hi.1 + margin));

@@ -44,7 +44,8 @@
 //! # Limits
 //! * One floor: passages under hanging volumes are free space, bridges above streets are not cells of their own.
 //! * Visibility is in plan: what rises above the roofs is told by [`veduta_city::Cells::skyline`], everything lower is taken to be
-//!   hidden by any house. Walls inside one cell hide nothing. Both only matter to what is loaded, never to what is drawn.
+//!   hidden by any house. Walls inside one cell hide nothing. Both only matter to what is loaded, never to what is drawn. On slopes
+//!   it is not so: who looks down over roofs may see farther than what is loaded.
 //! * Water is free space (one looks across it); its ground patches tell the walker where it is.
 //! * The extent may span 260 km and lie within 1,000 km of the anchor.
 //!

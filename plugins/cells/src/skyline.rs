@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use veduta_city::{Cells, CityPlan, GridPos, Volume, metres};
+use veduta_city::{Cells, CityPlan, GridPos, House, Volume, metres};
 
 /// How far above the median roof the skyline begins, metres.
 const ABOVE_MEDIAN_M: f64 = 10.0;
@@ -13,14 +13,16 @@ const TOWER_SLENDERNESS: f64 = 2.0;
 /// Share of the cells that may be in the skyline without a tower.
 const MOST_CELLS: f64 = 0.05;
 
-fn top(volume: &Volume) -> i32 {
-    volume.eaves.saturating_add(volume.roof.height.max(0))
+/// Height of a volume above the lowest floor of its house: on slopes, too, a tower is what rises above its neighbours.
+fn top(house: &House, volume: &Volume) -> i32 {
+    volume.top().saturating_sub(house.floor)
 }
 
 /// Cells that carry walls or roofs of the tallest volumes, ascending: all towers, and the tallest of the others as far as their
 /// share of the cells goes.
 pub(crate) fn skyline(plan: &CityPlan, cells: &Cells) -> Vec<u32> {
-    let mut tops: Vec<i32> = plan.houses.iter().filter_map(|house| house.volumes.iter().map(top).max()).collect();
+    let mut tops: Vec<i32> =
+        plan.houses.iter().filter_map(|house| house.volumes.iter().map(|volume| top(house, volume)).max()).collect();
     tops.sort_unstable();
     let Some(&median) = tops.get(tops.len() / 2) else { return Vec::new() };
     let threshold = median.saturating_add(GridPos::steps(ABOVE_MEDIAN_M));
@@ -29,8 +31,9 @@ pub(crate) fn skyline(plan: &CityPlan, cells: &Cells) -> Vec<u32> {
     for (h, house) in (0..).zip(&plan.houses) {
         let foot = house.volumes.iter().map(|v| v.bottom).min().unwrap_or(0);
         for (v, volume) in (0..=u16::MAX).zip(&house.volumes) {
-            if top(volume) > threshold && metres(top(volume).saturating_sub(foot)) > LEAST_HEIGHT_M {
-                tall.push((core::cmp::Reverse(top(volume)), h, v));
+            let height = top(house, volume);
+            if height > threshold && metres(volume.top().saturating_sub(foot)) > LEAST_HEIGHT_M {
+                tall.push((core::cmp::Reverse(height), h, v));
             }
         }
     }
@@ -48,7 +51,7 @@ pub(crate) fn skyline(plan: &CityPlan, cells: &Cells) -> Vec<u32> {
 }
 
 fn is_tower(volume: &Volume) -> bool {
-    let height_m = metres(top(volume).saturating_sub(volume.bottom));
+    let height_m = metres(volume.top().saturating_sub(volume.bottom));
     height_m > TOWER_SLENDERNESS * libm::sqrt(volume.footprint.area_m2().abs())
 }
 

@@ -87,7 +87,7 @@ impl Levels {
 }
 
 /// Content of a level-1 packet: all that stands and lies in a cell, walls as coloured outlines. Positions are relative to
-/// [`CellShell::origin`] in plan, heights to the city's zero.
+/// [`CellShell::origin`] in plan, heights to the city's zero; those of ground and markings to the terrain.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CellShell {
@@ -125,7 +125,7 @@ pub struct HouseShell {
     pub id: Id,
     /// Index of its style in the city.
     pub style: u16,
-    /// Its ground floor above the city's zero, grid steps: what begins there stands on the ground.
+    /// Its lowest floor above the city's zero, grid steps: what begins there stands on the ground.
     pub floor: i32,
     /// Its volumes that have something here.
     pub volumes: Vec<VolumeShell>,
@@ -158,7 +158,7 @@ pub struct VolumeShell {
 }
 
 impl VolumeShell {
-    /// A volume as a cell tells it that draws some of its walls and perhaps its roof, in the plan's coordinates.
+    /// A volume as a cell tells it that draws some of its walls and perhaps its roof, if it has one, in the plan's coordinates.
     #[must_use]
     pub fn of(volume: &Volume, walls: Vec<u16>, has_roof: bool) -> Self {
         Self {
@@ -169,7 +169,7 @@ impl VolumeShell {
             trim: volume.trim,
             roof: volume.roof,
             gable: volume.gable,
-            has_roof,
+            has_roof: has_roof && volume.roof.is_there(),
             walls,
         }
     }

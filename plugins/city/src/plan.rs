@@ -111,7 +111,7 @@ pub struct House {
     pub number: String,
     /// Index into [`CityPlan::styles`].
     pub style: u16,
-    /// Its ground floor above the city's zero, grid steps: what begins there stands on the ground, however that slopes.
+    /// Its lowest floor above the city's zero, grid steps: what begins there stands on the ground, however that slopes.
     #[serde(default, skip_serializing_if = "is_at_zero")]
     pub floor: i32,
     /// Its bodies; never empty.
@@ -170,13 +170,24 @@ impl Volume {
 pub struct PlanRoof {
     /// Shape.
     pub shape: RoofShape,
-    /// Eaves to ridge, grid steps.
+    /// Eaves to ridge, grid steps; [`PlanRoof::NONE`] if there is none.
     pub height: i32,
     /// Direction along which the ridge runs (for skillions: in which the slope falls), whole degrees clockwise from north,
     /// 0 to 359.
     pub direction: u16,
     /// Colour of the covering.
     pub colour: Rgb,
+}
+
+impl PlanRoof {
+    /// The height of a roof that is not there, because another volume stands on all of its own.
+    pub const NONE: i32 = -1;
+
+    /// Whether there is a roof.
+    #[must_use]
+    pub const fn is_there(&self) -> bool {
+        self.height != Self::NONE
+    }
 }
 
 /// What a wall faces.

@@ -192,8 +192,8 @@ impl PlanTerrain {
         let ends = [reach(self.origin.0, columns), reach(self.origin.1, posts / columns)];
         let far = i64::from(GridPos::steps(FARTHEST_M + 100_000.0));
         let is_far = [self.origin.0, self.origin.1].map(i64::from).into_iter().chain(ends).any(|v| v.abs() > far);
-        if self.step < GRID_PER_METRE / 4 || is_far {
-            return Err(format!("its posts, {} steps apart, are too close or reach too far", self.step));
+        if self.step < GRID_PER_METRE || is_far {
+            return Err(format!("its posts, {} grid steps apart, are closer than a metre or reach too far", self.step));
         }
         let highest = GridPos::steps(2.0 * HIGHEST_GROUND_M);
         match self.heights.iter().find(|h| h.unsigned_abs() > highest.unsigned_abs()) {
@@ -242,7 +242,8 @@ impl PlanTerrain {
     pub fn crop(&self, bounds: (GridPos, GridPos), origin: GridPos) -> Self {
         let Some(window) = self.window(bounds, 1) else { return Self::default() };
         let heights = window.posts(self.columns as usize).map(|i| self.heights[i]).collect();
-        let place = |from: i32, count: usize, origin: i32| from.wrapping_add(self.step * count as i32).wrapping_sub(origin);
+        let place =
+            |from: i32, count: usize, origin: i32| from.wrapping_add(self.step.wrapping_mul(count as i32)).wrapping_sub(origin);
         let (column, row) = window.low;
         Self {
             origin: GridPos(place(self.origin.0, column, origin.0), place(self.origin.1, row, origin.1)),
@@ -262,8 +263,11 @@ impl PlanTerrain {
         }
         let (origin, step) = (self.origin.to_metres(), metres(self.step));
         let (a, b) = ((a - origin) / step, (b - origin) / step);
-        for (from, to) in [(a.x, b.x), (a.y, b.y), (a.y - a.x, b.y - b.x)] {
-            let (low, high) = (from.min(to), from.max(to));
+        let (columns, rows) = (f64::from(self.columns), (self.heights.len() as f64 / f64::from(self.columns)).floor());
+        let families = [(a.x, b.x, 0.0, columns), (a.y, b.y, 0.0, rows), (a.y - a.x, b.y - b.x, 1.0 - columns, rows)];
+        for (from, to, least, end) in families {
+            // Beyond the posts the ground does not bend.
+            let (low, high) = (from.min(to).max(least - 1.0), from.max(to).min(end));
             let mut line = low.floor() + 1.0;
             while line < high {
                 shares.push((line - from) / (to - from));

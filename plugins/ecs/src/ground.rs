@@ -21,12 +21,16 @@ impl Ground<'_> {
     /// Height of the ground at a plan position, metres above the city's zero; 0 where nothing is known of it.
     #[must_use]
     pub fn at(&self, plan_pos: DVec2) -> f64 {
+        self.known(plan_pos).unwrap_or(0.0)
+    }
+
+    fn known(&self, plan_pos: DVec2) -> Option<f64> {
         if let Some(overview) = self.city.as_ref().and_then(|city| city.overview.as_ref()) {
-            return overview.terrain.height_m(plan_pos);
+            return Some(overview.terrain.height_m(plan_pos));
         }
         let pos = GridPos::from_metres(plan_pos);
         let here = self.standing.iter().find(|(_, _, shell)| shell.outline.contains(pos - shell.origin));
-        here.map_or(0.0, |(_, _, shell)| shell.terrain.height_m(plan_pos - shell.origin.to_metres()))
+        here.map(|(_, _, shell)| shell.terrain.height_m(plan_pos - shell.origin.to_metres()))
     }
 
     /// The ground that an eye so far above it rises and sinks with: smoother, the higher it is.
@@ -35,8 +39,10 @@ impl Ground<'_> {
         let reach = (eye_m * AROUND).max(LEAST_AROUND_M);
         let diagonal = core::f64::consts::FRAC_1_SQRT_2;
         let ways = [(1.0, 0.0), (diagonal, diagonal), (0.0, 1.0), (-diagonal, diagonal)];
-        let pairs = ways.map(|(x, y)| DVec2::new(x, y) * reach).map(|way| self.at(plan_pos + way) + self.at(plan_pos - way));
-        (2.0 * self.at(plan_pos) + pairs.iter().sum::<f64>()) / 10.0
+        let around = ways.into_iter().map(|(x, y)| DVec2::new(x, y) * reach).flat_map(|way| [plan_pos + way, plan_pos - way]);
+        let known = [plan_pos; 2].into_iter().chain(around).filter_map(|pos| self.known(pos));
+        let (sum, count) = known.fold((0.0, 0.0), |(sum, count), height| (sum + height, count + 1.0));
+        if count > 0.0 { sum / count } else { 0.0 }
     }
 }
 

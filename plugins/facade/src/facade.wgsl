@@ -46,6 +46,8 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     if !keeps(facade, in.position.xy, away, mesh_functions::get_tag(in.instance_index)) { discard; }
 
     let layer = i32(in.color.a + 0.5);
+    // What the layer is off a whole number tells the floor's height, in 1,024 m.
+    let height = in.world_position.y - (in.color.a - f32(layer)) * 1024.0;
     let tile = textureSample(colour_tiles, tile_sampler, in.uv, layer);
     let relief = textureSample(normal_tiles, tile_sampler, in.uv, layer);
     // Where alpha is 1 the tile modulates the vertex colour about one half; where it is 0 it stands as it is.
@@ -63,13 +65,13 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     pbr_input.N = normalize(tangent * bump.x + bitangent * bump.y + n * max(bump.z, 0.2));
 
     // Contact shade where walls meet the ground, and less sky the deeper a wall stands in its street.
-    let foot = mix(0.55, 1.0, smoothstep(-0.2, 1.6, in.world_position.y)) * mix(0.7, 1.0, smoothstep(0.0, 14.0, in.world_position.y));
+    let foot = mix(0.55, 1.0, smoothstep(-0.2, 1.6, height)) * mix(0.7, 1.0, smoothstep(0.0, 14.0, height));
     let wall = 1.0 - abs(n.y);
     pbr_input.diffuse_occlusion *= vec3<f32>(mix(1.0, foot, wall));
 
     // Lit windows at night: glass is what is dark and smooth on a wall.
     if facade.far_lit.w > 0.0 && level > 1 && tile.a < 0.2 && relief.a < 0.3 {
-        let bay = floor(in.uv) + floor(centre * 3.0) + vec2<f32>(floor(in.world_position.y / 3.3) * 7.0, 0.0);
+        let bay = floor(in.uv) + floor(centre * 3.0) + vec2<f32>(floor(height / 3.3) * 7.0, 0.0);
         if hash(bay) < facade.far_lit.w {
             pbr_input.material.emissive = vec4<f32>(vec3<f32>(1.0, 0.66, 0.32) * 900.0, 1.0);
         }

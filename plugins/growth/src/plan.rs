@@ -29,7 +29,7 @@
 //!
 //! # Limits
 //! Bridges lie on the ground (over water or railways), and what lies below the ground is left out with a finding. Arcades are openings,
-//! not rooms. A house on a steep slope stands on a blank footing where a person would build cellars with windows.
+//! not rooms. The ground is the graph's terrain alone; the `z` of nodes is for what will not lie on it.
 //!
 //! # Rejected
 //! Boolean operations in place of one arrangement of the ground (neighbours do not share their vertices) ·
@@ -40,6 +40,7 @@ mod arrangement;
 mod band;
 pub(crate) mod boolean;
 mod bounds;
+mod cellars;
 mod crossroads;
 mod extent;
 mod facing;
@@ -154,6 +155,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let mut houses = walls::houses(&drafts, &facing, &masses, &looks, &book, &terrain);
     let mut designs = monuments::Designs::new(monuments);
     designs.of_houses(graph, &mut houses, &mut findings);
+    cellars::build(&mut houses, &terrain);
 
     let doors = walls::doorsteps(&houses).into_iter().map(|d| (GridPolygon::simple(vec![GridPos::from_metres(d)]), ()));
     let doorsteps = index::Index::new(doors.collect());

@@ -6,7 +6,7 @@ mod synthetic;
 use glam::DVec2;
 use ground_proof::{prove_partition, prove_slope};
 use proptest::prelude::*;
-use veduta_city::{CellShell, CityGraph, CityPlan, HouseShell, Opening, Terrain, VolumeShell, metres};
+use veduta_city::{CellShell, CityGraph, CityPlan, HouseShell, Opening, Terrain, VolumeShell, WallKind, metres};
 use veduta_growth::mesh::{self, MeshData};
 use veduta_growth::plan::{Stock, grow};
 
@@ -68,12 +68,12 @@ fn prove_walls(plan: &CityPlan) {
 /// Ground before every door above its threshold, lowest and highest; metres.
 fn doors(plan: &CityPlan) -> Vec<(f64, f64)> {
     let mut out = Vec::new();
-    for (house, volume) in plan.houses.iter().flat_map(|house| house.volumes.iter().map(move |volume| (house, volume))) {
+    for volume in plan.houses.iter().flat_map(|house| &house.volumes) {
         for (wall, (a, b)) in volume.walls.iter().zip(volume.footprint.edges()) {
             let Some(bay) = wall.ground_floor.door_bay.filter(|_| wall.ground_floor.door != Opening::Blank) else { continue };
             let at = |i: f64| a.to_metres().lerp(b.to_metres(), (f64::from(bay) + i) / f64::from(wall.bays));
             let (low, high) = plan.terrain.range_along(at(0.3), at(0.7));
-            out.push((low - metres(house.floor), high - metres(house.floor)));
+            out.push((low - metres(volume.bottom), high - metres(volume.bottom)));
         }
     }
     out
@@ -98,6 +98,41 @@ fn a_city_on_hills_has_no_gaps_and_no_buried_doors() {
         assert!(hanging * 50 <= doors.len() && doors.len() * 10 >= plan.houses.len() * 9, "{hanging} hang of {}", doors.len());
         assert_eq!(grown(&graph), plan);
     }
+}
+
+#[test]
+fn where_the_ground_falls_away_there_are_storeys_below_the_door_and_no_window_is_in_the_ground() {
+    let plan = grown(&hilly(3, 20.0, 200.0));
+    let mut cellars = 0;
+    for house in &plan.houses {
+        let lowest = house.volumes.iter().map(|volume| volume.bottom).min();
+        assert_eq!(lowest, Some(house.floor));
+        for volume in house.volumes.iter().filter(|volume| volume.bottom - house.floor < 512 || !volume.roof.is_there()) {
+            cellars += usize::from(!volume.roof.is_there());
+            let stands_on = |above: &&veduta_city::Volume| above.bottom == volume.eaves && above.footprint == volume.footprint;
+            assert!(volume.roof.is_there() || house.volumes.iter().any(|above| stands_on(&above)), "{house:?}");
+            for (wall, (a, b)) in volume.walls.iter().zip(volume.footprint.edges()) {
+                let mut base = volume.bottom;
+                for (s, storey) in wall.storeys.iter().enumerate().take_while(|(s, _)| *s == 0 || !volume.roof.is_there()) {
+                    for bay in (0..wall.bays.min(32)).filter(|&bay| Some(bay) != wall.ground_floor.door_bay) {
+                        let share = (f64::from(bay) + 0.5) / f64::from(wall.bays);
+                        let ground = plan.terrain.height_m(a.to_metres().lerp(b.to_metres(), share)) - metres(base);
+                        let opening = wall.opening(s, bay);
+                        assert!(opening == Opening::Blank || ground < 0.95, "{opening:?} {ground} m in the ground");
+                    }
+                    base += storey.height;
+                }
+            }
+        }
+        // No wall shows more than a storey of bare stone.
+        let standing = house.volumes.iter().filter(|volume| volume.bottom - house.floor < 512);
+        for (wall, (a, b)) in standing.flat_map(|volume| volume.walls.iter().zip(volume.footprint.edges())) {
+            let low = plan.terrain.range_along(a.to_metres(), b.to_metres()).0;
+            let bare = metres(house.floor) - low;
+            assert!(wall.kind == WallKind::Party || bare < 3.7, "{bare} m of bare stone");
+        }
+    }
+    assert!(cellars > 5, "{cellars} cellars");
 }
 
 #[test]

@@ -30,7 +30,7 @@ pub(crate) struct Tile {
 pub(crate) const PAPER: Color32 = Color32::from_rgb(0xE9, 0xE2, 0xD3);
 const HOUSE: Color32 = Color32::from_rgb(0xC9, 0xB0, 0x94);
 const LANDMARK: Color32 = Color32::from_rgb(0xA8, 0x70, 0x55);
-/// Tops above this make a landmark, grid steps.
+/// Tops so high above the ground make a landmark, grid steps.
 const LANDMARK_TOP: i32 = 30 * 1024;
 
 const fn ink(surface: SurfaceKind) -> Option<Color32> {
@@ -65,7 +65,8 @@ pub(crate) fn cut_tiles(city: Option<Res<City>>, mut tiles: ResMut<MapTiles>) {
         }
     }
     for (_, outline, top) in &overview.houses {
-        tiles.add(1, outline, if *top > LANDMARK_TOP { LANDMARK } else { HOUSE });
+        let ground = outline.outer.first().map_or(0, |&p| overview.terrain.height(p));
+        tiles.add(1, outline, if top.saturating_sub(ground) > LANDMARK_TOP { LANDMARK } else { HOUSE });
     }
     tiles.source = Some(overview);
 }

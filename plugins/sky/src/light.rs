@@ -4,7 +4,7 @@ use bevy::light::{
 };
 use bevy::pbr::{DistanceFog, FogFalloff};
 use bevy::prelude::*;
-use veduta_ecs::{City, CityClock, Viewer};
+use veduta_ecs::{City, CityClock, Eye, Viewer};
 
 use crate::Light;
 
@@ -81,11 +81,11 @@ const MOST_STRETCH: f32 = 5.0;
 /// Who looks from above sees farther: shadows reach on with the eye's height, in steps too small to be seen.
 pub(crate) fn stretch_shadows(
     settings: Res<SkySettings>,
-    viewers: Query<&Transform, With<Viewer>>,
+    viewers: Query<&Eye, With<Viewer>>,
     mut keys: Query<&mut CascadeShadowConfig, With<KeyLight>>,
     mut last: Local<f32>,
 ) {
-    let height = viewers.iter().map(|v| v.translation.y).fold(0.0, f32::max);
+    let height = viewers.iter().map(|eye| eye.eye_m as f32).fold(0.0, f32::max);
     let stretch = ((height / STRETCH_FROM_M).clamp(1.0, MOST_STRETCH) * 32.0).round() / 32.0;
     if stretch.to_bits() == last.to_bits() && !settings.is_changed() {
         return;

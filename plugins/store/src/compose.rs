@@ -197,6 +197,5 @@ fn top(cell: &Cell, shell: &CellShell) -> i32 {
     let houses =
         shell.houses.iter().flat_map(|house| &house.volumes).map(|volume| volume.eaves.saturating_add(volume.roof.height.max(0)));
     let objects = shell.objects.iter().map(|object| object.z.saturating_add(object.height));
-    let ground = shell.ground.iter().map(|patch| patch.z);
-    houses.chain(objects).chain(ground).fold(cell.floor.1, i32::max)
+    houses.chain(objects).fold(cell.floor.1, i32::max)
 }

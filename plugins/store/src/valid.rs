@@ -13,6 +13,8 @@ type Check = Result<(), String>;
 
 /// Most faces of all monuments of a cell together, and most vertices of one marking.
 const MOST_FACES: u64 = 16_000_000;
+/// Most squares of the terrain that patches of ground are cut into, as if each filled the box about it.
+const MOST_SQUARES: u64 = 1 << 20;
 const LONGEST_LINE: usize = 256;
 const FAR: u32 = 1 << 30;
 const NEAR: u32 = 1 << 27;
@@ -59,6 +61,9 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
     }
     check_polygon("its outline", &shell.outline, NEAR)?;
     shell.terrain.check().map_err(|reason| format!("its terrain: {reason}"))?;
+    if squares(shell) > MOST_SQUARES {
+        return Err(format!("its ground lies on more than {MOST_SQUARES} squares of its terrain"));
+    }
     for (i, patch) in shell.ground.iter().enumerate() {
         check_polygon("it", &patch.outline, NEAR)
             .and_then(|()| check_height("it", patch.z))
@@ -107,6 +112,20 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
         return Err(format!("its monuments come to more than {MOST_FACES} faces"));
     }
     Ok(())
+}
+
+/// How many squares between posts the patches of a cell may be cut into, at most.
+fn squares(shell: &CellShell) -> u64 {
+    let terrain = &shell.terrain;
+    let Some(rows) = terrain.heights.len().checked_div(terrain.columns as usize) else { return 0 };
+    let posts = [(terrain.origin.0, terrain.columns as usize), (terrain.origin.1, rows)];
+    let along = |low: i32, high: i32, (origin, count): (i32, usize)| {
+        let end = i64::from(origin) + i64::from(terrain.step) * count as i64;
+        let (from, to) = (i64::from(low).max(origin.into()), i64::from(high).min(end));
+        ((to - from).max(0) / i64::from(terrain.step.max(1))) as u64 + 1
+    };
+    let bounds = shell.ground.iter().filter_map(|patch| patch.outline.bounds());
+    bounds.map(|(low, high)| along(low.0, high.0, posts[0]) * along(low.1, high.1, posts[1])).fold(0, u64::saturating_add)
 }
 
 fn check_house(house: &HouseShell) -> Check {

@@ -81,8 +81,8 @@ impl PluginGroup for VedutaMinimalPlugins {
 pub mod prelude {
     pub use crate::buildings::BuildingsPlugin;
     pub use crate::ecs::{
-        CellEntered, CellReady, CellReleased, CellStands, City, CityClock, CityFailed, CityOpened, Eye, JumpTo, OpenCity, Steering,
-        VedutaSystems, Viewer,
+        CellEntered, CellReady, CellReleased, CellStands, City, CityClock, CityFailed, CityOpened, Eye, Footing, Ground, JumpTo,
+        OpenCity, Steering, VedutaSystems, Viewer,
     };
     pub use crate::facade::{FacadePlugin, LevelDistances};
     pub use crate::guide::GuidePlugin;

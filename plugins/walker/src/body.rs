@@ -89,7 +89,7 @@ pub(crate) fn take_over(
         let Ok((eye, gait, mut footing)) = walkers.get_mut(body.of) else { continue };
         let (at, z_m) = origin.plan_from_world(transform.translation);
         let ground_m = ground.at(eye.plan_pos);
-        let has_fallen = z_m < ground_m - FALLEN_M;
+        let has_fallen = z_m - f64::from(middle_m()) < ground_m - FALLEN_M;
         let carried = *steering == Steering::Guided || gait.flying || jump.is_under_way();
         footing.set_if_neq(if carried { Footing::Terrain } else { Footing::Own });
         if carried || has_fallen || at.distance(eye.plan_pos) > APART_M {

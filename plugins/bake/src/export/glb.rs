@@ -96,7 +96,8 @@ impl Glb {
 
     /// Adds a mesh, a primitive for each tile; `None` if there is nothing to draw.
     pub(super) fn mesh(&mut self, mesh: &MeshData) -> Result<Option<Mesh>, ExportError> {
-        let tile_of = |t: &[u32]| t.first().and_then(|&i| mesh.colours.get(i as usize)).map_or(0, |colour| colour[3] as usize);
+        let tile_of =
+            |t: &[u32]| t.first().and_then(|&i| mesh.colours.get(i as usize)).map_or(0, |colour| (colour[3] + 0.5) as usize);
         let mut tiles: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
         for t in mesh.indices.chunks_exact(3) {
             tiles.entry(tile_of(t)).or_default().extend(t);

@@ -1,5 +1,5 @@
 use glam::{DVec2, DVec3};
-use veduta_city::{Rgb, Tile};
+use veduta_city::{Rgb, Tile, metres};
 
 /// Plain vertex data of a triangle mesh. The vertex vectors have one length; triangles are counter-clockwise seen from
 /// outside. Every face has its own vertices.
@@ -14,7 +14,8 @@ pub struct MeshData {
     pub uvs: Vec<[f32; 2]>,
     /// Middle (x, z) of the façade or house that the vertex belongs to: exactly the same in every level's mesh of it.
     pub centres: Vec<[f32; 2]>,
-    /// Linear red, green, blue that the tile is multiplied by, and the tile's layer ([`Tile::index`]).
+    /// Linear red, green, blue that the tile is multiplied by, and the tile's layer ([`Tile::index`]); what that is off a whole number
+    /// tells where the house's floor is, above the city's zero in [`MeshData::FLOORS_M`].
     pub colours: Vec<[f32; 4]>,
     /// Three for each triangle.
     pub indices: Vec<u32>,
@@ -63,6 +64,9 @@ pub enum MeshError {
 }
 
 impl MeshData {
+    /// A house's floor is told as this share of so many metres: see [`MeshData::colours`].
+    pub const FLOORS_M: f64 = 1024.0;
+
     /// Whether there is nothing to draw.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -113,6 +117,14 @@ impl MeshData {
         let whole = self.indices.len() / 3 * 3;
         let bad = self.indices.iter().enumerate().find(|&(at, &i)| i as usize >= positions || at >= whole);
         bad.map_or(Ok(()), |(at, &index)| Err(MeshError::Index { at, index, vertices: positions }))
+    }
+
+    /// Tells of the vertices from `first` on how high the ground floor of their house lies: see [`MeshData::colours`].
+    pub(super) fn stand(&mut self, first: usize, floor: i32) {
+        if floor != 0 {
+            let share = (metres(floor) / Self::FLOORS_M).clamp(-0.49, 0.49) as f32;
+            self.colours[first..].iter_mut().for_each(|colour| colour[3] += share);
+        }
     }
 
     /// Room for this many more quads.

@@ -67,12 +67,10 @@ impl<'a> Drape<'a> {
         let (from, to) = (self.place(p, family), self.place(q, family));
         let (mut low, high) = if from < to { (p, q) } else { (q, p) };
         let first = out.len();
-        let mut line = (from.min(to) + ON_LINE).floor() + 1.0;
-        while line < from.max(to) - ON_LINE {
+        for line in self.lines(from.min(to), from.max(to), family) {
             let offset = |p: DVec2| (p, self.place(p, family) - line);
             low = self.crossing(offset(low), offset(high), family, line);
             out.push(low);
-            line += 1.0;
         }
         if from > to {
             out[first..].reverse();
@@ -96,6 +94,20 @@ impl<'a> Drape<'a> {
         pieces.iter().for_each(|piece| each(piece));
     }
 
+    /// The lines of a family between two places on which the ground bends: none lie beyond the posts.
+    fn lines(&self, low: f64, high: f64, family: Family) -> impl Iterator<Item = f64> + use<> {
+        let (columns, rows) =
+            (f64::from(self.terrain.columns), (self.terrain.heights.len() as f64 / f64::from(self.terrain.columns)).floor());
+        let (least, most) = match family {
+            Family::East => (0.0, columns - 1.0),
+            Family::North => (0.0, rows - 1.0),
+            Family::Diagonal => (1.0 - columns, rows - 1.0),
+        };
+        let (first, last) = (((low + ON_LINE).floor() + 1.0).max(least), ((high - ON_LINE).ceil() - 1.0).min(most));
+        let count = (last - first + 1.0).max(0.0) as u32;
+        (0..count).map(move |i| first + f64::from(i))
+    }
+
     /// How many lines of a family lie before a place.
     fn place(&self, p: DVec2, family: Family) -> f64 {
         let local = (p - self.origin) / self.step;
@@ -113,12 +125,10 @@ impl<'a> Drape<'a> {
             .map(|&p| self.place(p, family))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), f| (low.min(f), high.max(f)));
         let (mut out, mut rest) = (Vec::new(), polygon);
-        let mut line = (low + ON_LINE).floor() + 1.0;
-        while line < high - ON_LINE {
+        for line in self.lines(low, high, family) {
             let (below, above) = self.cut(&rest, family, line);
             out.extend((below.len() >= 3).then_some(below));
             rest = above;
-            line += 1.0;
         }
         out.extend((rest.len() >= 3).then_some(rest));
         out

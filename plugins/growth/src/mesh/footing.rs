@@ -2,7 +2,7 @@ use veduta_city::{CellShell, HouseShell, Tile, VolumeShell, metres};
 
 use super::data::{MeshData, Paint};
 use super::drape::Drape;
-use super::outline::{centre_of, engine, wall_edge};
+use super::outline::{Triangulator, centre_of, engine, middle, rings, wall_edge};
 
 /// Footings reach so far below the ground, metres.
 const BELOW_M: f64 = 0.3;
@@ -23,9 +23,16 @@ pub fn footings(shell: &CellShell) -> MeshData {
     if drape.is_level() {
         return mesh;
     }
+    let mut triangulator = Triangulator::default();
     for house in &shell.houses {
+        let first = mesh.positions.len();
         for volume in house.volumes.iter().filter(|volume| stands(house, volume)) {
             let top = metres(volume.bottom);
+            if house.is_monument && volume.has_roof {
+                // A monument need not fill its footprint.
+                let paint = Paint::new(centre_of(middle(&volume.footprint)), volume.colour.scaled(SHADE), Tile::Stone);
+                triangulator.each(&rings(&volume.footprint), |_, corners| mesh.polygon(&corners.map(|p| engine(p, top)), paint));
+            }
             for &wall in &volume.walls {
                 let Some(edge) = wall_edge(&volume.footprint, wall.into()) else { continue };
                 let paint = Paint::new(centre_of(edge.at(0.5)), volume.colour.scaled(SHADE), Tile::Stone);
@@ -38,6 +45,7 @@ pub fn footings(shell: &CellShell) -> MeshData {
                 }
             }
         }
+        mesh.stand(first, house.floor);
     }
     mesh
 }

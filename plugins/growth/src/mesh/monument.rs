@@ -77,6 +77,7 @@ pub fn monument(design: &Design, placed: &PlacedMonument, detail: MonumentDetail
     let axes = DMat3::from_cols(engine(front.perp(), 0.0), engine(-front, 0.0), DVec3::Y);
     let foot = metres(placed.z);
     let frame = DAffine3::from_mat3_translation(axes, engine(plan, foot));
+    let first = mesh.positions.len();
     let mut mason = Mason {
         mesh,
         materials: &design.materials,
@@ -89,6 +90,7 @@ pub fn monument(design: &Design, placed: &PlacedMonument, detail: MonumentDetail
         triangulator: Triangulator::default(),
     };
     mason.pieces(design, 0..design.pieces.len(), frame);
+    mesh.stand(first, placed.z);
 }
 
 /// Lays the faces of one shape after another.

@@ -45,6 +45,7 @@ pub(super) fn add_mouldings(shell: &CellShell, sheet: &FacadeSheet, mesh: &mut M
         if plans.iter().all(|plan| plan.kind != WallKind::Street) {
             continue;
         }
+        let first = mesh.positions.len();
         let trim = Paint::new([0.0; 2], volume.trim, Tile::Stone);
         let plinth = Paint::new([0.0; 2], volume.colour.scaled(0.75), Tile::Stone);
         for (&wall, plan) in volume.walls.iter().zip(plans).filter(|(_, plan)| plan.kind == WallKind::Street) {
@@ -52,8 +53,9 @@ pub(super) fn add_mouldings(shell: &CellShell, sheet: &FacadeSheet, mesh: &mut M
             let centre = front.plaster.centre;
             let paints = Paints { trim: trim.at(centre), plinth: plinth.at(centre) };
             let ends = ends(volume, plans, wall, &front.edge);
-            dress(&front, plan, ends, stands(house, volume), &paints, mesh);
+            dress(&front, plan, ends, (volume.roof.is_there(), stands(house, volume)), &paints, mesh);
         }
+        mesh.stand(first, house.floor);
     }
 }
 
@@ -83,10 +85,10 @@ fn ends(volume: &VolumeShell, plans: &[Wall], wall: u16, edge: &Edge) -> [End; 2
     [end(before, true), end(after, false)]
 }
 
-fn dress(front: &Front, plan: &Wall, ends: [End; 2], stands: bool, paints: &Paints, mesh: &mut MeshData) {
+fn dress(front: &Front, plan: &Wall, ends: [End; 2], (has_top, stands): (bool, bool), paints: &Paints, mesh: &mut MeshData) {
     let height = front.eaves - front.bottom;
     let trim = paints.trim;
-    if height >= CORNICE_FROM_M && front.edge.length > 1.0 {
+    if has_top && height >= CORNICE_FROM_M && front.edge.length > 1.0 {
         sweep(&front.edge, ends, if height >= TALL_M { CROWN } else { LOW_CROWN }, front.eaves, trim, mesh);
     }
     if let [first, second, ..] = plan.storeys[..] {

@@ -20,12 +20,14 @@ pub fn roofs(shell: &CellShell) -> MeshData {
     let mut roofer = Roofer::default();
     for house in shell.houses.iter().filter(|house| !house.is_monument) {
         for volume in house.volumes.iter().filter(|v| v.has_roof) {
+            let first = mesh.positions.len();
             let Some(form) = roofer.start(volume) else { continue };
             roofer.cover(&form, &mut mesh);
             roof_detail::details(house.id, &form, &mut roofer, &mut mesh);
             if metres(volume.bottom) > metres(house.floor) + HANGING_M {
                 roofer.underside(volume, &mut mesh);
             }
+            mesh.stand(first, house.floor);
         }
     }
     mesh

@@ -15,13 +15,15 @@ pub fn level1(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
     mesh.reserve_quads(wall_total(shell) * 2);
     let mut along = Vec::new();
-    for volume in shell.houses.iter().filter(|house| !house.is_monument).flat_map(|house| &house.volumes) {
-        let (form, plaster) = (RoofForm::new(volume), plaster(volume));
+    let houses = shell.houses.iter().filter(|house| !house.is_monument);
+    for (house, volume) in houses.flat_map(|house| house.volumes.iter().map(move |volume| (house, volume))) {
+        let (first, form, plaster) = (mesh.positions.len(), RoofForm::new(volume), plaster(volume));
         for &wall in &volume.walls {
             let Some(front) = Front::new(volume, wall, plaster) else { continue };
             front.plain(&mut mesh);
             front.gable(&form, wall, false, &mut along, &mut mesh);
         }
+        mesh.stand(first, house.floor);
     }
     mesh.append(&monuments(shell, MonumentDetail::COARSE));
     mesh
@@ -48,13 +50,14 @@ pub fn facades(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshE
     let mut mesh = MeshData::default();
     mesh.reserve_quads(sheet.walls.len() * 5);
     let mut along = Vec::new();
-    for (_, volume, plans) in seen(shell, sheet) {
-        let (form, plaster) = (RoofForm::new(volume), plaster(volume));
+    for (house, volume, plans) in seen(shell, sheet) {
+        let (first, form, plaster) = (mesh.positions.len(), RoofForm::new(volume), plaster(volume));
         for (&wall, plan) in volume.walls.iter().zip(plans) {
             let Some(front) = Front::new(volume, wall, plaster) else { continue };
             front.bays(plan, &mut mesh);
             front.gable(&form, wall, plan.kind == WallKind::Street, &mut along, &mut mesh);
         }
+        mesh.stand(first, house.floor);
     }
     Ok(mesh)
 }

@@ -24,7 +24,11 @@ pub(super) fn floors(drafts: &[Draft], facing: &Facing, terrain: &PlanTerrain) -
     }
     let floor = |(draft, edges): (&Draft, &Vec<Vec<Edge>>)| {
         let on_ground = draft.bodies.iter().zip(edges).filter(|(body, _)| GridPos::steps(body.bottom_m) <= DOORSTEP);
-        let all: Vec<&Edge> = on_ground.flat_map(|(_, edges)| edges).collect();
+        let mut all: Vec<&Edge> = on_ground.flat_map(|(_, edges)| edges).collect();
+        if all.is_empty() {
+            // A house that hangs: what it hangs over.
+            all = edges.iter().flatten().collect();
+        }
         let fronts: Vec<&Edge> = all.iter().copied().filter(|edge| edge.is_public).collect();
         let fronts = if fronts.is_empty() { all } else { fronts };
         let longest = fronts.iter().max_by(|e, f| e.length_m().total_cmp(&f.length_m()));

@@ -1,21 +1,25 @@
 //! The ground of a plan: that of the graph, with the streets cut into it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec2;
 use rayon::prelude::*;
-use veduta_city::{CityGraph, GRID_PER_METRE, GridPos, Link, LinkKind, PlanTerrain, Terrain};
+use veduta_city::{BlockKind, CityGraph, GRID_PER_METRE, GridPolygon, GridPos, Id, Link, LinkKind, PlanTerrain, Terrain, metres};
 
 use super::extent::Extent;
+use super::index::Index;
+use super::outline;
 use super::streets::{length_m, width_at_m};
 
 /// Distance of posts, and of those of cities with more than so many; metres.
 const STEP_M: i32 = 4;
 const MOST_POSTS: i64 = 4_000_000;
-/// Streets are level across, so far beyond their sides: wider than a square between posts.
-const LEVEL_M: f64 = 4.5;
+/// Streets are level across, so far beyond their sides: the diagonal of a square between posts, in distances of posts.
+const LEVEL: f64 = core::f64::consts::SQRT_2;
 /// So far beyond that the ground goes over into what it was; metres.
 const BLEND_M: f64 = 14.0;
+/// How much steeper the sides of causeways are.
+const CAUSEWAY: f64 = 4.0;
 /// Posts stand at heights of so many grid steps (1.6 cm), which makes them shorter to tell.
 const POST_STEPS: i32 = 16;
 /// Street profiles are told so closely, and smoothed over so many metres each way.
@@ -23,25 +27,57 @@ const STATION_M: f64 = 4.0;
 const SMOOTHED_M: f64 = 12.0;
 
 /// The ground of a city: level across its streets, whose middle lines follow the graph's terrain, smoothed; at crossroads between
-/// those that meet; and as it was 20 m away from them.
+/// those that meet; and as it was 20 m away from them. Bridges lie on causeways from end to end, where no street runs under them.
+/// Ponds and lakes are level.
 pub(super) fn terrain(graph: &CityGraph, extent: &Extent) -> PlanTerrain {
     let Some(raw) = &graph.terrain else { return PlanTerrain::default() };
     let posts = Posts::over(extent);
     let at = graph.node_positions();
+    let heights_at: HashMap<Id, f64> = graph.nodes.iter().map(|node| (node.id, node.z)).collect();
     let cut = |link: &Link| {
-        let is_cut = link.layer == 0 && !matches!(link.kind, LinkKind::Watercourse);
+        let is_cut = link.layer >= 0 && !matches!(link.kind, LinkKind::Watercourse);
         let line = graph.polyline(link, &at).filter(|_| is_cut)?;
-        Some(posts.claims(&pieces(&line, link, raw)))
+        let ends = [link.from, link.to].map(|node| heights_at.get(&node).copied().unwrap_or_default());
+        Some(posts.claims(&pieces(&line, link, raw, ends)))
     };
-    let claims: Vec<(usize, Claim)> = graph.links.par_iter().filter_map(cut).flatten_iter().collect();
-    let mut heights: Vec<i32> = (0..posts.count()).into_par_iter().map(|i| steps(raw.height_m(posts.pos(i).to_metres()))).collect();
-    // In the order of links: sums are the same for any number of threads.
-    let mut by_post: BTreeMap<usize, Vec<Claim>> = BTreeMap::new();
-    claims.into_iter().for_each(|(post, claim)| by_post.entry(post).or_default().push(claim));
-    for (post, claims) in by_post {
-        heights[post] = steps(settled(raw.height_m(posts.pos(post).to_metres()), &claims));
+    let mut claims: Vec<(u32, Claim)> = graph.links.par_iter().filter_map(cut).flatten_iter().collect();
+    let lakes = lakes(graph, raw);
+    let lake = |pos: GridPos| lakes.at(pos).next().copied();
+    let ground = |i: usize| lake(posts.pos(i)).unwrap_or_else(|| raw.height_m(posts.pos(i).to_metres()));
+    let mut heights: Vec<i32> = (0..posts.count()).into_par_iter().map(|i| steps(ground(i))).collect();
+    // Stable, and so in the order of links within a post: sums are the same for any number of threads.
+    claims.par_sort_by_key(|claim| claim.0);
+    for of_post in claims.chunk_by(|a, b| a.0 == b.0) {
+        let post = of_post[0].0 as usize;
+        heights[post] = steps(settled(ground(post), lake(posts.pos(post)).is_some(), of_post));
     }
     PlanTerrain { origin: posts.origin, step: posts.step, columns: posts.columns as u32, heights }
+}
+
+/// Waters that rise less than this from shore to shore are level, and this share of what the terrain says of them is lower; metres.
+const LEVEL_WATER_M: f64 = 3.0;
+const LOW_SHARE: f64 = 0.2;
+/// A water's height is told by so many places along each side of the box about it.
+const SOUNDINGS: u32 = 24;
+
+/// The heights of ponds and lakes.
+fn lakes(graph: &CityGraph, raw: &Terrain) -> Index<f64> {
+    let waters = graph.blocks.iter().filter(|block| block.kind == BlockKind::Water);
+    let polygons: Vec<GridPolygon> = waters.flat_map(|block| outline::polygons(&block.outline, &block.holes)).collect();
+    let lake = |water: &GridPolygon| {
+        let (low, high) = water.bounds()?;
+        let place = |i: u32, from: f64, to: f64| from + (to - from) * (f64::from(i) + 0.5) / f64::from(SOUNDINGS);
+        let (low, high) = (low.to_metres(), high.to_metres());
+        let all = (0..SOUNDINGS * SOUNDINGS)
+            .map(|i| DVec2::new(place(i % SOUNDINGS, low.x, high.x), place(i / SOUNDINGS, low.y, high.y)))
+            .filter(|&p| water.contains(GridPos::from_metres(p)));
+        let mut heights: Vec<f64> = all.map(|p| raw.height_m(p)).collect();
+        heights.sort_unstable_by(f64::total_cmp);
+        let at = |share: f64| heights.get((heights.len() as f64 * share) as usize).copied();
+        let (lowest, highest) = (at(LOW_SHARE)?, at(1.0 - LOW_SHARE)?);
+        (highest - lowest < LEVEL_WATER_M).then(|| (water.clone(), lowest))
+    };
+    Index::new(polygons.par_iter().filter_map(lake).collect())
 }
 
 /// Height of a post in grid steps.
@@ -81,10 +117,11 @@ impl Posts {
     }
 
     /// What a street says of each post near it: by the nearest place on its middle line.
-    fn claims(&self, pieces: &[Piece]) -> Vec<(usize, Claim)> {
-        let mut nearest: BTreeMap<usize, Claim> = BTreeMap::new();
+    fn claims(&self, pieces: &[Piece]) -> Vec<(u32, Claim)> {
+        let mut nearest: BTreeMap<u32, Claim> = BTreeMap::new();
         for piece in pieces {
-            let reach = piece.half_m.0.max(piece.half_m.1) + LEVEL_M + BLEND_M;
+            let level_m = LEVEL * metres(self.step);
+            let reach = piece.half_m.0.max(piece.half_m.1) + level_m + BLEND_M;
             let (lo, hi) = (piece.ends.0.min(piece.ends.1) - reach, piece.ends.0.max(piece.ends.1) + reach);
             let step = f64::from(self.step);
             let first =
@@ -92,9 +129,10 @@ impl Posts {
             let (x0, y0) = (first(lo.x, self.origin.0), first(lo.y, self.origin.1));
             let (x1, y1) = (first(hi.x, self.origin.0).min(self.columns), first(hi.y, self.origin.1).min(self.rows));
             for i in (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * self.columns + x)) {
-                let claim = piece.claim(self.pos(i).to_metres());
-                if claim.beyond_m < BLEND_M && nearest.get(&i).is_none_or(|known| claim.far_m < known.far_m) {
-                    nearest.insert(i, claim);
+                let claim = piece.claim(self.pos(i).to_metres(), level_m);
+                let post = i as u32;
+                if f64::from(claim.beyond_m) < BLEND_M && nearest.get(&post).is_none_or(|known| claim.far_m < known.far_m) {
+                    nearest.insert(post, claim);
                 }
             }
         }
@@ -102,24 +140,33 @@ impl Posts {
     }
 }
 
-/// What a street says of the height of a post.
+/// What a street says of the height of a post; there are many.
 #[derive(Debug, Clone, Copy)]
 struct Claim {
-    height_m: f64,
+    height_m: f32,
     /// How far the post is from the middle line.
-    far_m: f64,
+    far_m: f32,
     /// How far it is from where the street is level across; 0 within.
-    beyond_m: f64,
+    beyond_m: f32,
+    is_bridge: bool,
 }
 
-/// The height of a post on ground of a height that streets claim.
-fn settled(ground_m: f64, claims: &[Claim]) -> f64 {
+/// The height of a post on ground (or water) of a height that streets claim. Under bridges the ground is that of streets, where there are
+/// any; the sides of their causeways are steep, and streets beside waters leave them alone.
+fn settled(ground_m: f64, is_water: bool, claims: &[(u32, Claim)]) -> f64 {
     let (mut sum, mut weights, mut nearest) = (0.0, 0.0, BLEND_M);
-    for claim in claims {
-        let fade = 1.0 - claim.beyond_m / BLEND_M;
-        let weight = fade * fade / ((claim.far_m + 0.5) * (claim.far_m + 0.5));
-        (sum, weights) = (sum + weight * claim.height_m, weights + weight);
-        nearest = nearest.min(claim.beyond_m);
+    let is_street = |claim: &Claim| !claim.is_bridge && claim.beyond_m == 0.0;
+    let has_street = claims.iter().any(|(_, claim)| is_street(claim));
+    for (_, claim) in claims {
+        let [height_m, far_m, beyond_m] = [claim.height_m, claim.far_m, claim.beyond_m].map(f64::from);
+        let beyond_m = if claim.is_bridge { beyond_m * CAUSEWAY } else { beyond_m };
+        if beyond_m >= BLEND_M || (claim.is_bridge && has_street) || (is_water && !claim.is_bridge && beyond_m > 0.0) {
+            continue;
+        }
+        let fade = 1.0 - beyond_m / BLEND_M;
+        let weight = fade * fade / ((far_m + 0.5) * (far_m + 0.5));
+        (sum, weights) = (sum + weight * height_m, weights + weight);
+        nearest = nearest.min(beyond_m);
     }
     if weights <= 0.0 {
         return ground_m;
@@ -131,23 +178,26 @@ fn settled(ground_m: f64, claims: &[Claim]) -> f64 {
 
 /// A short straight piece of a street: its ends, the heights there, and half its width.
 struct Piece {
+    is_bridge: bool,
     ends: (DVec2, DVec2),
     height_m: (f64, f64),
     half_m: (f64, f64),
 }
 
 impl Piece {
-    fn claim(&self, p: DVec2) -> Claim {
+    fn claim(&self, p: DVec2, level_m: f64) -> Claim {
         let way = self.ends.1 - self.ends.0;
         let share = ((p - self.ends.0).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
         let far_m = p.distance(self.ends.0 + way * share);
         let between = |(a, b): (f64, f64)| a + (b - a) * share;
-        Claim { height_m: between(self.height_m), far_m, beyond_m: (far_m - between(self.half_m) - LEVEL_M).max(0.0) }
+        let beyond_m = (far_m - between(self.half_m) - level_m).max(0.0);
+        Claim { height_m: between(self.height_m) as f32, far_m: far_m as f32, beyond_m: beyond_m as f32, is_bridge: self.is_bridge }
     }
 }
 
-/// A street in short pieces, its heights smoothed along it. At its ends they are those of the ground, so that streets which meet agree.
-fn pieces(line: &[DVec2], link: &Link, raw: &Terrain) -> Vec<Piece> {
+/// A street in short pieces, its heights smoothed along it. At its ends they are those of the ground, so that streets which meet agree. A
+/// bridge goes straight from the height of its first node to that of its last.
+fn pieces(line: &[DVec2], link: &Link, raw: &Terrain, nodes_m: [f64; 2]) -> Vec<Piece> {
     let whole = length_m(line);
     let mut stations: Vec<(f64, DVec2)> = Vec::new();
     let mut gone = 0.0;
@@ -167,11 +217,14 @@ fn pieces(line: &[DVec2], link: &Link, raw: &Terrain) -> Vec<Piece> {
         let end = stations.partition_point(|other| other.0 <= s + reach);
         ground[first..end].iter().sum::<f64>() / (end - first).max(1) as f64
     };
-    let heights: Vec<f64> = (0..stations.len()).map(smooth).collect();
-    let half = |s: f64| width_at_m(link, if whole > 0.0 { s / whole } else { 0.0 }) / 2.0;
+    let is_bridge = link.layer > 0;
+    let share = |s: f64| if whole > 0.0 { s / whole } else { 0.0 };
+    let straight = |i: usize| nodes_m[0] + (nodes_m[1] - nodes_m[0]) * share(stations[i].0);
+    let heights: Vec<f64> = (0..stations.len()).map(|i| if is_bridge { straight(i) } else { smooth(i) }).collect();
+    let half = |s: f64| width_at_m(link, share(s)) / 2.0;
     let piece = |i: usize| {
         let ((s, a), (t, b)) = (stations[i], stations[i + 1]);
-        Piece { ends: (a, b), height_m: (heights[i], heights[i + 1]), half_m: (half(s), half(t)) }
+        Piece { is_bridge, ends: (a, b), height_m: (heights[i], heights[i + 1]), half_m: (half(s), half(t)) }
     };
     (0..stations.len().saturating_sub(1)).map(piece).collect()
 }
@@ -204,7 +257,7 @@ mod tests {
         for x in [-60.0, -33.3, 40.0, 61.7] {
             let across: Vec<f64> = [-5.0, -2.2, 0.0, 3.1, 5.0].map(|y| height(x, y)).to_vec();
             assert!(across.iter().all(|h| (h - 20.0).abs() < 0.02), "at {x}: {across:?}");
-            assert!((height(x, 27.0) - 25.4).abs() < 0.01 && (height(x, -27.0) - 14.6).abs() < 0.01);
+            assert!((height(x, 31.0) - 26.2).abs() < 0.01 && (height(x, -31.0) - 13.8).abs() < 0.01);
         }
         for y in [30.0, 50.0, 70.0] {
             assert!((height(-5.0, y) - (20.0 + y / 5.0)).abs() < 0.05 && (height(5.0, y) - height(-5.0, y)).abs() < 0.05);
@@ -220,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bump_in_the_street_is_smoothed_and_bridges_cut_nothing() {
+    fn a_bump_in_the_street_is_smoothed_and_a_bridge_leads_over_a_valley() {
         let mut graph = hillside();
         let terrain = graph.terrain.as_mut().expect("a hill");
         terrain.heights_m[20 * 41 + 12] += 3.0;
@@ -228,7 +281,22 @@ mod tests {
         let bump = DVec2::new(-40.0, 0.0);
         let ground = grown(&graph);
         assert!(raw.height_m(bump) == 23.0 && (20.1..21.2).contains(&ground.height_m(bump)), "{}", ground.height_m(bump));
+        // A bridge leads over a valley from end to end.
+        graph.terrain.as_mut().expect("a hill").heights_m[20 * 41 + 12] = 12.0;
+        graph.nodes.iter_mut().for_each(|node| node.z = 20.0);
         graph.links.iter_mut().for_each(|link| link.layer = 1);
-        assert!((grown(&graph).height_m(bump) - 23.0).abs() < 0.01, "under a bridge the ground is as it was");
+        let ground = grown(&graph);
+        assert!((ground.height_m(bump) - 20.0).abs() < 0.01, "{}", ground.height_m(bump));
+        assert!((ground.height_m(bump + DVec2::Y * 17.0) - 23.4).abs() < 0.05, "its causeway is narrow");
+    }
+
+    #[test]
+    fn ponds_are_level_and_streets_leave_them_alone() {
+        let mut graph = hillside();
+        let pond = "(name: \"P\", anchor: (lat: 50, lon: 14), blocks: [(kind: Water, outline: [(-60, 8), (-40, 8), (-40, 16), (-60, 16)])])";
+        graph.blocks = veduta_city::file::parse::<CityGraph>(pond, "t").unwrap_or_else(|e| panic!("{e}")).blocks;
+        let ground = grown(&graph);
+        let heights = [(-56.0, 12.0), (-48.0, 12.0), (-44.0, 12.0)].map(|(x, y)| ground.height_m(DVec2::new(x, y)));
+        assert!(heights.iter().all(|h| (h - heights[0]).abs() < 1e-9 && (21.5..22.5).contains(h)), "{heights:?}");
     }
 }

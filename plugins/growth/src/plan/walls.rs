@@ -18,7 +18,7 @@ const LEAST_STOREY_M: f64 = 2.0;
 /// Bodies whose foot is higher than this have no doors; grid steps.
 pub(super) const DOORSTEP: i32 = 512;
 /// Windows begin so high above the floor; a bay where the ground rises above has none. Metres.
-const SILL_M: f64 = 0.8;
+pub(super) const SILL_M: f64 = 0.8;
 /// Shops have the ground before them between these heights above their floor, metres.
 const BEFORE_SHOPS_M: core::ops::RangeInclusive<f64> = -0.45..=0.3;
 /// A door stands where it was drawn, unless the ground suits it better elsewhere by more than this; metres.
@@ -233,10 +233,19 @@ impl Slope<'_> {
     }
 }
 
-/// Leaves out windows and shops where the ground before them is too high, and shops where it is too low.
+/// Leaves out windows and shops where the ground before them is too high (above the ground floor in a whole storey of a wall), and shops
+/// where it is too low.
 fn suit_ground(volumes: &mut [Volume], edges: &[Vec<Edge>], masses: &[Mass], slope: &Slope<'_>) {
     let on_ground = volumes.iter_mut().zip(edges).zip(masses).filter(|(_, mass)| !mass.hangs());
     for (wall, edge) in on_ground.flat_map(|((volume, edges), _)| volume.walls.iter_mut().zip(edges)) {
+        let highest = slope.terrain.range_along(edge.a, edge.b).1 - metres(slope.floor);
+        let mut base = wall.storeys.first().map_or(0, |storey| storey.height);
+        for storey in wall.storeys.iter_mut().skip(1) {
+            if highest > metres(base) + SILL_M {
+                storey.opening = Opening::Blank;
+            }
+            base += storey.height;
+        }
         let (before, floor) = (slope.before(edge, wall.bays), &mut wall.ground_floor);
         for (bay, (low, high)) in (0..32_u8).zip(before).filter(|(bay, _)| floor.door_bay != Some(*bay)) {
             if high > SILL_M {

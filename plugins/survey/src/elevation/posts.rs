@@ -12,12 +12,14 @@ const STEP_M: core::ops::RangeInclusive<f64> = 4.0..=32.0;
 const MOST_POSTS: f64 = 4_000_000.0;
 /// Posts reach so far beyond the city and its margin, metres.
 const BEYOND_M: f64 = 40.0;
+/// No wider margin is built, metres.
+const WIDEST_MARGIN_M: f64 = 2_000.0;
 
 /// Posts under a city and around it, heights in hundredths of a metre above `zero_m`; where the model tells none, those of the posts
 /// around. And how many of those that are in the city's midst the model does not tell. `None` if it tells none at all.
 pub(super) fn posts(graph: &CityGraph, model: &ElevationGrid, sampler: &Sampler<'_>, zero_m: f64) -> Option<(Terrain, usize)> {
     let city = bounds(graph)?;
-    let more = graph.margin_m.max(0.0) + BEYOND_M;
+    let more = graph.margin_m.clamp(0.0, WIDEST_MARGIN_M) + BEYOND_M;
     let (low, high) = (city.0 - more, city.1 + more);
     let size = high - low;
     let coarsest = libm::sqrt(size.element_product() / MOST_POSTS).ceil();
