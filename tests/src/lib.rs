@@ -67,6 +67,26 @@ pub fn hillside_city() -> &'static Path {
     })
 }
 
+/// A riverside with four bridges, baked once a run.
+///
+/// # Panics
+/// If it cannot be baked.
+#[must_use]
+pub fn riverside_city() -> &'static Path {
+    static CITY: OnceLock<PathBuf> = OnceLock::new();
+    CITY.get_or_init(|| {
+        let city = workplace("riverside").join("riverside.city");
+        bake(&riverside_graph(), &city, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
+        city
+    })
+}
+
+/// The riverside's graph.
+#[must_use]
+pub fn riverside_graph() -> PathBuf {
+    root().join("plugins/bake/tests/places/riverside/riverside.graph.ron")
+}
+
 /// The hillside's graph.
 #[must_use]
 pub fn hillside_graph() -> PathBuf {

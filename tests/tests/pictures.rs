@@ -10,7 +10,7 @@ use veduta_game::film::{FilmOrder, film};
 use veduta_game::profile::Profile;
 use veduta_game::shot::{At, ShotOrder, picture};
 use veduta_game::studio::Size;
-use veduta_tests::{hillside_city, root, sample_city, scene, workplace};
+use veduta_tests::{hillside_city, riverside_city, root, sample_city, scene, workplace};
 
 /// One renderer at a time: two cores share it.
 static RENDERER: Mutex<()> = Mutex::new(());
@@ -54,6 +54,7 @@ fn stills_look_as_agreed() {
         (sample_city(), "square", "40,-10,1.65,300,8", 16.0, 65.0),
         (sample_city(), "skyline", "-30,-44,62,75,-8", 18.0, 60.0),
         (hillside_city(), "hillside", "60,64,1.65,85,2", 11.0, 60.0),
+        (riverside_city(), "riverside", "-20,-40,5,25,0", 14.0, 60.0),
     ];
     let mut unlike = Vec::new();
     for (city, name, at, hour, fov_deg) in stills {

@@ -65,10 +65,12 @@ pub enum ExportError {
 pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>, ExportError> {
     let mut glb = Glb::new(settings.texture_px, plan.seed);
     let (terrain, ground) = (plan.terrain.clone(), plan.ground.clone());
-    let shell = CellShell { terrain, ground, markings: plan.markings.clone(), ..CellShell::default() };
+    let (bridges, drawn_bridges) = (plan.bridges.clone(), plan.bridges.len() as u32);
+    let shell = CellShell { terrain, ground, markings: plan.markings.clone(), bridges, drawn_bridges, ..CellShell::default() };
     let mut streets = mesh::ground(&shell);
     streets.append(&mesh::markings(&shell));
     let ground = glb.leaf("ground", &streets)?;
+    let bridges = glb.leaf("bridges", &mesh::bridges(&shell))?;
     let mut houses = Vec::with_capacity(plan.houses.len());
     for house in &plan.houses {
         houses.push(export_house(&mut glb, plan, house)?);
@@ -87,7 +89,7 @@ pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>,
         "attribution": plan.attribution,
         "seed": plan.seed.to_string(),
     });
-    let children = ground.into_iter().chain([houses, objects]).collect();
+    let children = ground.into_iter().chain(bridges).chain([houses, objects]).collect();
     let city = glb.node(Node { name: &plan.name, children, extras, ..Node::default() })?;
     glb.finish(city, &plan.attribution)
 }

@@ -122,6 +122,11 @@ fn the_hillside_is_built_up_the_same_way() {
 }
 
 #[test]
+fn the_riverside_is_built_up_the_same_way() {
+    compare_place("riverside");
+}
+
+#[test]
 fn a_real_extract_stays_what_it_is() {
     let Some(data) = shared::data() else { return };
     let path = data.join("prague_karlovo_namesti_tiny/karlovo_namesti_2011.osm");

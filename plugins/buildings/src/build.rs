@@ -108,6 +108,7 @@ fn make(order: Order) -> Made {
         Level::One => {
             let mut base = mesh::ground(shell);
             base.append(&mesh::markings(shell));
+            base.append(&mesh::bridges(shell));
             base.append(&mesh::roofs(shell));
             base.append(&mesh::objects(shell));
             parts.push((CellMeshKind::Base, base));

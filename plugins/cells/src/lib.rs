@@ -42,7 +42,8 @@
 //!   polygon in the dual plane, where each portal's end is one half-plane; see [`PartitionSettings::line_sets`].
 //!
 //! # Limits
-//! * One floor: passages under hanging volumes are free space, bridges above streets are not cells of their own.
+//! * One floor: passages under hanging volumes are free space, and so is what lies under bridges: a span belongs to the cell that its
+//!   middle lies over, and whoever is on it is in the cell below.
 //! * Visibility is in plan: what rises above the roofs is told by [`veduta_city::Cells::skyline`], everything lower is taken to be
 //!   hidden by any house. Walls inside one cell hide nothing. Both only matter to what is loaded, never to what is drawn. On slopes
 //!   it is not so: who looks down over roofs may see farther than what is loaded.

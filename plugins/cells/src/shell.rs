@@ -1,10 +1,10 @@
 use rayon::prelude::*;
 use veduta_city::{
-    Cell, CellShell, Cells, CityPlan, Design, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, House, HouseShell,
-    Marking, PlacedMonument, PlanObject, PlanTerrain, Portal, Volume, VolumeShell,
+    BridgeSpan, BridgeStation, Cell, CellShell, Cells, CityPlan, Design, GRID_PER_METRE, GridPolygon, GridPos, GridRing,
+    GroundPatch, House, HouseShell, Marking, PlacedMonument, PlanObject, PlanTerrain, Portal, Volume, VolumeShell,
 };
 
-use crate::overlay::{Keep, combine, turned_rings};
+use crate::overlay::{Bounds, Keep, combine, turned_rings};
 use crate::patches::Patches;
 
 /// Content of every cell's level-1 packet: ground (of its yards, too), houses, objects and blind portals, relative to the packet's
@@ -12,6 +12,7 @@ use crate::patches::Patches;
 #[must_use]
 pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
     let patches = Patches::new(plan);
+    let decks: Vec<Option<Bounds>> = plan.bridges.iter().map(|span| span.outline().bounds()).collect();
     let shell = |cell: &Cell| {
         let origin = origin(cell);
         let footings = footings(plan, cell);
@@ -24,6 +25,7 @@ pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
         let mut designs = Designs::default();
         let monuments = monuments(plan, cell, origin, &mut designs);
         let objects = objects(plan, cell, origin, &mut designs);
+        let bridges = bridges(plan, cell, &decks, origin);
         CellShell {
             origin,
             outline: moved(&cell.outline, origin),
@@ -33,6 +35,8 @@ pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
             objects,
             blind: blind(cells, cell, origin),
             markings: markings(plan, cell, origin),
+            bridges,
+            drawn_bridges: cell.bridges.len() as u32,
             designs: designs.list,
             monuments,
         }
@@ -148,6 +152,17 @@ fn objects(plan: &CityPlan, cell: &Cell, origin: GridPos, designs: &mut Designs)
 fn markings(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<Marking> {
     let markings = cell.markings.iter().filter_map(|&m| plan.markings.get(m as usize));
     markings.map(|m| Marking { line: m.line.iter().map(|&p| local(p, origin)).collect(), ..m.clone() }).collect()
+}
+
+/// Spans that the cell draws, then those that others draw over it.
+fn bridges(plan: &CityPlan, cell: &Cell, decks: &[Option<Bounds>], origin: GridPos) -> Vec<BridgeSpan> {
+    let Some((lo, hi)) = cell.outline.bounds() else { return Vec::new() };
+    let touches = |(low, high): Bounds| low.0 <= hi.0 && lo.0 <= high.0 && low.1 <= hi.1 && lo.1 <= high.1;
+    let others = (0..).zip(decks).filter(|(b, bounds)| bounds.is_some_and(touches) && cell.bridges.binary_search(b).is_err());
+    let here = cell.bridges.iter().copied().chain(others.map(|(b, _)| b));
+    let station = |s: &BridgeStation| BridgeStation { left: local(s.left, origin), right: local(s.right, origin), z: s.z };
+    let spans = here.filter_map(|b| plan.bridges.get(b as usize));
+    spans.map(|span| BridgeSpan { stations: span.stations.iter().map(station).collect(), ..span.clone() }).collect()
 }
 
 fn blind(cells: &Cells, cell: &Cell, origin: GridPos) -> Vec<Portal> {

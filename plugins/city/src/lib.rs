@@ -21,6 +21,7 @@
 //! could be grown anew alone; see [`draw`]).
 
 mod anchor;
+mod bridge;
 mod cell;
 mod colour;
 pub mod draw;
@@ -50,6 +51,7 @@ mod tour;
 mod width;
 
 pub use anchor::Anchor;
+pub use bridge::{BridgeForm, BridgeSpan, BridgeStation, SpanMarking};
 pub use cell::{Cell, Cells, Portal, PortalSide};
 pub use colour::{ParseColourError, Rgb};
 pub use faces::{BorderEdge, connected_faces};

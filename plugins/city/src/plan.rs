@@ -1,8 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Anchor, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Place, PlacedMonument, PlanTerrain, Rgb, RoofShape, Styles,
-    Viewpoint,
+    Anchor, BridgeSpan, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Place, PlacedMonument, PlanTerrain, Rgb, RoofShape,
+    Styles, Viewpoint,
 };
 
 /// The city plan: everything that will stand and lie in the city, on the grid, with every choice made that looks at
@@ -42,6 +42,9 @@ pub struct CityPlan {
     /// What is painted on carriageways, and rails.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub markings: Vec<Marking>,
+    /// Spans of bridges, those of each one after another.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bridges: Vec<BridgeSpan>,
     /// Centre lines with names, for maps, routes and labels.
     pub streets: Vec<PlanStreet>,
     /// Things with a name.

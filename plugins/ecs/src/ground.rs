@@ -1,7 +1,8 @@
+use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::system::SystemParam;
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use veduta_city::GridPos;
+use veduta_city::{BridgeSpan, GridPos};
 
 use crate::{City, Eye, StandingCells, Viewer};
 
@@ -17,32 +18,57 @@ pub struct Ground<'w> {
 const AROUND: f64 = 0.5;
 const LEAST_AROUND_M: f64 = 1.0;
 
+/// Whoever is so far below a bridge goes under it, metres.
+const HEADROOM_M: f64 = 2.0;
+/// No span of a bridge reaches so far from its first station, metres.
+const LONGEST_SPAN_M: f64 = 100.0;
+
+/// What one stands on somewhere.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Floor {
+    z_m: f64,
+    is_bridge: bool,
+}
+
 impl Ground<'_> {
-    /// Height of the ground at a plan position, metres above the city's zero; 0 where nothing is known of it.
+    /// Height of what one stands on at a plan position who is at a height there, metres above the city's zero: of the ground, or of
+    /// the highest bridge over it that is not a man's height above. 0 where nothing is known of the ground.
     #[must_use]
-    pub fn at(&self, plan_pos: DVec2) -> f64 {
-        self.known(plan_pos).unwrap_or(0.0)
+    pub fn at(&self, plan_pos: DVec2, near_m: f64) -> f64 {
+        self.floor(plan_pos, near_m).map_or(0.0, |floor| floor.z_m)
     }
 
-    fn known(&self, plan_pos: DVec2) -> Option<f64> {
+    fn floor(&self, plan_pos: DVec2, near_m: f64) -> Option<Floor> {
+        let over = |spans: &[BridgeSpan], p: DVec2| {
+            let near = spans.iter().filter(|span| {
+                let first = span.stations.first().map(|station| station.left.to_metres());
+                first.is_some_and(|first| first.distance_squared(p) < LONGEST_SPAN_M * LONGEST_SPAN_M)
+            });
+            let heights = near.filter_map(|span| span.height_m(p)).filter(|height| *height < near_m + HEADROOM_M);
+            heights.max_by(f64::total_cmp).map(|z_m| Floor { z_m, is_bridge: true })
+        };
+        let ground = |z_m: f64| Floor { z_m, is_bridge: false };
         if let Some(overview) = self.city.as_ref().and_then(|city| city.overview.as_ref()) {
-            return Some(overview.terrain.height_m(plan_pos));
+            return over(&overview.bridges, plan_pos).or_else(|| Some(ground(overview.terrain.height_m(plan_pos))));
         }
         let pos = GridPos::from_metres(plan_pos);
-        let here = self.standing.iter().find(|(_, _, shell)| shell.outline.contains(pos - shell.origin));
-        here.map(|(_, _, shell)| shell.terrain.height_m(plan_pos - shell.origin.to_metres()))
+        let (_, _, shell) = self.standing.iter().find(|(_, _, shell)| shell.outline.contains(pos - shell.origin))?;
+        let p = plan_pos - shell.origin.to_metres();
+        over(&shell.bridges, p).or_else(|| Some(ground(shell.terrain.height_m(p))))
     }
 
-    /// The ground that an eye so far above it rises and sinks with: smoother, the higher it is.
+    /// The floor that an eye so far above it rises and sinks with, smoother, the higher it is; as [`Ground::at`] else.
     #[must_use]
-    pub fn about(&self, plan_pos: DVec2, eye_m: f64) -> f64 {
+    pub fn about(&self, plan_pos: DVec2, near_m: f64, eye_m: f64) -> f64 {
+        let Some(here) = self.floor(plan_pos, near_m) else { return 0.0 };
         let reach = (eye_m * AROUND).max(LEAST_AROUND_M);
         let diagonal = core::f64::consts::FRAC_1_SQRT_2;
         let ways = [(1.0, 0.0), (diagonal, diagonal), (0.0, 1.0), (-diagonal, diagonal)];
         let around = ways.into_iter().map(|(x, y)| DVec2::new(x, y) * reach).flat_map(|way| [plan_pos + way, plan_pos - way]);
-        let known = [plan_pos; 2].into_iter().chain(around).filter_map(|pos| self.known(pos));
-        let (sum, count) = known.fold((0.0, 0.0), |(sum, count), height| (sum + height, count + 1.0));
-        if count > 0.0 { sum / count } else { 0.0 }
+        // Where the ground lies beside a bridge does not move whoever is on it.
+        let like = around.filter_map(|pos| self.floor(pos, here.z_m)).filter(|floor| floor.is_bridge == here.is_bridge);
+        let (sum, count) = like.fold((2.0 * here.z_m, 2.0), |(sum, count), floor| (sum + floor.z_m, count + 1.0));
+        sum / count
     }
 }
 
@@ -57,10 +83,23 @@ pub enum Footing {
     Own,
 }
 
+/// Who moves so far at once has jumped, metres: onto the highest floor there.
+const JUMP_M: f64 = 10.0;
+
 /// Puts the ground under eyes that do not stand on their own.
-pub(crate) fn follow_ground(ground: Ground<'_>, mut viewers: Query<(&mut Eye, &Footing), With<Viewer>>) {
-    for (mut eye, _) in viewers.iter_mut().filter(|(_, footing)| **footing == Footing::Terrain) {
-        let ground_m = ground.about(eye.plan_pos, eye.eye_m);
+pub(crate) fn follow_ground(
+    ground: Ground<'_>,
+    mut viewers: Query<(Entity, &mut Eye, &Footing), With<Viewer>>,
+    mut last: Local<EntityHashMap<DVec2>>,
+) {
+    last.retain(|viewer, _| viewers.contains(*viewer));
+    for (viewer, mut eye, footing) in &mut viewers {
+        let has_jumped = last.insert(viewer, eye.plan_pos).is_none_or(|last| last.distance(eye.plan_pos) > JUMP_M);
+        if *footing != Footing::Terrain {
+            continue;
+        }
+        let near_m = if has_jumped { f64::INFINITY } else { eye.ground_m };
+        let ground_m = ground.about(eye.plan_pos, near_m, eye.eye_m);
         if eye.ground_m != ground_m {
             eye.ground_m = ground_m;
         }

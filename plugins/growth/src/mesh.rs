@@ -1,7 +1,7 @@
 //! Meshes of a cell, made from its packets on the walker's machine.
 //!
 //! ```text
-//!  CellShell ──► ground, roofs, level1, objects ─► MeshData     CellShell ──► collision
+//!  CellShell ──► ground, bridges, roofs, … ──────► MeshData     CellShell ──► collision
 //!  CellShell + FacadeSheet ──► level2 ───────────► MeshData
 //! ```
 //!
@@ -32,6 +32,7 @@
 //! Distance fields for hips (parabolic creases at inner corners), and sharing vertices between faces (every face has its own
 //! normal, tile and façade anyway).
 
+mod bridge;
 mod collision;
 mod data;
 mod drape;
@@ -54,6 +55,7 @@ mod wall;
 #[cfg(test)]
 mod proof;
 
+pub use bridge::bridges;
 pub use collision::{Collision, Pillar, Trimesh, collision};
 pub use data::{MeshData, MeshError};
 pub use footing::footings;

@@ -1,7 +1,7 @@
 //! The city plan from the city graph.
 //!
 //! ```text
-//!  CityGraph ─┬─► extent ─► streets ─► ground ─► verges ─┬─► lots ─┐
+//!  CityGraph ─┬─► bridges ─► streets ─► ground ─► verges ─┬─► lots ─┐
 //!             ├─► houses (given) ────────────────┴────────┴────────┴─► facing ─► floors ─► massing ─► variety ─► walls ─► CityPlan
 //!             └─► terrain (streets cut into it) ─────────────────────────────────┘                             │
 //!                                                  network (who waits where) ─► objects, markings, places, start ──┘
@@ -28,8 +28,9 @@
 //! ```
 //!
 //! # Limits
-//! Bridges lie on the ground (over water or railways), and what lies below the ground is left out with a finding. Arcades are openings,
-//! not rooms. The ground is the graph's terrain alone; the `z` of nodes is for what will not lie on it.
+//! Bridges go from ground to ground: over water, and over valleys that the terrain tells. Where neither lies under a link that a map calls
+//! a bridge, as over streets and railways of a level city, it stays on the ground; what lies below the ground is left out with a finding.
+//! Arcades are openings, not rooms. The `z` of nodes is not looked at: the ground is the graph's terrain alone.
 //!
 //! # Rejected
 //! Boolean operations in place of one arrangement of the ground (neighbours do not share their vertices) ·
@@ -40,6 +41,7 @@ mod arrangement;
 mod band;
 pub(crate) mod boolean;
 mod bounds;
+mod bridges;
 mod cellars;
 mod crossroads;
 mod extent;
@@ -61,19 +63,21 @@ mod outline;
 mod perimeter;
 mod places;
 mod relation;
+mod spans;
 mod stand;
 mod stock;
 mod streets;
 mod terrain;
 mod variety;
 mod walls;
+mod water;
 
 use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, GridPos, StyleError};
 
 pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 6;
+pub const GROWTH_VERSION: u32 = 7;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -138,7 +142,9 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let mut findings = Vec::new();
     let extent = extent::extent(graph, &mut findings);
     let areas = streets::areas(&graph.blocks, &mut findings);
-    let layers = streets::layers(graph, &areas, &mut findings);
+    let depths = water::Depths::of(graph.terrain.as_ref());
+    let bridges = bridges::Bridges::of(graph, &water::Waters::of(graph, &areas, depths));
+    let layers = streets::layers(graph, &areas, (&bridges, depths), &mut findings);
     let book = houses::StyleBook::new(styles, &areas, &mut findings);
     let mut drafts = houses::given(graph, &book, &extent, &mut findings);
 
@@ -148,7 +154,8 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     drafts.extend(lots::grow_lots(graph, &areas, &layers, &ground, &extent, &drafts, &book, &mut findings));
     let standing = facing::bodies(&drafts);
     let facing = facing::facing(&drafts, &standing, &on_ground);
-    let terrain = terrain::terrain(graph, &extent);
+    let terrain = terrain::terrain(graph, &bridges, &extent);
+    let spans = spans::spans(graph, &bridges, &terrain);
     let floors = floors::floors(&drafts, &facing, &terrain);
     let masses = massing::masses(&drafts, &facing, &floors, &book, &mut findings);
     let looks = variety::looks(&drafts, &facing, &book);
@@ -159,7 +166,8 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
 
     let doors = walls::doorsteps(&houses).into_iter().map(|d| (GridPolygon::simple(vec![GridPos::from_metres(d)]), ()));
     let doorsteps = index::Index::new(doors.collect());
-    let site = objects::Site { terrain: &terrain, ground: &on_ground, standing: &standing, doorsteps: &doorsteps };
+    let decks = spans::Decks::new(spans.iter().enumerate());
+    let site = objects::Site { terrain: &terrain, ground: &on_ground, decks: &decks, standing: &standing, doorsteps: &doorsteps };
     let network = network::Network::new(graph);
     let (mut objects, grown) = objects::objects(graph, &areas, (&network, furniture), &site, &mut findings);
     designs.of_objects(graph.objects.iter().chain(&grown), &mut objects, &mut findings);
@@ -181,6 +189,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
         houses,
         objects,
         markings,
+        bridges: spans,
         streets: streets::centre_lines(graph),
     };
     Ok(Growth { plan, findings })

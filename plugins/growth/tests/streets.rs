@@ -25,18 +25,26 @@ fn prove_streets(graph: &CityGraph, plan: &CityPlan) {
         let mut gone = 0.0;
         for e in line.windows(2) {
             // Slivers may join what is beside them.
-            if e[0].distance(e[1]) < 0.5 {
+            if e[0].distance(e[1]) < 1.0 {
                 gone += e[0].distance(e[1]);
                 continue;
             }
             let aside = (e[1] - e[0]).normalize().perp();
             for share in [0.25, 0.5, 0.75] {
                 let half = link.width_at((gone + e[0].distance(e[1]) * share) / length) / 2.0;
-                for offset in [-0.9, 0.0, 0.9] {
-                    let p = GridPos::from_metres(e[0].lerp(e[1], share) + aside * half * offset);
+                let middle = e[0].lerp(e[1], share);
+                // Bridges cut the corners of bends, and carry ways that run along their edges.
+                let near = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|off| middle + aside * off);
+                if near.iter().any(|&p| plan.bridges.iter().any(|span| span.height_m(p).is_some())) {
+                    continue;
+                }
+                // What lies nearer to an edge than this may join what is beside it, as slivers do.
+                let edge = (0.9 * half).min(half - 0.2).max(0.0);
+                for offset in [-edge, 0.0, edge] {
+                    let p = GridPos::from_metres(middle + aside * offset);
                     let surface = patch_at(plan, p).map(|patch| patch.surface);
                     let is_street = !matches!(surface, None | Some(SurfaceKind::Yard | SurfaceKind::Grass | SurfaceKind::Water));
-                    assert!(is_street, "{:?} at {p:?}, {offset} of the half-width of {link:?}", surface);
+                    assert!(is_street, "{:?} at {p:?}, {offset} m from the middle of {link:?}", surface);
                 }
             }
             gone += e[0].distance(e[1]);

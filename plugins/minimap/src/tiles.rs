@@ -64,6 +64,11 @@ pub(crate) fn cut_tiles(city: Option<Res<City>>, mut tiles: ResMut<MapTiles>) {
             tiles.add(0, outline, ink);
         }
     }
+    for span in &overview.bridges {
+        if let Some(ink) = ink(span.surface) {
+            tiles.add(0, &span.outline(), ink);
+        }
+    }
     for (_, outline, top) in &overview.houses {
         let ground = outline.outer.first().map_or(0, |&p| overview.terrain.height(p));
         tiles.add(1, outline, if top.saturating_sub(ground) > LANDMARK_TOP { LANDMARK } else { HOUSE });

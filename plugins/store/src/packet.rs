@@ -100,9 +100,9 @@ mod tests {
     use proptest::prelude::*;
     use veduta_city::monument::{Axis, Content, Head, Hole, HoleShape, Material, PathPoint, Piece, Repeat, Shape};
     use veduta_city::{
-        Design, Gable, GridPolygon, GridPos, GroundFloor, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind, Opening,
-        PlacedMonument, PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, Storey, SurfaceKind, Tile,
-        VolumeShell, Wall, WallKind,
+        BridgeForm, BridgeSpan, BridgeStation, Design, Gable, GridPolygon, GridPos, GroundFloor, GroundPatch, HouseShell, Id,
+        Marking, MarkingKind, ObjectKind, Opening, PlacedMonument, PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb,
+        RoofShape, SpanMarking, Storey, SurfaceKind, Tile, VolumeShell, Wall, WallKind,
     };
 
     use super::*;
@@ -184,6 +184,31 @@ mod tests {
         Design { name: "everything".to_owned(), materials: materials.to_vec(), pieces }
     }
 
+    fn span(z: i32) -> BridgeSpan {
+        let station = |x: i32| BridgeStation { left: GridPos(x, 3000), right: GridPos(x, -3000), z };
+        BridgeSpan {
+            id: Id(5),
+            form: BridgeForm::Girder,
+            surface: SurfaceKind::Asphalt,
+            pavements: (900, 0),
+            parapets: (true, false),
+            stations: vec![station(-9000), station(0), station(9000)],
+            springing: -40,
+            piers: (None, Some(-5000)),
+            markings: vec![SpanMarking { kind: MarkingKind::Rails, left: (-4, 9), width: 1469 }],
+        }
+    }
+
+    #[test]
+    fn a_packet_with_a_bridge_that_leads_nowhere_is_refused() {
+        let (mut shell, _) = full();
+        shell.bridges[0].stations.truncate(1);
+        assert!(refused(shell).contains("bridge 0: it has no stations"));
+        let (mut shell, _) = full();
+        shell.drawn_bridges = 2;
+        assert!(refused(shell).contains("it draws 2 of 1 bridges"));
+    }
+
     fn refused(shell: CellShell) -> String {
         let stored = encode_packet(&Packet::Shell(Box::new(shell)));
         decode_packet(&stored, &BlobRef::of(&stored), Level::One).map_or_else(|e| e.to_string(), |_| String::new())
@@ -239,6 +264,8 @@ mod tests {
                     objects,
                     blind,
                     markings: vec![marking],
+                    bridges: vec![span(origin.1 % 99); 2],
+                    drawn_bridges: 1,
                     designs: vec![design()],
                     monuments,
                 }
@@ -392,6 +419,8 @@ mod tests {
             markings: [MarkingKind::Line, MarkingKind::Dashes, MarkingKind::Zebra, MarkingKind::Rails]
                 .map(|kind| Marking { kind, line: vec![GridPos(1, 2), GridPos(3, 40)], width: 9, z: 8 })
                 .to_vec(),
+            bridges: vec![span(7)],
+            drawn_bridges: 1,
             designs: vec![design()],
             monuments: vec![PlacedMonument { design: 0, pos: GridPos(-70, 8), z: 9, heading: 100 }],
         };
@@ -403,8 +432,8 @@ mod tests {
         let (shell, sheet) = full();
         let hash = |content: Vec<u8>| blake3::hash(&content).to_hex()[..16].to_owned();
         let forms = (hash(to_bytes(&WireShell::from(&shell))), hash(to_bytes(&WireSheet::from(&sheet))));
-        let expected = ("ab1abbde4c67062c".to_owned(), "ccc8b71824605507".to_owned());
-        assert_eq!((crate::FORMAT_VERSION, forms), (3, expected), "raise FORMAT_VERSION if this is on purpose");
+        let expected = ("688652d00444fa7a".to_owned(), "ccc8b71824605507".to_owned());
+        assert_eq!((crate::FORMAT_VERSION, forms), (4, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

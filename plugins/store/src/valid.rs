@@ -3,7 +3,7 @@
 //! Plan positions stay within ±2³⁰ steps (1,048 km), positions within a cell and heights within ±2²⁷ (131 km): no sum or
 //! difference of two of them leaves 32 bits.
 
-use veduta_city::{CellShell, GridPolygon, GridPos, HouseShell, Overview, PortalSide, VolumeShell};
+use veduta_city::{BridgeSpan, CellShell, GridPolygon, GridPos, HouseShell, Overview, PortalSide, VolumeShell};
 
 use crate::blob::BlobKind;
 use crate::{BlobRef, CellEntry, CityIndex};
@@ -94,6 +94,12 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
             .and_then(|()| check_height("its edge", marking.width))
             .map_err(|reason| format!("marking {i}: {reason}"))?;
     }
+    if shell.drawn_bridges as usize > shell.bridges.len() {
+        return Err(format!("it draws {} of {} bridges", shell.drawn_bridges, shell.bridges.len()));
+    }
+    for (i, span) in shell.bridges.iter().enumerate() {
+        check_span(span, NEAR).map_err(|reason| format!("bridge {i}: {reason}"))?;
+    }
     for (i, design) in shell.designs.iter().enumerate() {
         design.check().map_err(|error| format!("design {i}: {error}"))?;
     }
@@ -112,6 +118,20 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
         return Err(format!("its monuments come to more than {MOST_FACES} faces"));
     }
     Ok(())
+}
+
+fn check_span(span: &BridgeSpan, reach: u32) -> Check {
+    let ends = span.stations.iter().flat_map(|station| [station.left, station.right]);
+    if !(2..=LONGEST_LINE).contains(&span.stations.len()) || ends.into_iter().any(|pos| !is_within(pos, reach)) {
+        return Err("it has no stations, or ones too far away".to_owned());
+    }
+    span.stations.iter().try_for_each(|station| check_height("it", station.z))?;
+    let heights = [span.pavements.0, span.pavements.1, span.springing].into_iter().chain(span.piers.0).chain(span.piers.1);
+    heights.into_iter().try_for_each(|height| check_height("what carries it", height))?;
+    if span.markings.len() > LONGEST_LINE {
+        return Err(format!("it has {} markings", span.markings.len()));
+    }
+    span.markings.iter().flat_map(|m| [m.left.0, m.left.1, m.width]).try_for_each(|left| check_height("a marking", left))
 }
 
 /// How many squares between posts the patches of a cell may be cut into, at most.
@@ -159,6 +179,9 @@ pub(crate) fn check_overview(overview: &Overview) -> Check {
     }
     for (i, (_, outline)) in overview.areas.iter().enumerate() {
         check_polygon("it", outline, FAR).map_err(|reason| format!("area {i}: {reason}"))?;
+    }
+    for (i, span) in overview.bridges.iter().enumerate() {
+        check_span(span, FAR).map_err(|reason| format!("bridge {i}: {reason}"))?;
     }
     let in_streets = overview.streets.iter().flat_map(|street| &street.line);
     let in_objects = overview.objects.iter().map(|(_, pos)| pos);

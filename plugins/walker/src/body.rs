@@ -88,7 +88,7 @@ pub(crate) fn take_over(
     for (body, mut transform, mut controller) in &mut bodies {
         let Ok((eye, gait, mut footing)) = walkers.get_mut(body.of) else { continue };
         let (at, z_m) = origin.plan_from_world(transform.translation);
-        let ground_m = ground.at(eye.plan_pos);
+        let ground_m = ground.at(eye.plan_pos, eye.ground_m);
         let has_fallen = z_m - f64::from(middle_m()) < ground_m - FALLEN_M;
         let carried = *steering == Steering::Guided || gait.flying || jump.is_under_way();
         footing.set_if_neq(if carried { Footing::Terrain } else { Footing::Own });
@@ -185,9 +185,9 @@ pub(crate) fn stride(
             gait.velocity.z += (rise - gait.velocity.z) * ease;
             let step = gait.velocity * dt;
             // A flight goes straight on over hills and valleys.
-            let (was_m, eye_m) = (ground.about(eye.plan_pos, eye.eye_m), eye.eye_m);
+            let (was_m, eye_m, near_m) = (ground.about(eye.plan_pos, eye.ground_m, eye.eye_m), eye.eye_m, eye.ground_m);
             eye.plan_pos += step.truncate();
-            eye.eye_m = (eye.eye_m + step.z + was_m - ground.about(eye.plan_pos, eye_m)).max(1.0);
+            eye.eye_m = (eye.eye_m + step.z + was_m - ground.about(eye.plan_pos, near_m, eye_m)).max(1.0);
             continue;
         }
         // Without a floor there is no falling: the cell has not arrived.

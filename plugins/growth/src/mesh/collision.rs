@@ -1,6 +1,7 @@
 use glam::DVec2;
-use veduta_city::{CellShell, PlanObject, SurfaceKind, metres};
+use veduta_city::{BridgeForm, BridgeSpan, BridgeStation, CellShell, GridPos, PlanObject, SurfaceKind, metres};
 
+use super::bridge::{Deck, KERB_M};
 use super::drape::Drape;
 use super::footing::stands;
 use super::ground::LevelEdges;
@@ -44,6 +45,10 @@ const HEADROOM_M: f64 = 2.2;
 const WALL_M: f64 = 6.0;
 const FOOTING_M: f64 = 1.0;
 
+/// Banks that a bridge lies no higher above stop nobody, and end so far below their tops; metres.
+const LOW_BRIDGE_M: f64 = 1.5;
+const STEP_M: f64 = 0.3;
+
 /// What stops and carries a walker: only the walls that this cell lists.
 #[must_use]
 pub fn collision(shell: &CellShell) -> Collision {
@@ -61,7 +66,11 @@ pub fn collision(shell: &CellShell) -> Collision {
         }
     }
     banks(shell, &ground, &drape, &mut walls);
-    Collision { walls, ground: walkable(shell, &drape), objects: shell.objects.iter().map(pillar).collect() }
+    let mut floor = walkable(shell, &drape);
+    for span in shell.bridges.iter().take(shell.drawn_bridges as usize) {
+        bridge(span, &mut walls, &mut floor);
+    }
+    Collision { walls, ground: floor, objects: shell.objects.iter().map(pillar).collect() }
 }
 
 impl Trimesh {
@@ -101,10 +110,92 @@ fn banks(shell: &CellShell, ground: &GroundHeights<'_>, drape: &Drape<'_>, walls
                 };
                 let surface = drape.lowest(edge.a, edge.b) + metres(patch.z);
                 let beside = ground.before(&edge).unwrap_or(surface);
-                walls.upright(&edge, surface.min(beside) - FOOTING_M, surface.max(beside) + WALL_M);
+                let (low, high) = (surface.min(beside) - FOOTING_M, surface.max(beside));
+                for (from, to, bridge) in below_bridges(&edge, shell) {
+                    let Some(part) = Edge::new(edge.at(from), edge.at(to)) else { continue };
+                    let top = match bridge {
+                        Some(z) if z < high + LOW_BRIDGE_M => high - STEP_M,
+                        Some(z) => (z - LOW_BRIDGE_M / 2.0).min(high + WALL_M),
+                        None => high + WALL_M,
+                    };
+                    walls.upright(&part, low, top);
+                }
             }
             first += ring.len();
         }
+    }
+}
+
+/// The parts of a bank from one share of it to another, each with how high the bridge over it is, if there is one; metres.
+fn below_bridges(edge: &Edge, shell: &CellShell) -> Vec<(f64, f64, Option<f64>)> {
+    let mut below: Vec<(f64, f64, f64)> = Vec::new();
+    for pair in shell.bridges.iter().flat_map(|span| span.stations.windows(2)) {
+        let corners = [pair[0].right, pair[1].right, pair[1].left, pair[0].left].map(GridPos::to_metres);
+        let (mut from, mut to) = (0.0_f64, 1.0_f64);
+        for (i, &p) in corners.iter().enumerate() {
+            let way = corners[(i + 1) % 4] - p;
+            let [a, b] = [edge.a, edge.b].map(|end| way.perp_dot(end - p));
+            match (a >= 0.0, b >= 0.0) {
+                (true, true) => {}
+                (false, false) => to = -1.0,
+                (false, true) => from = from.max(a / (a - b)),
+                (true, false) => to = to.min(a / (a - b)),
+            }
+        }
+        if to > from {
+            below.push((from, to, metres(pair[0].z).min(metres(pair[1].z))));
+        }
+    }
+    below.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut parts, mut gone) = (Vec::new(), 0.0);
+    for (from, to, z) in below {
+        if from > gone {
+            parts.push((gone, from, None));
+        }
+        if to > gone {
+            parts.push((from.max(gone), to, Some(z)));
+            gone = to;
+        }
+    }
+    if gone < 1.0 {
+        parts.push((gone, 1.0, None));
+    }
+    parts
+}
+
+/// The deck of a bridge, between its parapets, and its pier.
+fn bridge(span: &BridgeSpan, walls: &mut Trimesh, floor: &mut Trimesh) {
+    let Some(deck) = Deck::new(span) else { return };
+    let [on_left, on_right] = deck.pavements_m();
+    for pair in span.stations.windows(2) {
+        let [a, b] = [&pair[0], &pair[1]];
+        let (ya, yb) = (metres(a.z), metres(b.z));
+        // Lines by the end that they are measured from, and how far to the left of it they are.
+        let lines = [(-1.0, 0.0), (-1.0, on_right), (1.0, -on_left), (1.0, 0.0)];
+        for (pair, lift) in lines.windows(2).zip([KERB_M, 0.0, KERB_M]) {
+            let (right, left) = (pair[0], pair[1]);
+            if right == left {
+                continue;
+            }
+            let place = |station: &BridgeStation, (side, left): (f64, f64)| station.at(side * station.half_m() + left);
+            let corners = [(a, right, ya), (b, right, yb), (b, left, yb), (a, left, ya)];
+            let base = floor.positions.len() as u32;
+            floor.positions.extend(corners.map(|(station, at, y)| engine(place(station, at), y + lift).as_vec3().to_array()));
+            floor.triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+        }
+        for (from, to, is_guarded) in [(a.right, b.right, span.parapets.1), (b.left, a.left, span.parapets.0)] {
+            if let Some(edge) = Edge::new(from.to_metres(), to.to_metres()).filter(|_| is_guarded) {
+                walls.upright(&edge, ya.min(yb) - STEP_M, ya.max(yb) + WALL_M);
+            }
+        }
+    }
+    let (Some(foot), Some(end)) = (span.piers.1, span.stations.last()) else { return };
+    let top = match span.form {
+        BridgeForm::Arches => metres(span.springing),
+        BridgeForm::Girder => metres(end.z) - HEADROOM_M,
+    };
+    if let Some(edge) = Edge::new(end.right.to_metres(), end.left.to_metres()) {
+        walls.upright(&edge, metres(foot), top);
     }
 }
 

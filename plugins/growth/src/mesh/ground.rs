@@ -40,7 +40,7 @@ pub fn ground(shell: &CellShell) -> MeshData {
                 }
             });
         });
-        if patch.surface != SurfaceKind::Water && (patch.z > 0 || patch.z > lowest) {
+        if patch.z > lowest || (patch.z > 0 && patch.surface != SurfaceKind::Water) {
             let below = metres(patch.z) - metres(lowest);
             kerb(patch, &level, below.clamp(KERB_M, BANK_M), &drape, &mut mesh);
         }
@@ -49,7 +49,7 @@ pub fn ground(shell: &CellShell) -> MeshData {
     mesh
 }
 
-fn remainder(origin: i32) -> f64 {
+pub(super) fn remainder(origin: i32) -> f64 {
     metres(i64::from(origin).rem_euclid(REPEAT) as i32)
 }
 

@@ -5,8 +5,10 @@ use super::data::{MeshData, Paint};
 use super::drape::Drape;
 use super::outline::centre_of;
 
-/// How far paint lies above the ground, metres: more than the depth buffer confuses, less than a shoe.
+/// How far rails' beds lie above the ground, and paint, which also lies on those; metres: more than the depth buffer confuses, less than
+/// a shoe.
 const LIFT_M: f64 = 0.012;
+const PAINT_LIFT_M: f64 = 0.018;
 /// Worn white.
 const PAINT: Rgb = Rgb(0xDD, 0xDA, 0xD0);
 /// Steel that wheels keep bright, and the setts that rails lie in.
@@ -36,26 +38,55 @@ pub fn markings(shell: &CellShell) -> MeshData {
     let drape = Drape::of(shell);
     for marking in &shell.markings {
         let line: Vec<DVec2> = marking.line.iter().map(|p| p.to_metres()).collect();
-        let (Some(&first), Some(&last)) = (line.first(), line.last()) else { continue };
-        let paint = Paint::new(centre_of((first + last) / 2.0), PAINT, Tile::Plaster);
-        let layer = Layer { drape: &drape, lift: metres(marking.z) + LIFT_M, paint };
-        let width = metres(marking.width.max(0));
-        match marking.kind {
-            MarkingKind::Line => layer.strip(&line, [-width / 2.0, width / 2.0], &mut mesh),
-            MarkingKind::Dashes => {
-                let period = Marking::DASH_M + Marking::GAP_M;
-                let dashes = dashes(&line, period, Marking::DASH_M);
-                dashes.iter().for_each(|dash| layer.strip(dash, [-width / 2.0, width / 2.0], &mut mesh));
-            }
-            MarkingKind::Zebra => {
-                let stripes = dashes(&line, 2.0 * STRIPE_M, STRIPE_M);
-                stripes.iter().for_each(|stripe| layer.strip(stripe, [-width / 2.0, width / 2.0], &mut mesh));
-            }
-            MarkingKind::Rails => tramway(&layer, &line, width, &mut mesh),
-            MarkingKind::Track => railway(&layer, &line, width, &mut mesh),
-        }
+        lay(marking.kind, &line, metres(marking.width.max(0)), (&drape, metres(marking.z)), &mut mesh);
     }
     mesh
+}
+
+/// What markings are laid on.
+pub(super) trait Floor {
+    /// A place so far above it, in the engine's axes.
+    fn above(&self, p: DVec2, lift: f64) -> DVec3;
+    /// The places at which a straight way bends with it, its ends among them.
+    fn way(&self, a: DVec2, b: DVec2) -> Vec<DVec2>;
+    /// Calls `each` with the pieces of a convex polygon on each of which it is flat.
+    fn pieces(&self, polygon: &[DVec2], each: &mut dyn FnMut(&[DVec2]));
+}
+
+impl Floor for Drape<'_> {
+    fn above(&self, p: DVec2, lift: f64) -> DVec3 {
+        self.above(p, lift)
+    }
+
+    fn way(&self, a: DVec2, b: DVec2) -> Vec<DVec2> {
+        self.way(a, b)
+    }
+
+    fn pieces(&self, polygon: &[DVec2], each: &mut dyn FnMut(&[DVec2])) {
+        self.pieces(polygon, each);
+    }
+}
+
+/// Lays a marking along a line, so wide, so far above a floor; metres.
+pub(super) fn lay(kind: MarkingKind, line: &[DVec2], width: f64, (floor, z): (&dyn Floor, f64), mesh: &mut MeshData) {
+    let (Some(&first), Some(&last)) = (line.first(), line.last()) else { return };
+    let paint = Paint::new(centre_of((first + last) / 2.0), PAINT, Tile::Plaster);
+    let is_paint = !matches!(kind, MarkingKind::Rails | MarkingKind::Track);
+    let layer = Layer { floor, lift: z + if is_paint { PAINT_LIFT_M } else { LIFT_M }, paint };
+    match kind {
+        MarkingKind::Line => layer.strip(line, [-width / 2.0, width / 2.0], mesh),
+        MarkingKind::Dashes => {
+            let period = Marking::DASH_M + Marking::GAP_M;
+            let dashes = dashes(line, period, Marking::DASH_M);
+            dashes.iter().for_each(|dash| layer.strip(dash, [-width / 2.0, width / 2.0], mesh));
+        }
+        MarkingKind::Zebra => {
+            let stripes = dashes(line, 2.0 * STRIPE_M, STRIPE_M);
+            stripes.iter().for_each(|stripe| layer.strip(stripe, [-width / 2.0, width / 2.0], mesh));
+        }
+        MarkingKind::Rails => tramway(&layer, line, width, mesh),
+        MarkingKind::Track => railway(&layer, line, width, mesh),
+    }
 }
 
 /// Sleepers, and two rails on them.
@@ -122,8 +153,8 @@ fn part(line: &[DVec2], from: f64, to: f64) -> Vec<DVec2> {
 
 /// What a marking is drawn with.
 struct Layer<'a> {
-    drape: &'a Drape<'a>,
-    /// Above the terrain, metres.
+    floor: &'a dyn Floor,
+    /// Above the floor, metres.
     lift: f64,
     paint: Paint,
 }
@@ -131,11 +162,11 @@ struct Layer<'a> {
 impl Layer<'_> {
     /// A block on a ring that runs counter-clockwise, without its underside.
     fn block(&self, ring: &[DVec2; 4], height: f64, mesh: &mut MeshData) {
-        mesh.polygon(&ring.map(|p| self.drape.above(p, self.lift + height)), self.paint);
+        mesh.polygon(&ring.map(|p| self.floor.above(p, self.lift + height)), self.paint);
         for (i, &a) in ring.iter().enumerate() {
             let b = ring[(i + 1) % 4];
             let face = [(a, 0.0), (b, 0.0), (b, height), (a, height)];
-            mesh.polygon(&face.map(|(p, up)| self.drape.above(p, self.lift + up)), self.paint);
+            mesh.polygon(&face.map(|(p, up)| self.floor.above(p, self.lift + up)), self.paint);
         }
     }
 
@@ -144,9 +175,9 @@ impl Layer<'_> {
         for pair in line.windows(2) {
             let off = (pair[1] - pair[0]).normalize_or_zero().perp() * left;
             let (a, b) = if from_left { (pair[1] + off, pair[0] + off) } else { (pair[0] + off, pair[1] + off) };
-            for pair in self.drape.way(a, b).windows(2) {
+            for pair in self.floor.way(a, b).windows(2) {
                 let face = [(pair[0], 0.0), (pair[1], 0.0), (pair[1], height), (pair[0], height)];
-                mesh.polygon(&face.map(|(p, up)| self.drape.above(p, self.lift + up)), self.paint);
+                mesh.polygon(&face.map(|(p, up)| self.floor.above(p, self.lift + up)), self.paint);
             }
         }
     }
@@ -162,14 +193,10 @@ impl Layer<'_> {
             let here = [p + mitre * right, p + mitre * left];
             if let Some([r, l]) = before {
                 let whole = [r, here[0], here[1], l];
-                if self.drape.is_level() {
-                    mesh.polygon(&whole.map(|p| self.drape.above(p, self.lift)), self.paint);
-                } else {
-                    self.drape.pieces(&whole, |piece| {
-                        let corners: Vec<DVec3> = piece.iter().map(|&p| self.drape.above(p, self.lift)).collect();
-                        mesh.polygon(&corners, self.paint);
-                    });
-                }
+                self.floor.pieces(&whole, &mut |piece| {
+                    let corners: Vec<DVec3> = piece.iter().map(|&p| self.floor.above(p, self.lift)).collect();
+                    mesh.polygon(&corners, self.paint);
+                });
             }
             before = Some(here);
         }

@@ -238,11 +238,20 @@ impl<'a> GroundHeights<'a> {
 
     /// Height in metres of the ground before a wall; on the cell's lowest patch where none lies there; `None` without any.
     pub(super) fn before(&self, edge: &Edge) -> Option<f64> {
-        let p = edge.at(0.5) + edge.out * 0.3;
+        let lift = self.patch_before(edge).or(self.lowest)?;
+        Some(self.terrain.height_m(Self::place_before(edge)) + metres(lift))
+    }
+
+    fn place_before(edge: &Edge) -> DVec2 {
+        edge.at(0.5) + edge.out * 0.3
+    }
+
+    /// Height above the terrain of the patch before a wall, grid steps; `None` where none lies there.
+    pub(super) fn patch_before(&self, edge: &Edge) -> Option<i32> {
+        let p = Self::place_before(edge);
         let within = |low: DVec2, high: DVec2| low.cmple(p).all() && p.cmple(high).all();
         let here = self.patches.iter().find(|(low, high, outline, _)| within(*low, *high) && grid_contains(outline, p));
-        let lift = here.map(|patch| patch.3).or(self.lowest)?;
-        Some(self.terrain.height_m(p) + metres(lift))
+        here.map(|patch| patch.3)
     }
 }
 

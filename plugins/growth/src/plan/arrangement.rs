@@ -248,10 +248,8 @@ mod tests {
     }
 
     fn layers(shapes: &[Vec<Vec<GridPos>>]) -> Vec<Layer> {
-        let layer = |rings: &Vec<Vec<GridPos>>| Layer {
-            rank: Rank::Lane,
-            surface: SurfaceKind::Cobbles,
-            shapes: rings.iter().cloned().map(GridPolygon::simple).collect(),
+        let layer = |rings: &Vec<Vec<GridPos>>| {
+            Layer::new(Rank::Lane, SurfaceKind::Cobbles, rings.iter().cloned().map(GridPolygon::simple).collect())
         };
         shapes.iter().map(layer).collect()
     }

@@ -10,6 +10,8 @@ use veduta_city::{GridPolygon, GridPos, Link};
 pub(super) const LEAST_PIECE_M: f64 = 1e-6;
 /// Bends up to this angle get a vertex on each side, if the pieces are long enough for it.
 const MITRED: f64 = 50.0 * core::f64::consts::PI / 180.0;
+/// … and their width changes by less than so much a metre on each side: mitres move where it is measured.
+const STEEPEST_TAPER: f64 = 0.1;
 /// Share of a piece's length by which a vertex on the inside of a bend may lie ahead of the bend.
 const MOST_AHEAD: f64 = 0.45;
 
@@ -29,8 +31,10 @@ pub(super) fn band(stations: &[Station], half_m: impl Fn(f64) -> f64) -> Option<
     for (i, both) in ways.windows(2).enumerate() {
         let (here, half) = (line[i + 1], half_m(line[i + 1].share));
         let turn = libm::atan2(both[0].perp_dot(both[1]), both[0].dot(both[1]));
-        let shorter = here.pos.distance(line[i].pos).min(here.pos.distance(line[i + 2].pos));
-        if turn.abs() <= MITRED && half * libm::tan(turn.abs() / 2.0) <= MOST_AHEAD * shorter {
+        let pieces = [line[i], line[i + 2]].map(|other| (here.pos.distance(other.pos), half_m(other.share)));
+        let shorter = pieces[0].0.min(pieces[1].0);
+        let is_even = pieces.iter().all(|(length, other)| (other - half).abs() <= STEEPEST_TAPER * length);
+        if is_even && turn.abs() <= MITRED && half * libm::tan(turn.abs() / 2.0) <= MOST_AHEAD * shorter {
             let to_left = (both[0] + both[1]).perp() * (half / (1.0 + both[0].dot(both[1])));
             left.push(here.pos + to_left);
             right.push(here.pos - to_left);
@@ -80,6 +84,23 @@ pub(super) fn stations(line: &[DVec2], link: &Link) -> Vec<Station> {
         out.extend(between.map(at));
         out.push(Station { pos: e[1], share: to });
         gone += e[0].distance(e[1]);
+    }
+    out
+}
+
+/// The part of stations between two shares of their line's length.
+pub(super) fn part(stations: &[Station], shares: core::ops::Range<f64>) -> Vec<Station> {
+    let mut out: Vec<Station> = Vec::new();
+    for pair in stations.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let (from, to) = (a.share.max(shares.start), b.share.min(shares.end));
+        if from < to {
+            let at = |share: f64| Station { pos: a.pos.lerp(b.pos, (share - a.share) / (b.share - a.share)), share };
+            if out.is_empty() {
+                out.push(at(from));
+            }
+            out.push(if to == b.share { b } else { at(to) });
+        }
     }
     out
 }

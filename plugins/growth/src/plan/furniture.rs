@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use veduta_city::draw::Draw;
 use veduta_city::furniture::{AreaKind, Control, Offset, Placement, Side};
 use veduta_city::{
-    BlockKind, CityGraph, Furnishing, FurnitureRule, GridPolygon, GridPos, Id, Link, LinkKind, Range, StandingObject, StreetClass,
-    SurfaceKind, ring_edges,
+    BlockKind, CityGraph, Furnishing, FurnitureRule, GridPolygon, GridPos, Id, Link, LinkKind, ObjectKind, Range, StandingObject,
+    StreetClass, SurfaceKind, ring_edges,
 };
 
 use super::network::Network;
@@ -83,6 +83,9 @@ impl Furnisher<'_> {
             let id = Id::from_place(&format!("grown {}", rule.name), wish.pos);
             let draw = Draw::new(self.graph.seed, id, "furniture");
             let Some(furnishing) = drawn(&rule.put, draw) else { continue };
+            if furnishing.kind == ObjectKind::Tree && self.site.decks.at(wish.pos).is_some() {
+                continue;
+            }
             let radius = furnishing.kind.radius_m();
             if !self.taken.is_free(wish.pos, radius + PASSAGE_M * f64::from(!is_row(&rule.place))) {
                 continue;
@@ -242,7 +245,9 @@ impl Furnisher<'_> {
     /// Whether something may stand in the street: on public ground, not on a carriageway, in no doorway, clear of houses.
     fn may_stand(&self, pos: DVec2, clear_m: f64) -> bool {
         let here = GridPos::from_metres(pos);
-        let is_public = self.site.surface(pos).is_some_and(|(surface, _)| surface.is_public());
+        let on_bridge = || self.site.decks.surface(pos).map(|(surface, _)| surface);
+        let surface = on_bridge().or_else(|| self.site.surface(pos).map(|(surface, _)| surface));
+        let is_public = surface.is_some_and(SurfaceKind::is_public);
         let on_carriageway = || self.network.carriageways.at(here).next().is_some();
         let in_doorway = || {
             let doors = self.site.doorsteps.near(&GridPolygon::simple(vec![here]), DOOR_CLEAR_M + clear_m);

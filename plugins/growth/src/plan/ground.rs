@@ -21,7 +21,7 @@ pub(super) fn partition(extent: &Extent, layers: &[Layer]) -> Vec<GroundPatch> {
     let pieces = arrange(extent, layers, DUST_M2).into_iter();
     let patch = |piece: super::arrangement::Piece| {
         let layer = piece.layer.and_then(|layer| layers.get(usize::from(layer)));
-        let (surface, z) = layer.map_or((SurfaceKind::Yard, 0), |layer| (layer.surface, layer.z()));
+        let (surface, z) = layer.map_or((SurfaceKind::Yard, 0), |layer| (layer.surface, layer.z));
         GroundPatch { surface, outline: piece.outline, z }
     };
     pieces.map(patch).collect()
@@ -109,12 +109,8 @@ mod tests {
     fn higher_layers_win_and_yards_fill_the_rest() {
         let extent = Extent { lo: GridPos(0, 0), hi: GridPos(200 * 1024, 100 * 1024) };
         let layers = [
-            Layer { rank: Rank::Pavement, surface: SurfaceKind::Mosaic, shapes: vec![rectangle(-10, 40, 400, 10)] },
-            Layer {
-                rank: Rank::Park,
-                surface: SurfaceKind::Grass,
-                shapes: vec![rectangle(50, 0, 50, 100), rectangle(60, 0, 50, 100)],
-            },
+            Layer::new(Rank::Pavement, SurfaceKind::Mosaic, vec![rectangle(-10, 40, 400, 10)]),
+            Layer::new(Rank::Park, SurfaceKind::Grass, vec![rectangle(50, 0, 50, 100), rectangle(60, 0, 50, 100)]),
         ];
         let patches = partition(&extent, &layers);
         let area = |surface| patches.iter().filter(|p| p.surface == surface).map(|p| p.outline.area_m2()).sum::<f64>();
@@ -136,10 +132,8 @@ mod tests {
         let strip = rectangle(60, 50, 60, 2);
         let yard = boolean::union(&boolean::rings([&yard, &strip])).remove(0);
         let frame = GridPolygon { holes: vec![yard.outer.iter().rev().copied().collect()], ..rectangle(30, 30, 100, 40) };
-        let layers = [
-            Layer { rank: Rank::Lane, surface: SurfaceKind::Cobbles, shapes },
-            Layer { rank: Rank::Path, surface: SurfaceKind::Gravel, shapes: vec![frame] },
-        ];
+        let layers =
+            [Layer::new(Rank::Lane, SurfaceKind::Cobbles, shapes), Layer::new(Rank::Path, SurfaceKind::Gravel, vec![frame])];
         let mut ground = partition(&extent, &layers);
         pave_verges(&mut ground, &extent, &Index::new(vec![(rectangle(100, 111, 3, 2), ())]));
         let paved: Vec<&GroundPatch> = ground.iter().filter(|p| p.surface == SurfaceKind::Mosaic).collect();
@@ -154,7 +148,7 @@ mod tests {
         let slanted =
             GridPolygon::simple([(-10, 100), (-10, 90), (310, 187), (310, 197)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec());
         let shapes = vec![lane(-10, 20, 400, 5), lane(20, -10, 5, 400), lane(270, -10, 4, 400), slanted, lane(128, 230, 64, 34)];
-        let layers = [Layer { rank: Rank::Lane, surface: SurfaceKind::Cobbles, shapes }];
+        let layers = [Layer::new(Rank::Lane, SurfaceKind::Cobbles, shapes)];
         let whole = boolean::difference(&boolean::rings([&extent.polygon()]), &boolean::rings(&layers[0].shapes));
         let area = |of: &[GridPolygon]| {
             let mut areas: Vec<f64> = of.iter().map(GridPolygon::area_m2).collect();
@@ -179,7 +173,7 @@ mod tests {
             let shape = |&(x, y, w, h, skew): &(i32, i32, i32, i32, i32)| {
                 GridPolygon::simple([(x, y), (x + w, y + skew), (x + w, y + skew + h), (x, y + h)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec())
             };
-            let layers = [Layer { rank: Rank::Lane, surface: SurfaceKind::Cobbles, shapes: quads.iter().map(shape).collect() }];
+            let layers = [Layer::new(Rank::Lane, SurfaceKind::Cobbles, quads.iter().map(shape).collect())];
             let ground = index(&partition(&extent, &layers));
             for i in 0..400 {
                 for seam in [64, 128, 192] {

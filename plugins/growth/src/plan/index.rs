@@ -190,6 +190,10 @@ impl<T: Sync> Index<T> {
         Self { cells: gathering.sorted(), things }
     }
 
+    pub const fn is_empty(&self) -> bool {
+        self.things.is_empty()
+    }
+
     /// All that contain a position, in order of insertion.
     pub fn at(&self, pos: GridPos) -> impl Iterator<Item = &T> {
         let touching = self.cells.at(pos).iter().map(|note| (&self.things[*note as usize / 2], note % 2 == 1));

@@ -16,13 +16,13 @@ use super::streets::{along, length_m, width_m};
 /// Lines are cut into pieces this long: whole repeats of [`veduta_city::Marking::DASH_M`]; metres.
 const PIECE_M: f64 = 3.0 * (Marking::DASH_M + Marking::GAP_M);
 /// Breadth of lines along a street, metres.
-const LINE_M: f64 = 0.125;
+pub(super) const LINE_M: f64 = 0.125;
 /// Carriageways from this width on have four lanes, metres.
 const FOUR_LANES_M: f64 = 12.4;
 /// Lines shorter than this are left out; metres.
 const LEAST_M: f64 = 3.0;
 /// Gauge of rails, and distance between the middles of tracks side by side; metres.
-const GAUGE_M: f64 = 1.435;
+pub(super) const GAUGE_M: f64 = 1.435;
 const TRACK_M: f64 = 4.0;
 /// Most tracks of one railway.
 const MOST_TRACKS: f64 = 12.0;
@@ -42,10 +42,7 @@ pub(super) fn markings(graph: &CityGraph, network: &Network<'_>, site: &Site<'_>
             marks.pieces(MarkingKind::Rails, &line, 0.0..length_m(&line), 0.0, GAUGE_M);
             continue;
         }
-        let count = (width_m(link) / TRACK_M).floor().clamp(1.0, MOST_TRACKS);
-        for i in 0..count as u32 {
-            marks.railway(&line, (f64::from(i) - (count - 1.0) / 2.0) * TRACK_M);
-        }
+        tracks(width_m(link)).for_each(|left| marks.railway(&line, left));
     }
     marks.out
 }
@@ -74,23 +71,32 @@ fn crossing(junction: &Junction, streets: &[Street<'_>], marks: &mut Marks<'_, '
 fn lines(street: &Street<'_>, marks: &mut Marks<'_, '_>) {
     let (from, to) = (street.taken_m[0], street.length_m - street.taken_m[1]);
     let half = (0..=8).map(|i| street.half_m(f64::from(i) / 8.0)).fold(f64::INFINITY, f64::min);
-    let width = 2.0 * half;
-    if to - from < LEAST_M || width < TWO_LANES_M {
+    if to - from < LEAST_M {
         return;
     }
-    let mut line = |kind, left_m| marks.pieces(kind, &street.line, from..to, left_m, LINE_M);
-    match street.class {
-        StreetClass::Motorway => {
-            [-1.0, 1.0].into_iter().for_each(|side| line(MarkingKind::Line, side * (half - 0.5)));
-            line(MarkingKind::Dashes, 0.0);
-        }
-        StreetClass::Main if width >= FOUR_LANES_M => {
-            [-0.15, 0.15].into_iter().for_each(|left| line(MarkingKind::Line, left));
-            [-half / 2.0, half / 2.0].into_iter().for_each(|left| line(MarkingKind::Dashes, left));
-        }
-        StreetClass::Main => line(MarkingKind::Dashes, 0.0),
-        _ => {}
+    for (kind, left_m) in lane_lines(street.class, half) {
+        marks.pieces(kind, &street.line, from..to, left_m, LINE_M);
     }
+}
+
+/// The lines along a carriageway half so wide, and how far to the left of its middle each is; metres.
+pub(super) fn lane_lines(class: StreetClass, half: f64) -> Vec<(MarkingKind, f64)> {
+    use MarkingKind::{Dashes, Line};
+    match class {
+        _ if 2.0 * half < TWO_LANES_M => Vec::new(),
+        StreetClass::Motorway => vec![(Line, 0.5 - half), (Line, half - 0.5), (Dashes, 0.0)],
+        StreetClass::Main if 2.0 * half >= FOUR_LANES_M => {
+            vec![(Line, -0.15), (Line, 0.15), (Dashes, -half / 2.0), (Dashes, half / 2.0)]
+        }
+        StreetClass::Main => vec![(Dashes, 0.0)],
+        _ => Vec::new(),
+    }
+}
+
+/// How far to the left of a railway's middle each of its tracks is, by its width; metres.
+pub(super) fn tracks(width_m: f64) -> impl Iterator<Item = f64> {
+    let count = (width_m / TRACK_M).floor().clamp(1.0, MOST_TRACKS);
+    (0..count as u32).map(move |i| (f64::from(i) - (count - 1.0) / 2.0) * TRACK_M)
 }
 
 struct Marks<'a, 'b> {
@@ -145,9 +151,32 @@ impl Marks<'_, '_> {
         }
     }
 
-    /// Adds a line to the left of another, over some of its length, piece by piece.
+    /// Adds a line to the left of another, over some of its length, piece by piece, but on bridges.
     fn pieces(&mut self, kind: MarkingKind, line: &[DVec2], range: Range<f64>, left_m: f64, width_m: f64) {
-        pieces(range).for_each(|(from, to)| self.add(kind, &beside(line, from, to, left_m), width_m));
+        for range in self.on_ground(line, range) {
+            pieces(range).for_each(|(from, to)| self.add(kind, &beside(line, from, to, left_m), width_m));
+        }
+    }
+
+    /// The parts of a line over some of its length that lie on no bridge.
+    fn on_ground(&self, line: &[DVec2], range: Range<f64>) -> Vec<Range<f64>> {
+        if self.site.decks.is_none() {
+            return vec![range];
+        }
+        let count = ((range.end - range.start) / CROSSING_STEP_M).ceil().max(1.0) as usize;
+        let place = |i: usize| range.start + (range.end - range.start) * i as f64 / count as f64;
+        let is_on_bridge = |i: usize| {
+            let here = [place(i), place(i + 1)].map(|s| along(line, s).is_some_and(|(p, _)| self.site.decks.at(p).is_some()));
+            here[0] || here[1]
+        };
+        let steps: Vec<bool> = (0..count).map(is_on_bridge).collect();
+        let (mut first, mut out) = (0, Vec::new());
+        for run in steps.chunk_by(|a, b| a == b) {
+            let range = place(first)..place(first + run.len());
+            first += run.len();
+            out.extend((!run[0]).then_some(range));
+        }
+        out
     }
 }
 

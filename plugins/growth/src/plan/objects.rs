@@ -14,10 +14,13 @@ use super::furniture::{Furnisher, Taken};
 use super::ground::Ground;
 use super::index::Index;
 use super::network::Network;
+use super::spans::Decks;
 use super::{Area, furniture, streets};
 
 /// Farthest that an object is moved out of a house; metres.
 const FARTHEST_MOVE_M: f64 = 3.0;
+/// … and out of the water.
+const FARTHEST_BANK_M: f64 = 8.0;
 /// A graph with fewer objects than one in so many metres of street is furnished.
 const SPARSE_M: f64 = 120.0;
 /// Most objects that are grown.
@@ -29,6 +32,7 @@ const TALLEST_M: f64 = 200.0;
 pub(super) struct Site<'a> {
     pub terrain: &'a PlanTerrain,
     pub ground: &'a Ground,
+    pub decks: &'a Decks<'a>,
     pub standing: &'a Index<(BodyRef, f64)>,
     pub doorsteps: &'a Index<()>,
 }
@@ -45,18 +49,29 @@ impl Site<'_> {
         self.is_free(pos) && (0..8).all(|i| self.is_free(rim(i)))
     }
 
-    /// The nearest free position within a distance, in rings of 25 cm.
+    /// The nearest free position within a distance.
     pub fn nearest_free(&self, pos: DVec2, within_m: f64) -> Option<DVec2> {
-        if self.is_free(pos) {
-            return Some(pos);
+        if self.is_free(pos) { Some(pos) } else { about(pos, within_m).find(|&p| self.is_free(p)) }
+    }
+
+    /// The nearest free place on land for something that stands in the water, bridges aside, and would not: `None` if it is not so, or
+    /// there is no such place near.
+    fn bank(&self, object: &StandingObject) -> Option<DVec2> {
+        let is_wet = |pos: DVec2| {
+            self.decks.at(pos).is_none() && self.surface(pos).is_some_and(|(surface, _)| surface == SurfaceKind::Water)
+        };
+        let may_be_wet = object.kind == ObjectKind::Fountain || !object.monument.is_empty();
+        if may_be_wet || !is_wet(object.pos) {
+            return None;
         }
-        let rings = (1..=(within_m / 0.25) as u32).map(|r| f64::from(r) * 0.25);
-        let mut about = rings.flat_map(|r| (0..16).map(move |i| pos + compass(f64::from(i) * 22.5) * r));
-        about.find(|&p| self.is_free(p))
+        about(object.pos, FARTHEST_BANK_M).find(|&p| self.is_free(p) && !is_wet(p))
     }
 
     /// The foot of something round above the city's zero, grid steps: on slopes the lowest ground under it, so that it hangs nowhere.
     fn foot(&self, pos: DVec2, radius_m: f64) -> i32 {
+        if let Some((_, height)) = self.decks.surface(pos) {
+            return GridPos::steps(height);
+        }
         let above = self.surface(pos).map_or(0, |(_, z)| z);
         if self.terrain.is_level() {
             return above;
@@ -66,10 +81,16 @@ impl Site<'_> {
         above.saturating_add(GridPos::steps(lowest))
     }
 
-    /// What lies at a position, and how high above the terrain.
+    /// What lies at a position, bridges aside, and how high above the terrain.
     pub fn surface(&self, pos: DVec2) -> Option<(SurfaceKind, i32)> {
         self.ground.at(GridPos::from_metres(pos)).next().copied()
     }
+}
+
+/// Positions about another within a distance, in rings of 25 cm.
+fn about(pos: DVec2, within_m: f64) -> impl Iterator<Item = DVec2> {
+    let rings = (1..=(within_m / 0.25) as u32).map(|r| f64::from(r) * 0.25);
+    rings.flat_map(move |r| (0..16).map(move |i| pos + compass(f64::from(i) * 22.5) * r))
 }
 
 /// Unit vector of a heading in degrees clockwise from north.
@@ -129,6 +150,12 @@ pub(super) fn objects(
         if site.surface(object.pos).is_none() {
             let message = "object: it stands beyond the edge of the city";
             findings.push(Finding::new(Severity::Dropped, object.id, Some(object.pos), message));
+            continue;
+        }
+        if let Some(pos) = site.bank(object) {
+            let message = format!("object: it stood in water and was moved by {:.1} m", pos.distance(object.pos));
+            findings.push(Finding::new(Severity::Repaired, object.id, Some(object.pos), message));
+            out.push(placed(&StandingObject { pos, ..object.clone() }, graph.seed, site));
             continue;
         }
         match site.nearest_free(object.pos, FARTHEST_MOVE_M) {

@@ -1,5 +1,6 @@
 //! What covers the ground, as layers of overlapping shapes in order of priority.
 
+use core::ops::Range;
 use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec2;
@@ -9,8 +10,10 @@ use veduta_city::{
     Surfacing, WIDEST_M,
 };
 
-use super::band::{band, stations};
+use super::band::{self, band, stations};
+use super::bridges::Bridges;
 use super::crossroads::{Arm, gaps, rounding, wedge};
+use super::water::Depths;
 use super::{Area, outline};
 
 /// Kerb: how far pavements stand above the carriageway, metres.
@@ -50,15 +53,24 @@ pub(super) struct Layer {
     pub rank: Rank,
     /// What covers them.
     pub surface: SurfaceKind,
+    /// Height of its top above the terrain, grid steps.
+    pub z: i32,
     /// Where.
     pub shapes: Vec<GridPolygon>,
 }
 
+#[cfg(test)]
 impl Layer {
-    /// Height of its top, grid steps.
-    pub fn z(&self) -> i32 {
-        if self.rank == Rank::Pavement { GridPos::steps(KERB_M) } else { 0 }
+    pub fn new(rank: Rank, surface: SurfaceKind, shapes: Vec<GridPolygon>) -> Self {
+        Self { rank, surface, z: key(rank, surface).1, shapes }
     }
+}
+
+/// What makes shapes one layer: priority, height of the top above the terrain in grid steps (deep water lies over shallow), surface.
+type Key = (Rank, i32, SurfaceKind);
+
+fn key(rank: Rank, surface: SurfaceKind) -> Key {
+    (rank, if rank == Rank::Pavement { GridPos::steps(KERB_M) } else { 0 }, surface)
 }
 
 /// Width of the pavement on each side of a street with a carriageway; 0 if there is none. Metres.
@@ -91,37 +103,43 @@ const fn surface(surfacing: Surfacing) -> SurfaceKind {
 }
 
 /// Everything that covers ground, in order of priority.
-pub(super) fn layers(graph: &CityGraph, areas: &[Area<'_>], findings: &mut Vec<Finding>) -> Vec<Layer> {
-    let mut shapes: BTreeMap<(Rank, SurfaceKind), Vec<GridPolygon>> = BTreeMap::new();
-    link_shapes(graph, areas, &mut shapes, findings);
+pub(super) fn layers(
+    graph: &CityGraph,
+    areas: &[Area<'_>],
+    (bridges, depths): (&Bridges, Depths),
+    findings: &mut Vec<Finding>,
+) -> Vec<Layer> {
+    let mut shapes: BTreeMap<Key, Vec<GridPolygon>> = BTreeMap::new();
+    link_shapes(graph, areas, (bridges, depths), &mut shapes, findings);
     for square in &graph.squares {
         let found = outline::polygons(&square.outline, &square.holes);
         if found.is_empty() {
             let message = "square: its outline has no area";
             findings.push(Finding::new(Severity::Dropped, square.id, square.outline.first().copied(), message));
         }
-        shapes.entry((Rank::Square, surface(square.surfacing))).or_default().extend(found);
+        shapes.entry(key(Rank::Square, surface(square.surfacing))).or_default().extend(found);
     }
     for area in areas {
         let key = match area.block.kind {
             BlockKind::Built => continue,
-            BlockKind::Park => (Rank::Park, SurfaceKind::Grass),
-            BlockKind::Monument => (Rank::Monument, SurfaceKind::Flagstones),
-            BlockKind::Water => (Rank::Water, SurfaceKind::Water),
+            BlockKind::Park => key(Rank::Park, SurfaceKind::Grass),
+            BlockKind::Monument => key(Rank::Monument, SurfaceKind::Flagstones),
+            BlockKind::Water => (Rank::Water, depths.of_block(&area.polygons), SurfaceKind::Water),
         };
         shapes.entry(key).or_default().extend(area.polygons.iter().cloned());
     }
-    shapes.into_iter().map(|((rank, surface), shapes)| Layer { rank, surface, shapes }).collect()
+    shapes.into_iter().map(|((rank, z, surface), shapes)| Layer { rank, surface, z, shapes }).collect()
 }
 
-/// One band to lay: the link, its half-width where the link is as wide as it mostly is, priority and surface.
+/// One band to lay: the link, its half-width where the link is as wide as it mostly is, and what it is laid as.
 struct Strip<'a> {
     link: &'a Link,
     half_m: f64,
     /// Width of the pavement beside it.
     pavement_m: f64,
-    rank: Rank,
-    surface: SurfaceKind,
+    key: Key,
+    /// Parts of the link that lie on the ground, as shares of its length.
+    on_ground: Vec<Range<f64>>,
 }
 
 impl Strip<'_> {
@@ -137,12 +155,13 @@ impl Strip<'_> {
 fn link_shapes(
     graph: &CityGraph,
     areas: &[Area<'_>],
-    shapes: &mut BTreeMap<(Rank, SurfaceKind), Vec<GridPolygon>>,
+    (bridges, depths): (&Bridges, Depths),
+    shapes: &mut BTreeMap<Key, Vec<GridPolygon>>,
     findings: &mut Vec<Finding>,
 ) {
     let at = graph.node_positions();
     let mut strips = Vec::new();
-    for link in &graph.links {
+    for (i, link) in graph.links.iter().enumerate() {
         // 0 leaves the width to the class.
         if link.width_m != 0.0 && !(NARROWEST_M..=WIDEST_M).contains(&link.width_m) {
             let message = format!(
@@ -167,17 +186,24 @@ fn link_shapes(
             ));
             continue;
         }
-        strips.extend(strips_of(graph, &at, link, areas));
+        let on_ground = bridges.on_ground(i);
+        strips.extend(strips_of(graph, &at, link, areas, depths).into_iter().map(|s| Strip { on_ground: on_ground.clone(), ..s }));
     }
-    let mut nodes: BTreeMap<(Family, Id), Vec<Arm<(Rank, SurfaceKind)>>> = BTreeMap::new();
+    let mut nodes: BTreeMap<(Family, Id), Vec<Arm<Key>>> = BTreeMap::new();
     for strip in &strips {
         let Some(line) = graph.polyline(strip.link, &at) else { continue };
-        if let Some(shape) = band(&stations(&line, strip.link), |share| strip.half_at(share)) {
-            shapes.entry((strip.rank, strip.surface)).or_default().push(shape);
+        let stations = stations(&line, strip.link);
+        for part in &strip.on_ground {
+            let shape = match *part {
+                Range { start: 0.0, end: 1.0 } => band(&stations, |share| strip.half_at(share)),
+                _ => band(&band::part(&stations, part.clone()), |share| strip.half_at(share)),
+            };
+            shapes.entry(strip.key).or_default().extend(shape);
         }
         for family in Family::of(strip) {
             let arm = |line: &mut dyn Iterator<Item = DVec2>, share: f64| {
-                Arm::new(line, strip.half_at(share), strip.pavement_m, (strip.rank, strip.surface))
+                let is_on_ground = strip.on_ground.iter().any(|part| part.start == share || part.end == share);
+                Arm::new(line, strip.half_at(share), strip.pavement_m, strip.key).filter(|_| is_on_ground)
             };
             let arms = [
                 (strip.link.from, arm(&mut line.iter().copied(), 0.0)),
@@ -214,42 +240,55 @@ enum Family {
 
 impl Family {
     fn of(strip: &Strip<'_>) -> impl Iterator<Item = Self> {
-        let own = match strip.rank {
+        let rank = strip.key.0;
+        let own = match rank {
             Rank::Carriageway if strip.pavement_m > 0.0 => Self::Kerbs,
             Rank::Rails => Self::Rails,
             Rank::Water => Self::Water,
             _ => Self::Streets,
         };
         // A carriageway without pavements joins those that have them.
-        let more = (strip.rank == Rank::Carriageway && own == Self::Streets).then_some(Self::Kerbs);
+        let more = (rank == Rank::Carriageway && own == Self::Streets).then_some(Self::Kerbs);
         [own].into_iter().chain(more)
     }
 }
 
-fn strips_of<'a>(graph: &CityGraph, at: &HashMap<Id, DVec2>, link: &'a Link, areas: &[Area<'_>]) -> Vec<Strip<'a>> {
-    let (width, given) = (width_m(link), link.surfacing.map(surface));
-    let strip = |half_m, rank, surface| Strip { link, half_m, pavement_m: 0.0, rank, surface };
-    let half = width / 2.0;
+fn strips_of<'a>(graph: &CityGraph, at: &HashMap<Id, DVec2>, link: &'a Link, areas: &[Area<'_>], depths: Depths) -> Vec<Strip<'a>> {
+    let width = width_m(link);
+    let strip = |half_m, key| Strip { link, half_m, pavement_m: 0.0, key, on_ground: Vec::new() };
+    let (half, own) = (width / 2.0, link_surface(link));
     match link.kind {
-        LinkKind::Watercourse => vec![strip(half, Rank::Water, SurfaceKind::Water)],
+        LinkKind::Watercourse => vec![strip(half, (Rank::Water, depths.of_course(width), own))],
         LinkKind::Railway { tram: true } => Vec::new(),
-        LinkKind::Railway { tram: false } => vec![strip(half, Rank::Rails, SurfaceKind::Ballast)],
+        LinkKind::Railway { tram: false } => vec![strip(half, key(Rank::Rails, own))],
         LinkKind::Street(class) if class.has_carriageway() => {
             let pavement = pavement_m(class, width);
-            let carriageway = strip(half - pavement, Rank::Carriageway, given.unwrap_or(SurfaceKind::Asphalt));
+            let carriageway = strip(half - pavement, key(Rank::Carriageway, own));
             let mut strips = vec![Strip { pavement_m: pavement, ..carriageway }];
             if pavement > 0.0 {
-                strips.push(strip(half, Rank::Pavement, SurfaceKind::Mosaic));
+                strips.push(strip(half, key(Rank::Pavement, SurfaceKind::Mosaic)));
             }
             strips
         }
-        LinkKind::Street(StreetClass::Lane) => vec![strip(half, Rank::Lane, given.unwrap_or(SurfaceKind::Cobbles))],
-        LinkKind::Street(StreetClass::Service) => vec![strip(half, Rank::Lane, given.unwrap_or(SurfaceKind::Asphalt))],
+        LinkKind::Street(StreetClass::Lane | StreetClass::Service) => vec![strip(half, key(Rank::Lane, own))],
         LinkKind::Street(_) => {
-            let own = || if in_park(graph, at, link, areas) { SurfaceKind::Gravel } else { SurfaceKind::Flagstones };
-            vec![strip(half, Rank::Path, given.unwrap_or_else(own))]
+            let is_gravel = link.surfacing.is_none() && in_park(graph, at, link, areas);
+            vec![strip(half, key(Rank::Path, if is_gravel { SurfaceKind::Gravel } else { own }))]
         }
     }
+}
+
+/// What a link is covered with: what it says, or what its class is.
+pub(super) fn link_surface(link: &Link) -> SurfaceKind {
+    let own = match link.kind {
+        LinkKind::Watercourse => return SurfaceKind::Water,
+        LinkKind::Railway { .. } => return SurfaceKind::Ballast,
+        LinkKind::Street(StreetClass::Lane) => SurfaceKind::Cobbles,
+        LinkKind::Street(class) if class.has_carriageway() => SurfaceKind::Asphalt,
+        LinkKind::Street(StreetClass::Service) => SurfaceKind::Asphalt,
+        LinkKind::Street(_) => SurfaceKind::Flagstones,
+    };
+    link.surfacing.map_or(own, surface)
 }
 
 fn in_park(graph: &CityGraph, at: &HashMap<Id, DVec2>, link: &Link, areas: &[Area<'_>]) -> bool {
@@ -334,7 +373,7 @@ mod tests {
             );
             let graph: CityGraph = veduta_city::file::parse(&text, "t").unwrap_or_else(|e| panic!("{e}"));
             let mut findings = Vec::new();
-            layers(&graph, &[], &mut findings);
+            layers(&graph, &[], (&Bridges::default(), Depths::of(None)), &mut findings);
             assert_eq!(findings.len(), usize::from(taken.is_some()), "{given}: {findings:?}");
             let is_told =
                 |f: &Finding| f.id == Id(3) && f.plan_pos == Some(DVec2::ZERO) && taken.is_some_and(|t| f.message.contains(t));

@@ -1,15 +1,16 @@
 //! The ground of a plan: that of the graph, with the streets cut into it.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use glam::DVec2;
 use rayon::prelude::*;
-use veduta_city::{BlockKind, CityGraph, GRID_PER_METRE, GridPolygon, GridPos, Id, Link, LinkKind, PlanTerrain, Terrain, metres};
+use veduta_city::{BlockKind, CityGraph, GRID_PER_METRE, GridPolygon, GridPos, Link, LinkKind, PlanTerrain, Terrain, metres};
 
+use super::bridges::Bridges;
 use super::extent::Extent;
 use super::index::Index;
 use super::outline;
-use super::streets::{length_m, width_at_m};
+use super::streets::{along, length_m, width_at_m};
 
 /// Distance of posts, and of those of cities with more than so many; metres.
 const STEP_M: i32 = 4;
@@ -27,20 +28,18 @@ const STATION_M: f64 = 4.0;
 const SMOOTHED_M: f64 = 12.0;
 
 /// The ground of a city: level across its streets, whose middle lines follow the graph's terrain, smoothed; at crossroads between
-/// those that meet; and as it was 20 m away from them. Bridges lie on causeways from end to end, where no street runs under them.
-/// Ponds and lakes are level.
-pub(super) fn terrain(graph: &CityGraph, extent: &Extent) -> PlanTerrain {
+/// those that meet; and as it was some 20 m away from them. The ends of bridges lie on causeways, where no street runs under them, and
+/// between the ends the ground is as it was. Ponds and lakes are level.
+pub(super) fn terrain(graph: &CityGraph, bridges: &Bridges, extent: &Extent) -> PlanTerrain {
     let Some(raw) = &graph.terrain else { return PlanTerrain::default() };
     let posts = Posts::over(extent);
     let at = graph.node_positions();
-    let heights_at: HashMap<Id, f64> = graph.nodes.iter().map(|node| (node.id, node.z)).collect();
-    let cut = |link: &Link| {
+    let cut = |(i, link): (usize, &Link)| {
         let is_cut = link.layer >= 0 && !matches!(link.kind, LinkKind::Watercourse);
         let line = graph.polyline(link, &at).filter(|_| is_cut)?;
-        let ends = [link.from, link.to].map(|node| heights_at.get(&node).copied().unwrap_or_default());
-        Some(posts.claims(&pieces(&line, link, raw, ends)))
+        Some(posts.claims(&pieces(&line, (i, link), raw, bridges)))
     };
-    let mut claims: Vec<(u32, Claim)> = graph.links.par_iter().filter_map(cut).flatten_iter().collect();
+    let mut claims: Vec<(u32, Claim)> = graph.links.par_iter().enumerate().filter_map(cut).flatten_iter().collect();
     let lakes = lakes(graph, raw);
     let lake = |pos: GridPos| lakes.at(pos).next().copied();
     let ground = |i: usize| lake(posts.pos(i)).unwrap_or_else(|| raw.height_m(posts.pos(i).to_metres()));
@@ -131,12 +130,12 @@ impl Posts {
             for i in (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * self.columns + x)) {
                 let claim = piece.claim(self.pos(i).to_metres(), level_m);
                 let post = i as u32;
-                if f64::from(claim.beyond_m) < BLEND_M && nearest.get(&post).is_none_or(|known| claim.far_m < known.far_m) {
+                if nearest.get(&post).is_none_or(|known| claim.far_m < known.far_m) {
                     nearest.insert(post, claim);
                 }
             }
         }
-        nearest.into_iter().collect()
+        nearest.into_iter().filter(|(_, claim)| f64::from(claim.beyond_m) < BLEND_M).collect()
     }
 }
 
@@ -179,6 +178,8 @@ fn settled(ground_m: f64, is_water: bool, claims: &[(u32, Claim)]) -> f64 {
 /// A short straight piece of a street: its ends, the heights there, and half its width.
 struct Piece {
     is_bridge: bool,
+    /// Which of its ends are where a bridge begins: there is no ground of the street's beyond.
+    is_end: (bool, bool),
     ends: (DVec2, DVec2),
     height_m: (f64, f64),
     half_m: (f64, f64),
@@ -187,18 +188,23 @@ struct Piece {
 impl Piece {
     fn claim(&self, p: DVec2, level_m: f64) -> Claim {
         let way = self.ends.1 - self.ends.0;
-        let share = ((p - self.ends.0).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+        let share = (p - self.ends.0).dot(way) / way.length_squared().max(1e-12);
+        let is_off = (self.is_end.0 && share < 0.0) || (self.is_end.1 && share > 1.0);
+        let share = share.clamp(0.0, 1.0);
         let far_m = p.distance(self.ends.0 + way * share);
         let between = |(a, b): (f64, f64)| a + (b - a) * share;
-        let beyond_m = (far_m - between(self.half_m) - level_m).max(0.0);
-        Claim { height_m: between(self.height_m) as f32, far_m: far_m as f32, beyond_m: beyond_m as f32, is_bridge: self.is_bridge }
+        let beyond_m = if is_off { f64::INFINITY } else { (far_m - between(self.half_m) - level_m).max(0.0) };
+        let height_m = between(self.height_m) as f32;
+        Claim { height_m, far_m: far_m as f32, beyond_m: beyond_m as f32, is_bridge: self.is_bridge }
     }
 }
 
-/// A street in short pieces, its heights smoothed along it. At its ends they are those of the ground, so that streets which meet agree. A
-/// bridge goes straight from the height of its first node to that of its last.
-fn pieces(line: &[DVec2], link: &Link, raw: &Terrain, nodes_m: [f64; 2]) -> Vec<Piece> {
+/// A street in short pieces, but where it leads over bridges, its heights smoothed along it. At its ends they are those of the ground, so
+/// that streets which meet agree.
+fn pieces(line: &[DVec2], (i, link): (usize, &Link), raw: &Terrain, bridges: &Bridges) -> Vec<Piece> {
     let whole = length_m(line);
+    let share = |s: f64| if whole > 0.0 { s / whole } else { 0.0 };
+    let parts = bridges.on_ground(i);
     let mut stations: Vec<(f64, DVec2)> = Vec::new();
     let mut gone = 0.0;
     for pair in line.windows(2) {
@@ -210,27 +216,38 @@ fn pieces(line: &[DVec2], link: &Link, raw: &Terrain, nodes_m: [f64; 2]) -> Vec<
     }
     stations.extend(line.last().map(|&p| (whole, p)));
     let ground: Vec<f64> = stations.iter().map(|&(_, p)| raw.height_m(p)).collect();
-    let smooth = |i: usize| {
-        let s = stations[i].0;
+    let smooth = |s: f64| {
         let reach = SMOOTHED_M.min(s).min(whole - s) + 1e-9;
         let first = stations.partition_point(|other| other.0 < s - reach);
         let end = stations.partition_point(|other| other.0 <= s + reach);
         ground[first..end].iter().sum::<f64>() / (end - first).max(1) as f64
     };
-    let is_bridge = link.layer > 0;
-    let share = |s: f64| if whole > 0.0 { s / whole } else { 0.0 };
-    let straight = |i: usize| nodes_m[0] + (nodes_m[1] - nodes_m[0]) * share(stations[i].0);
-    let heights: Vec<f64> = (0..stations.len()).map(|i| if is_bridge { straight(i) } else { smooth(i) }).collect();
+    let height = |s: f64| bridges.height_m(i, share(s)).unwrap_or_else(|| smooth(s));
     let half = |s: f64| width_at_m(link, share(s)) / 2.0;
-    let piece = |i: usize| {
-        let ((s, a), (t, b)) = (stations[i], stations[i + 1]);
-        Piece { is_bridge, ends: (a, b), height_m: (heights[i], heights[i + 1]), half_m: (half(s), half(t)) }
-    };
-    (0..stations.len().saturating_sub(1)).map(piece).collect()
+    let mut out = Vec::new();
+    for part in &parts {
+        // The stations within it, and its ends where they are elsewhere.
+        let (from, to) = (part.start * whole, part.end * whole);
+        let end = |s: f64| along(line, s).map(|(p, _)| (s, p));
+        let inside = stations.iter().copied().filter(|(s, _)| from + 1e-6 < *s && *s < to - 1e-6);
+        let of_part: Vec<(f64, DVec2)> = end(from).into_iter().chain(inside).chain(end(to)).collect();
+        for (k, pair) in of_part.windows(2).enumerate() {
+            let ((s, a), (t, b)) = (pair[0], pair[1]);
+            out.push(Piece {
+                is_bridge: bridges.is_raised(i),
+                is_end: (k == 0 && part.start > 0.0, k + 2 == of_part.len() && part.end < 1.0),
+                ends: (a, b),
+                height_m: (height(s), height(t)),
+                half_m: (half(s), half(t)),
+            });
+        }
+    }
+    out
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::water::{Depths, Waters};
     use super::*;
 
     /// A hillside that rises northwards by a fifth, with a street along it and one up it.
@@ -246,7 +263,8 @@ mod tests {
     }
 
     fn grown(graph: &CityGraph) -> PlanTerrain {
-        terrain(graph, &super::super::extent::extent(graph, &mut Vec::new()))
+        let waters = Waters::of(graph, &[], Depths::of(graph.terrain.as_ref()));
+        terrain(graph, &Bridges::of(graph, &waters), &super::super::extent::extent(graph, &mut Vec::new()))
     }
 
     #[test]
@@ -281,13 +299,20 @@ mod tests {
         let bump = DVec2::new(-40.0, 0.0);
         let ground = grown(&graph);
         assert!(raw.height_m(bump) == 23.0 && (20.1..21.2).contains(&ground.height_m(bump)), "{}", ground.height_m(bump));
-        // A bridge leads over a valley from end to end.
-        graph.terrain.as_mut().expect("a hill").heights_m[20 * 41 + 12] = 12.0;
-        graph.nodes.iter_mut().for_each(|node| node.z = 20.0);
+        // Under a bridge a valley stays, and its ends lie on the ground before it.
+        graph.terrain.as_mut().expect("a hill").heights_m.iter_mut().enumerate().for_each(|(i, height)| {
+            if (11..=13).contains(&(i % 41)) {
+                *height -= 8.0;
+            }
+        });
         graph.links.iter_mut().for_each(|link| link.layer = 1);
         let ground = grown(&graph);
-        assert!((ground.height_m(bump) - 20.0).abs() < 0.01, "{}", ground.height_m(bump));
-        assert!((ground.height_m(bump + DVec2::Y * 17.0) - 23.4).abs() < 0.05, "its causeway is narrow");
+        assert!((14.9..15.1).contains(&ground.height_m(bump)), "{}", ground.height_m(bump));
+        for x in [-58.0, -56.0, -24.0, -22.0] {
+            let across: Vec<f64> = [-5.0, 0.0, 5.0].map(|y| ground.height_m(DVec2::new(x, y))).to_vec();
+            assert!(across.iter().all(|h| (h - 20.0).abs() < 0.02), "at {x}: {across:?}");
+        }
+        assert!((ground.height_m(bump + DVec2::new(20.0, 17.0)) - 23.4).abs() < 0.05, "its causeway is narrow");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
-    CellShell, Design, Gable, GridPos, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind, PlacedMonument, PlanObject,
-    PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SurfaceKind, VolumeShell,
+    BridgeSpan, CellShell, Design, Gable, GridPos, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind, PlacedMonument,
+    PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SurfaceKind, VolumeShell,
 };
 
 use super::{
@@ -26,6 +26,8 @@ pub(crate) struct WireShell {
     markings: WireMarkings,
     designs: Vec<Design>,
     monuments: Vec<PlacedMonument>,
+    bridges: Vec<BridgeSpan>,
+    drawn_bridges: u32,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -145,6 +147,8 @@ impl From<&CellShell> for WireShell {
             },
             designs: shell.designs.clone(),
             monuments: shell.monuments.clone(),
+            bridges: shell.bridges.clone(),
+            drawn_bridges: shell.drawn_bridges,
         }
     }
 }
@@ -199,9 +203,9 @@ impl TryFrom<WireShell> for CellShell {
         let markings = wire.markings.pull(&mut points)?;
         points.finish()?;
         colours.finish()?;
-        let (designs, monuments) = (wire.designs, wire.monuments);
+        let WireShell { origin, designs, monuments, bridges, drawn_bridges, .. } = wire;
         let terrain = PlanTerrain::try_from(wire.terrain)?;
-        Ok(Self { origin: wire.origin, outline, terrain, ground, houses, objects, blind, markings, designs, monuments })
+        Ok(Self { origin, outline, terrain, ground, houses, objects, blind, markings, bridges, drawn_bridges, designs, monuments })
     }
 }
 

@@ -1,0 +1,344 @@
+//! What carries the ways that leave the ground: spans between piers.
+
+use core::ops::Range;
+
+use glam::DVec2;
+use rayon::prelude::*;
+use veduta_city::{
+    BridgeForm, BridgeSpan, BridgeStation, CityGraph, GridPolygon, GridPos, Link, LinkKind, MarkingKind, PlanTerrain, SpanMarking,
+    StreetClass, SurfaceKind, metres,
+};
+
+use super::band::{pieces, stations};
+use super::bridges::{Bridges, Stretch, Way};
+use super::index::Index;
+use super::markings::{GAUGE_M, LINE_M, lane_lines, tracks};
+use super::streets::{length_m, link_surface, pavement_m, width_at_m, width_m};
+
+/// How far above the ground that it leads over on the way's own ground it begins, metres: posts of a terrain are as exact as that.
+const LIFT_M: f64 = 0.02;
+/// From the carriageway to the crown of an arch, and from the water to where it springs; metres.
+const CROWN_M: f64 = 0.7;
+const SPRINGING_M: f64 = 0.35;
+/// Arches rise at least so much, metres; and span so many times that, at least and at most so far.
+const LEAST_RISE_M: f64 = 0.7;
+const FLATTEST: f64 = 4.5;
+const ARCH_M: (f64, f64) = (8.0, 22.0);
+/// Widest span of a girder; of a railway's.
+const GIRDER_M: f64 = 24.0;
+/// Ways narrower than this are carried by girders, metres.
+const NARROWEST_ARCHED_M: f64 = 3.5;
+/// Share of a bridge over water, at least, that is of stone.
+const WET: f64 = 0.3;
+/// Cross-sections are so far apart at most; and those nearer to one another than the second are one; metres.
+const STATION_M: (f64, f64) = (6.0, 0.25);
+/// Piers go so far into the ground, metres.
+const FOOTING_M: f64 = 0.8;
+/// Piers stand no closer, unless that is as wide as a bridge may span, and are moved so far to a bend; metres.
+const LEAST_SPAN_M: f64 = 6.0;
+const AT_BEND_M: f64 = 1.0;
+/// What stands at the sides of a way reaches so far beyond them, metres; and no corner between two stations may be smaller.
+const BEYOND_M: f64 = 0.8;
+const LEAST_M2: f64 = 0.05;
+/// Bridges no farther apart than this, and at heights that differ less than the second, are one; metres.
+const JOINED_M: f64 = 0.5;
+const STEP_M: f64 = 0.6;
+/// Mitres at bends reach at most so many times as far as on a straight line.
+const LONGEST_MITRE: f64 = 1.5;
+
+/// The spans of all bridges, way by way. Their ends are as high as the ground there.
+pub(super) fn spans(graph: &CityGraph, bridges: &Bridges, terrain: &PlanTerrain) -> Vec<BridgeSpan> {
+    if bridges.ways.is_empty() {
+        return Vec::new();
+    }
+    let builder = Builder { graph, terrain, below: carriageways(graph) };
+    let own = |(w, way): (usize, &Way)| {
+        let stretches = way.stretches.iter().filter(|stretch| !stretch.is_carried);
+        stretches.flat_map(|stretch| builder.stretch(way, stretch)).map(|span| (w, span)).collect::<Vec<_>>()
+    };
+    let mut spans: Vec<(usize, BridgeSpan)> = bridges.ways.par_iter().enumerate().flat_map_iter(own).collect();
+    join(&mut spans);
+    let mut spans: Vec<BridgeSpan> = spans.into_iter().map(|(_, span)| span).collect();
+    let trams = trams(graph);
+    spans.par_iter_mut().for_each(|span| {
+        let rails: Vec<SpanMarking> = trams.iter().filter_map(|tram| laid(tram, span)).collect();
+        span.markings.extend(rails);
+    });
+    spans
+}
+
+/// Leaves out parapets and pavements between the bridges of ways that lie side by side, and lets each reach as far as the other.
+fn join(spans: &mut [(usize, BridgeSpan)]) {
+    let decks = Decks::new(spans.iter().enumerate().map(|(i, (_, span))| (i, span)));
+    let is_beside = |way: usize, span: &BridgeSpan, side: f64| {
+        let reaches = |station: &&BridgeStation| {
+            let p = station.at(side * (station.half_m() + JOINED_M));
+            let mut others = decks.0.at(GridPos::from_metres(p)).filter(|(i, _)| spans[*i].0 != way);
+            others.any(|(_, other)| other.height_m(p).is_some_and(|z| (z - metres(station.z)).abs() < STEP_M))
+        };
+        2 * span.stations.iter().filter(reaches).count() > span.stations.len()
+    };
+    let joined: Vec<[bool; 2]> = spans.par_iter().map(|(way, span)| [1.0, -1.0].map(|side| is_beside(*way, span, side))).collect();
+    // A station that two spans share is as wide for both.
+    let meet = |i: usize| match spans.get(i..i + 2) {
+        Some([(_, a), (_, b)]) => a.stations.last() == b.stations.first(),
+        _ => false,
+    };
+    let next = |i: usize| if meet(i) { joined[i + 1] } else { joined[i] };
+    let before = |i: usize| i.checked_sub(1).filter(|&i| meet(i)).map_or(joined[i], |before| joined[before]);
+    let ends: Vec<[[bool; 2]; 2]> =
+        (0..spans.len()).map(|i| [before(i), next(i)].map(|other| [joined[i][0] && other[0], joined[i][1] && other[1]])).collect();
+    for (((_, span), [left, right]), ends) in spans.iter_mut().zip(joined).zip(ends) {
+        span.parapets = (!left, !right);
+        span.pavements = (if left { 0 } else { span.pavements.0 }, if right { 0 } else { span.pavements.1 });
+        let last = span.stations.len() - 1;
+        for (i, station) in span.stations.iter_mut().enumerate() {
+            let [left, right] = if i == 0 {
+                ends[0]
+            } else if i == last {
+                ends[1]
+            } else {
+                [left, right]
+            };
+            let half = station.half_m();
+            let (to_left, to_right) = (station.at(half + JOINED_M), station.at(-half - JOINED_M));
+            station.left = if left { GridPos::from_metres(to_left) } else { station.left };
+            station.right = if right { GridPos::from_metres(to_right) } else { station.right };
+        }
+    }
+}
+
+fn middle(range: &Range<f64>) -> f64 {
+    (range.start + range.end) / 2.0
+}
+
+/// Where piers may not stand: streets and railways on the ground.
+fn carriageways(graph: &CityGraph) -> Index<()> {
+    let at = graph.node_positions();
+    let on_ground = graph.links.iter().filter(|link| link.layer == 0 && link.kind != LinkKind::Watercourse);
+    let bands = on_ground.flat_map(|link| {
+        let line = graph.polyline(link, &at).unwrap_or_default();
+        pieces(&stations(&line, link), |share| width_at_m(link, share) / 2.0)
+    });
+    Index::new(bands.map(|band| (band, ())).collect())
+}
+
+/// Middle lines of tram tracks.
+fn trams(graph: &CityGraph) -> Vec<Vec<DVec2>> {
+    let at = graph.node_positions();
+    let trams = graph.links.iter().filter(|link| link.layer >= 0 && link.kind == LinkKind::Railway { tram: true });
+    trams.filter_map(|link| graph.polyline(link, &at)).collect()
+}
+
+/// A tram track on a span, if it goes all along it.
+fn laid(tram: &[DVec2], span: &BridgeSpan) -> Option<SpanMarking> {
+    let (first, last) = (span.stations.first()?, span.stations.last()?);
+    let left = |station: &BridgeStation| {
+        let (a, b) = (station.left.to_metres(), station.right.to_metres());
+        let across = (a - b).try_normalize()?;
+        tram.windows(2).find_map(|pair| {
+            let way = pair[1] - pair[0];
+            let turn = way.perp_dot(across);
+            let (s, t) = ((b - pair[0]).perp_dot(across) / turn, (b - pair[0]).perp_dot(way) / turn);
+            let is_met = (0.0..=1.0).contains(&s) && (0.0..=a.distance(b)).contains(&t);
+            (turn.abs() > 1e-9 && is_met).then(|| GridPos::steps(t - a.distance(b) / 2.0))
+        })
+    };
+    Some(SpanMarking { kind: MarkingKind::Rails, left: (left(first)?, left(last)?), width: GridPos::steps(GAUGE_M) })
+}
+
+struct Builder<'a> {
+    graph: &'a CityGraph,
+    terrain: &'a PlanTerrain,
+    below: Index<()>,
+}
+
+impl Builder<'_> {
+    fn stretch(&self, way: &Way, stretch: &Stretch) -> Vec<BridgeSpan> {
+        let Range { start, end } = stretch.range.clone();
+        let Some(link) = way.link_at(middle(&stretch.range)).and_then(|(link, _)| self.graph.links.get(link)) else {
+            return Vec::new();
+        };
+        let ground = |s: f64| way.at(s).map_or(0.0, |(p, _)| self.terrain.height_m(p));
+        // What the ground is off at its ends is made up for along it.
+        let off = [start, end].map(|s| ground(s) + LIFT_M - stretch.height_m(s));
+        let height = |s: f64| stretch.height_m(s) + off[0] + (off[1] - off[0]) * (s - start) / (end - start);
+        let springing = stretch.below_m + SPRINGING_M;
+        let rise = height(start).min(height(end)) - CROWN_M - springing;
+        let is_arched = matches!(link.kind, LinkKind::Street(class) if class != StreetClass::Motorway)
+            && width_m(link) >= NARROWEST_ARCHED_M
+            && rise >= LEAST_RISE_M
+            && stretch.water >= WET;
+        let (form, widest) = match is_arched {
+            true => (BridgeForm::Arches, (rise * FLATTEST).clamp(ARCH_M.0, ARCH_M.1)),
+            false => (BridgeForm::Girder, GIRDER_M),
+        };
+        let bends = bends(&way.line);
+        let mut cuts = self.cuts(way, &stretch.range, widest);
+        // Piers next to bends stand under them.
+        let inner = 1..cuts.len() - 1;
+        for cut in &mut cuts[inner] {
+            *cut = bends.iter().copied().find(|&s| start < s && s < end && (s - *cut).abs() < AT_BEND_M).unwrap_or(*cut);
+        }
+        let places = cuts.windows(2).flat_map(|pair| places(pair[0]..pair[1], &bends).skip(usize::from(pair[0] > start)));
+        let stations = laid_out(places.filter_map(|s| Some((s, self.station(way, s, height(s))?))), &bends);
+        let ends = [0, stations.len().saturating_sub(1)];
+        let pier = |i: usize| {
+            let (p, _) = way.at(stations[i].0).filter(|_| !ends.contains(&i))?;
+            Some(GridPos::steps(self.terrain.height_m(p).min(stretch.below_m) - FOOTING_M))
+        };
+        let cuts: Vec<usize> = (0..stations.len()).filter(|&i| cuts.contains(&stations[i].0)).collect();
+        let span = |pair: &[usize]| {
+            let part = &stations[pair[0]..=pair[1]];
+            BridgeSpan {
+                id: link.id,
+                form,
+                surface: link_surface(link),
+                pavements: (GridPos::steps(pavement_of(link)), GridPos::steps(pavement_of(link))),
+                parapets: (true, true),
+                stations: part.iter().map(|(_, station)| *station).collect(),
+                springing: GridPos::steps(springing),
+                piers: (pier(pair[0]), pier(pair[1])),
+                markings: markings(link),
+            }
+        };
+        cuts.windows(2).map(span).collect()
+    }
+
+    /// Where the piers of a stretch stand, its ends among them: as few as can be, and out of the way of what is below.
+    fn cuts(&self, way: &Way, range: &Range<f64>, widest: f64) -> Vec<f64> {
+        let length = range.end - range.start;
+        let least = (length / widest).ceil().max(1.0) as u32;
+        let cut = |i: u32, count: u32| range.start + length * f64::from(i) / f64::from(count);
+        let blocked = |count: u32| {
+            let piers = (1..count).filter_map(|i| way.at(cut(i, count)));
+            piers.filter(|(p, _)| self.below.at(GridPos::from_metres(*p)).next().is_some()).count()
+        };
+        let most = ((length / LEAST_SPAN_M) as u32).clamp(least, least + 3);
+        let count = (least..=most).min_by_key(|&count| (blocked(count), count)).unwrap_or(least);
+        (0..=count).map(|i| cut(i, count)).collect()
+    }
+
+    fn station(&self, way: &Way, s: f64, height_m: f64) -> Option<BridgeStation> {
+        let (before, after) = (way.at(s - 1e-4)?, way.at(s + 1e-4)?);
+        let (a, b) = (before.1, after.1);
+        let mitre = (a + b).perp() / (1.0 + a.dot(b)).max(2.0 / (LONGEST_MITRE * LONGEST_MITRE));
+        let (p, _) = way.at(s)?;
+        let off = mitre * way.half_m(self.graph, s);
+        Some(BridgeStation {
+            left: GridPos::from_metres(p + off),
+            right: GridPos::from_metres(p - off),
+            z: GridPos::steps(height_m),
+        })
+    }
+}
+
+/// Those stations between which the way goes on: about sharp bends the inner ends of the others lie behind one another. The first and the
+/// last stay, or none.
+fn laid_out(stations: impl Iterator<Item = (f64, BridgeStation)>, bends: &[f64]) -> Vec<(f64, BridgeStation)> {
+    let goes_on = |a: &BridgeStation, b: &BridgeStation| {
+        let ends = |station: &BridgeStation| [-1.0, 1.0].map(|side| station.at(side * (station.half_m() + BEYOND_M)));
+        let ([a_right, a_left], [b_right, b_left]) = (ends(a), ends(b));
+        let ring = [a_right, b_right, b_left, a_left];
+        (0..4).all(|i| (ring[(i + 1) % 4] - ring[i]).perp_dot(ring[(i + 2) % 4] - ring[i]) > LEAST_M2)
+    };
+    let mut kept: Vec<(f64, BridgeStation)> = Vec::new();
+    let mut last = None;
+    for next in stations {
+        // What lies too near before a bend goes, and what lies too near behind it.
+        let fits = kept.iter().rposition(|(_, station)| goes_on(station, &next.1)).map(|i| i + 1);
+        if fits.unwrap_or(0) == kept.len() || (bends.contains(&next.0) && fits.is_some()) {
+            kept.truncate(fits.unwrap_or(0));
+            kept.push(next);
+        }
+        last = Some(next);
+    }
+    let Some(last) = last else { return kept };
+    while kept.len() > 1 && kept[kept.len() - 1].0 < last.0 {
+        kept.pop();
+        if goes_on(&kept[kept.len() - 1].1, &last.1) {
+            kept.push(last);
+        }
+    }
+    if kept.len() > 1 { kept } else { Vec::new() }
+}
+
+/// Where a line bends, metres along it.
+fn bends(line: &[DVec2]) -> Vec<f64> {
+    (1..line.len().saturating_sub(1)).map(|i| length_m(&line[..=i])).collect()
+}
+
+/// Where the cross-sections of a span are: at its ends, at the line's bends, and between.
+fn places(range: Range<f64>, bends: &[f64]) -> impl Iterator<Item = f64> {
+    let near = |s: f64, t: f64| (s - t).abs() < STATION_M.1;
+    let inside =
+        bends.iter().copied().filter(move |&s| range.start < s && s < range.end && !near(s, range.start) && !near(s, range.end));
+    let mut out = vec![range.start];
+    for s in inside.chain([range.end]) {
+        let from = out[out.len() - 1];
+        if s < range.end && near(s, from) {
+            continue;
+        }
+        let count = ((s - from) / STATION_M.0).ceil().max(1.0) as u32;
+        out.extend((1..count).map(|i| from + (s - from) * f64::from(i) / f64::from(count)));
+        out.push(s);
+    }
+    out.into_iter()
+}
+
+fn pavement_of(link: &Link) -> f64 {
+    match link.kind {
+        LinkKind::Street(class) => pavement_m(class, width_m(link)),
+        _ => 0.0,
+    }
+}
+
+/// Lines of lanes, and a railway's tracks.
+fn markings(link: &Link) -> Vec<SpanMarking> {
+    let marking = |kind, left_m: f64, width_m: f64| {
+        let left = GridPos::steps(left_m);
+        SpanMarking { kind, left: (left, left), width: GridPos::steps(width_m).max(1) }
+    };
+    match link.kind {
+        LinkKind::Street(class) if class.has_carriageway() && link_surface(link) == SurfaceKind::Asphalt => {
+            let half = width_m(link) / 2.0 - pavement_m(class, width_m(link));
+            lane_lines(class, half).into_iter().map(|(kind, left)| marking(kind, left, LINE_M)).collect()
+        }
+        LinkKind::Railway { tram: false } => tracks(width_m(link)).map(|left| marking(MarkingKind::Track, left, GAUGE_M)).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Where bridges are: for questions about places.
+pub(super) struct Decks<'a>(Index<(usize, &'a BridgeSpan)>);
+
+impl<'a> Decks<'a> {
+    /// Of spans by their numbers.
+    pub fn new(spans: impl Iterator<Item = (usize, &'a BridgeSpan)>) -> Self {
+        let pieces = spans.flat_map(|(i, span)| span.stations.windows(2).map(move |pair| (piece(pair), (i, span))));
+        Self(Index::new(pieces.collect()))
+    }
+
+    pub fn is_none(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The bridge over a place, and how high it is there above the city's zero, metres.
+    pub fn at(&self, p: DVec2) -> Option<(&'a BridgeSpan, f64)> {
+        self.0.at(GridPos::from_metres(p)).find_map(|(_, span)| Some((*span, span.height_m(p)?)))
+    }
+
+    /// What lies on the bridge over a place, and how high above the city's zero, metres.
+    pub fn surface(&self, p: DVec2) -> Option<(SurfaceKind, f64)> {
+        let (span, height) = self.at(p)?;
+        let pair = span.stations.windows(2).find(|pair| piece(pair).contains(GridPos::from_metres(p)))?;
+        let distance = |a: GridPos, b: GridPos| super::outline::distance_to_edge(p, a.to_metres(), b.to_metres());
+        let edges = [(pair[0].left, pair[1].left, span.pavements.0), (pair[0].right, pair[1].right, span.pavements.1)];
+        let is_pavement = edges.into_iter().any(|(a, b, width)| distance(a, b) < metres(width));
+        Some(if is_pavement { (SurfaceKind::Mosaic, height + super::streets::KERB_M) } else { (span.surface, height) })
+    }
+}
+
+fn piece(pair: &[BridgeStation]) -> GridPolygon {
+    GridPolygon::simple(vec![pair[0].right, pair[1].right, pair[1].left, pair[0].left])
+}

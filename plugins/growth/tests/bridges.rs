@@ -1,0 +1,214 @@
+//! Bridges over rivers and valleys: they begin and end on the ground, are whole, and stand on piers out of the way.
+
+use glam::DVec2;
+use proptest::prelude::*;
+use veduta_city::{
+    BridgeForm, BridgeSpan, CellShell, CityGraph, CityPlan, GRID_PER_METRE, GridPos, Id, MarkingKind, ObjectKind, SurfaceKind,
+    Terrain, file, metres,
+};
+use veduta_growth::mesh;
+use veduta_growth::plan::{Stock, grow};
+
+/// A river between x = -30 and 30, less wide in the south, with what a map says crosses it.
+fn river(links: &str) -> CityGraph {
+    let text = format!(
+        "(name: \"River\", anchor: (lat: 50, lon: 14), seed: 3, margin_m: 40,
+          nodes: [(id: 1, pos: (-90, 0)), (id: 2, pos: (-45, 0)), (id: 3, pos: (45, 6)), (id: 4, pos: (90, 0)), (id: 5, pos: (-90, 80)),
+            (id: 6, pos: (90, 60)), (id: 7, pos: (0, 40)), (id: 8, pos: (-90, -90)), (id: 9, pos: (90, -80)), (id: 10, pos: (-45, 14)), (id: 11, pos: (45, 20))],
+          links: [{links}],
+          blocks: [(kind: Water, outline: [(-26, -160), (26, -160), (32, 0), (30, 140), (-30, 140), (-30, 0)])])"
+    );
+    file::parse(&text, "river").unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn grown(graph: &CityGraph) -> CityPlan {
+    grow(graph, &Stock::new()).unwrap_or_else(|e| panic!("{e}")).plan
+}
+
+const MAIN: &str = "(id: 11, from: 1, to: 2, kind: Street(Main), width_m: 14), (id: 12, from: 2, to: 3, kind: Street(Main), width_m: 14, layer: 1),
+    (id: 13, from: 3, to: 4, kind: Street(Main), width_m: 14)";
+
+/// What lies on the ground at a place, and how high above the terrain, metres.
+fn ground(plan: &CityPlan, p: DVec2) -> (SurfaceKind, f64) {
+    let pos = GridPos::from_metres(p);
+    let patch = plan.ground.iter().find(|patch| patch.outline.contains(pos));
+    patch.map(|patch| (patch.surface, metres(patch.z))).unwrap_or_else(|| panic!("nothing at {p}"))
+}
+
+/// Spans of one bridge share their stations; those at both ends lie on the ground, and what is between is off it.
+fn prove(plan: &CityPlan, spans: &[&BridgeSpan]) {
+    let (first, last) = (spans[0], spans[spans.len() - 1]);
+    for pair in spans.windows(2) {
+        assert_eq!(pair[0].stations.last(), pair[1].stations.first());
+        assert!(pair[0].piers.1.is_some() && pair[0].piers.1 == pair[1].piers.0);
+    }
+    assert_eq!((first.piers.0, last.piers.1), (None, None));
+    for station in [&first.stations[0], &last.stations[last.stations.len() - 1]] {
+        let p = station.at(0.0);
+        assert!(
+            (metres(station.z) - plan.terrain.height_m(p)).abs() < 0.05,
+            "an end at {} over {}",
+            metres(station.z),
+            plan.terrain.height_m(p)
+        );
+    }
+    for span in spans {
+        assert!(span.stations.len() > 1 && span.stations.windows(2).all(|pair| pair[0] != pair[1]));
+        let slopes = span.stations.windows(2).map(|pair| metres(pair[1].z - pair[0].z) / pair[0].at(0.0).distance(pair[1].at(0.0)));
+        assert!(slopes.into_iter().all(|slope| slope.abs() < 0.3));
+        // The arch or girder is above the water.
+        let foot = span.piers.1.or(span.piers.0);
+        assert!(foot.is_none_or(|foot| foot < span.springing - GRID_PER_METRE / 2));
+    }
+    let shell = CellShell {
+        terrain: plan.terrain.clone(),
+        ground: plan.ground.clone(),
+        bridges: spans.iter().map(|&span| span.clone()).collect(),
+        drawn_bridges: spans.len() as u32,
+        ..CellShell::default()
+    };
+    let mesh = mesh::bridges(&shell);
+    assert_eq!(mesh.validate(), Ok(()));
+    assert!(!mesh.is_empty());
+    // Normals look the way their faces turn.
+    for t in mesh.indices.chunks_exact(3) {
+        let [a, b, c] = [t[0], t[1], t[2]].map(|i| glam::Vec3::from_array(mesh.positions[i as usize]).as_dvec3());
+        let normal = glam::Vec3::from_array(mesh.normals[t[0] as usize]).as_dvec3();
+        assert!((b - a).cross(c - a).dot(normal) >= 0.0);
+    }
+    let collision = mesh::collision(&shell);
+    for span in spans {
+        for station in &span.stations[..span.stations.len() - 1] {
+            let p = station.at(0.3);
+            let under = collision
+                .ground
+                .triangles
+                .iter()
+                .filter_map(|t| height_on(&collision.ground, *t, p))
+                .fold(f64::NEG_INFINITY, f64::max);
+            assert!((under - metres(station.z)).abs() < 0.15, "{under} for {}", metres(station.z));
+        }
+    }
+}
+
+/// Height of a triangle of the ground over a place.
+fn height_on(mesh: &mesh::Trimesh, triangle: [u32; 3], p: DVec2) -> Option<f64> {
+    let at = triangle.map(|i| glam::Vec3::from_array(mesh.positions[i as usize]).as_dvec3());
+    let [a, b, c] = at.map(|q| DVec2::new(q.x, -q.z));
+    let whole = (b - a).perp_dot(c - a);
+    let [u, v, w] = [(b, c), (c, a), (a, b)].map(|(s, t)| (t - s).perp_dot(p - s) / whole);
+    (whole > 1e-9 && [u, v, w].iter().all(|&share| share >= -1e-6)).then(|| u * at[0].y + v * at[1].y + w * at[2].y)
+}
+
+#[test]
+fn a_street_crosses_a_river_on_arches_of_stone() {
+    let plan = grown(&river(MAIN));
+    let spans: Vec<&BridgeSpan> = plan.bridges.iter().collect();
+    assert!(spans.len() > 2 && spans.iter().all(|span| span.id == Id(12) && span.form == BridgeForm::Arches));
+    prove(&plan, &spans);
+    // Below it the river flows on, deep under its banks; beside it the street's ground ends in the water.
+    assert_eq!(ground(&plan, DVec2::new(0.0, 3.0)).0, SurfaceKind::Water);
+    assert!(ground(&plan, DVec2::new(0.0, 3.0)).1 < -2.0);
+    assert_eq!(ground(&plan, DVec2::new(-38.0, 0.5)).0, SurfaceKind::Asphalt);
+    let length: f64 =
+        spans.iter().flat_map(|span| span.stations.windows(2)).map(|pair| pair[0].at(0.0).distance(pair[1].at(0.0))).sum();
+    assert!((55.0..66.0).contains(&length), "{length} m of bridge");
+    // The lines of its lanes are on it and not in the river, and nothing stands on its carriageway.
+    assert!(spans.iter().all(|span| span.markings.iter().any(|marking| marking.kind == MarkingKind::Dashes)));
+    assert!(plan.markings.iter().all(|m| m.line.iter().all(|p| ground(&plan, p.to_metres()).0 != SurfaceKind::Water)));
+    let on_it: Vec<_> =
+        plan.objects.iter().filter(|object| spans.iter().any(|span| span.height_m(object.pos.to_metres()).is_some())).collect();
+    assert!(on_it.iter().any(|object| object.kind == ObjectKind::Lamp), "it is lit");
+    assert!(on_it.iter().all(|object| metres(object.z) > 0.0 && object.kind != ObjectKind::Tree));
+}
+
+#[test]
+fn streets_beside_one_another_share_their_bridge_and_paths_lie_on_it() {
+    // Two carriageways that touch, and a footway along one of them.
+    let links = format!(
+        "{MAIN}, (id: 22, from: 10, to: 11, kind: Street(Main), width_m: 14, layer: 1),
+        (id: 32, from: 2, to: 3, via: [(0, 1)], kind: Street(Path), width_m: 2, layer: 1)"
+    );
+    let plan = grown(&river(&links));
+    let of = |id: u64| plan.bridges.iter().filter(move |span| span.id == Id(id)).collect::<Vec<_>>();
+    assert!(of(32).is_empty(), "the footway lies on the bridge");
+    let (south, north) = (of(12), of(22));
+    prove(&plan, &south);
+    assert!(south.iter().all(|span| span.parapets == (false, true) && span.pavements.0 == 0 && span.pavements.1 > 0));
+    assert!(north.iter().all(|span| span.parapets == (true, false) && span.pavements.1 == 0 && span.pavements.0 > 0));
+}
+
+#[test]
+fn rails_cross_on_girders_and_trams_on_the_street() {
+    let links = format!(
+        "{MAIN}, (id: 41, from: 2, to: 3, kind: Railway(tram: true), layer: 1), (id: 51, from: 8, to: 9, kind: Railway(tram: false), width_m: 9)"
+    );
+    let plan = grown(&river(&links));
+    let (rail, street): (Vec<&BridgeSpan>, Vec<_>) = plan.bridges.iter().partition(|span| span.id == Id(51));
+    prove(&plan, &rail);
+    prove(&plan, &street);
+    assert!(
+        rail.iter().all(|span| span.form == BridgeForm::Girder && span.surface == SurfaceKind::Ballast && span.markings.len() == 2)
+    );
+    assert!(street.iter().all(|span| span.markings.iter().any(|m| m.kind == MarkingKind::Rails && m.left.0.abs() < 20)));
+}
+
+#[test]
+fn brooks_and_ways_that_end_in_the_water_are_no_bridges() {
+    // A quay street half over the water, and a jetty, stay what they were; a brook is led under the street.
+    let mut graph = river("(id: 12, from: 2, to: 7, kind: Street(Lane), width_m: 4)");
+    let plan = grown(&graph);
+    assert!(plan.bridges.iter().all(|span| span.stations.len() > 1));
+    graph = river(MAIN);
+    graph.blocks[0].outline = [(-4.0, -160.0), (4.0, -160.0), (4.0, 140.0), (-4.0, 140.0)].map(|(x, y)| DVec2::new(x, y)).to_vec();
+    let plan = grown(&graph);
+    assert!(plan.bridges.is_empty());
+    assert_eq!(ground(&plan, DVec2::new(0.0, 3.0)).0, SurfaceKind::Asphalt);
+}
+
+#[test]
+fn a_bridge_leads_over_a_valley() {
+    let mut graph = river(MAIN);
+    graph.blocks.clear();
+    let posts = 81;
+    let depth = |x: f64| 9.0 * (1.0 - (x / 34.0).abs()).clamp(0.0, 0.5);
+    let heights_m = (0..posts * posts).map(|i| 20.0 - depth(f64::from(i % posts) * 4.0 - 160.0)).collect();
+    graph.terrain = Some(Terrain { origin: DVec2::splat(-160.0), step_m: 4.0, columns: posts as u32, heights_m });
+    let plan = grown(&graph);
+    let spans: Vec<&BridgeSpan> = plan.bridges.iter().collect();
+    prove(&plan, &spans);
+    assert!(spans.iter().all(|span| span.form == BridgeForm::Girder));
+    let middle = plan.terrain.height_m(DVec2::new(0.0, 3.0));
+    assert!((middle - 15.5).abs() < 0.1, "the valley stays: {middle}");
+    assert!(plan.bridges.iter().filter_map(|span| span.height_m(DVec2::new(0.0, 3.0))).all(|height| height > 20.0));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_crossing_of_a_river_is_whole(
+        (ax, ay, bx, by) in (-88.0..-50.0_f64, -90.0..90.0_f64, 50.0..88.0_f64, -90.0..90.0_f64),
+        via in proptest::collection::vec((-40.0..40.0_f64, -60.0..60.0_f64), 0..3),
+        width in 2.0..22.0_f64,
+        (layer, class) in (0..2_i8, prop::sample::select(&["Street(Main)", "Street(Street)", "Street(Lane)", "Street(Path)", "Railway(tram: false)"][..])),
+        is_back in any::<bool>(),
+    ) {
+        let mut via = via;
+        via.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut from, mut to) = (1, 4);
+        if is_back {
+            via.reverse();
+            (from, to) = (4, 1);
+        }
+        let mut graph = river(&format!("(id: 12, from: {from}, to: {to}, via: {via:?}, kind: {class}, width_m: {width}, layer: {layer})"));
+        graph.nodes[0].pos = DVec2::new(ax, ay);
+        graph.nodes[3].pos = DVec2::new(bx, by);
+        let plan = grown(&graph);
+        let reaches_over = plan.bridges.iter().any(|span| span.stations.iter().any(|s| s.at(0.0).x.abs() < 20.0));
+        prop_assert!(reaches_over, "it leads over the river");
+        for run in plan.bridges.chunk_by(|a, _| a.piers.1.is_some()) {
+            prove(&plan, &run.iter().collect::<Vec<_>>());
+        }
+    }
+}
