@@ -29,6 +29,11 @@ pub fn map_svg(plan: &CityPlan) -> String {
             path(&mut svg, &patch.outline, ink);
         }
     }
+    for span in &plan.bridges {
+        if let Some(ink) = ink(span.surface) {
+            path(&mut svg, &span.outline(), ink);
+        }
+    }
     for house in &plan.houses {
         for volume in &house.volumes {
             path(&mut svg, &volume.footprint, "#c9b094");

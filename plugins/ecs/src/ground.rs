@@ -94,6 +94,9 @@ pub(crate) fn follow_ground(
 ) {
     last.retain(|viewer, _| viewers.contains(*viewer));
     for (viewer, mut eye, footing) in &mut viewers {
+        if ground.floor(eye.plan_pos, f64::INFINITY).is_none() {
+            continue;
+        }
         let has_jumped = last.insert(viewer, eye.plan_pos).is_none_or(|last| last.distance(eye.plan_pos) > JUMP_M);
         if *footing != Footing::Terrain {
             continue;

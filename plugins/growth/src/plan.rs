@@ -171,7 +171,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let network = network::Network::new(graph);
     let (mut objects, grown) = objects::objects(graph, &areas, (&network, furniture), &site, &mut findings);
     designs.of_objects(graph.objects.iter().chain(&grown), &mut objects, &mut findings);
-    let markings = markings::markings(graph, &network, &site);
+    let markings = markings::markings(graph, &network, &bridges, &site);
     let start = places::start(graph, &extent, &site, &mut findings);
     let plan = CityPlan {
         name: graph.name.clone(),

@@ -207,6 +207,9 @@ mod tests {
         let (mut shell, _) = full();
         shell.drawn_bridges = 2;
         assert!(refused(shell).contains("it draws 2 of 1 bridges"));
+        let (mut shell, _) = full();
+        shell.bridges = vec![span(7); 6_000];
+        assert!(refused(shell).contains("its 6000 bridges are 105469 m long"));
     }
 
     fn refused(shell: CellShell) -> String {

@@ -3,7 +3,7 @@
 //! Plan positions stay within ±2³⁰ steps (1,048 km), positions within a cell and heights within ±2²⁷ (131 km): no sum or
 //! difference of two of them leaves 32 bits.
 
-use veduta_city::{BridgeSpan, CellShell, GridPolygon, GridPos, HouseShell, Overview, PortalSide, VolumeShell};
+use veduta_city::{BridgeSpan, BridgeStation, CellShell, GridPolygon, GridPos, HouseShell, Overview, PortalSide, VolumeShell};
 
 use crate::blob::BlobKind;
 use crate::{BlobRef, CellEntry, CityIndex};
@@ -15,6 +15,11 @@ type Check = Result<(), String>;
 const MOST_FACES: u64 = 16_000_000;
 /// Most squares of the terrain that patches of ground are cut into, as if each filled the box about it.
 const MOST_SQUARES: u64 = 1 << 20;
+/// Most bridges of a cell, and how long all are together, metres: posts, sleepers and dashes on them are counted by that.
+const MOST_BRIDGES: usize = 1 << 14;
+const MOST_BRIDGES_M: f64 = 100_000.0;
+/// Most markings of a span.
+const MOST_MARKINGS: usize = 32;
 const LONGEST_LINE: usize = 256;
 const FAR: u32 = 1 << 30;
 const NEAR: u32 = 1 << 27;
@@ -100,6 +105,10 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
     for (i, span) in shell.bridges.iter().enumerate() {
         check_span(span, NEAR).map_err(|reason| format!("bridge {i}: {reason}"))?;
     }
+    let length: f64 = shell.bridges.iter().map(length_m).sum();
+    if length > MOST_BRIDGES_M || shell.bridges.len() > MOST_BRIDGES {
+        return Err(format!("its {} bridges are {length:.0} m long", shell.bridges.len()));
+    }
     for (i, design) in shell.designs.iter().enumerate() {
         design.check().map_err(|error| format!("design {i}: {error}"))?;
     }
@@ -120,6 +129,15 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
     Ok(())
 }
 
+/// Length of a span along its sides, metres.
+fn length_m(span: &BridgeSpan) -> f64 {
+    let step = |pair: &[BridgeStation]| {
+        let side = |a: GridPos, b: GridPos| a.to_metres().distance(b.to_metres());
+        side(pair[0].left, pair[1].left).max(side(pair[0].right, pair[1].right))
+    };
+    span.stations.windows(2).map(step).sum()
+}
+
 fn check_span(span: &BridgeSpan, reach: u32) -> Check {
     let ends = span.stations.iter().flat_map(|station| [station.left, station.right]);
     if !(2..=LONGEST_LINE).contains(&span.stations.len()) || ends.into_iter().any(|pos| !is_within(pos, reach)) {
@@ -128,7 +146,7 @@ fn check_span(span: &BridgeSpan, reach: u32) -> Check {
     span.stations.iter().try_for_each(|station| check_height("it", station.z))?;
     let heights = [span.pavements.0, span.pavements.1, span.springing].into_iter().chain(span.piers.0).chain(span.piers.1);
     heights.into_iter().try_for_each(|height| check_height("what carries it", height))?;
-    if span.markings.len() > LONGEST_LINE {
+    if span.markings.len() > MOST_MARKINGS {
         return Err(format!("it has {} markings", span.markings.len()));
     }
     span.markings.iter().flat_map(|m| [m.left.0, m.left.1, m.width]).try_for_each(|left| check_height("a marking", left))

@@ -36,6 +36,9 @@ const SLAB_M: (f64, f64) = (0.3, 0.9);
 const SHAFT_M: f64 = 0.9;
 const SHAFT: f64 = 0.7;
 
+/// Shorter spans are nothing, metres.
+const SHORTEST_M: f64 = 0.25;
+
 const SANDSTONE: Rgb = Rgb(0xC2, 0xB0, 0x90);
 const VOUSSOIRS: Rgb = Rgb(0xD2, 0xC3, 0xA5);
 const CONCRETE: Rgb = Rgb(0xA9, 0xA6, 0x9F);
@@ -87,7 +90,7 @@ const fn rail(side: f64, left: f64, up: f64) -> Rail {
 }
 
 impl<'a> Deck<'a> {
-    /// `None` if it has no length.
+    /// `None` if it has no length to speak of.
     pub fn new(span: &'a BridgeSpan) -> Option<Self> {
         let middles: Vec<DVec2> = span.stations.iter().map(|station| station.at(0.0)).collect();
         let mut lengths = vec![0.0];
@@ -96,7 +99,8 @@ impl<'a> Deck<'a> {
         }
         let half_m = span.stations.iter().map(|station| station.half_m()).fold(f64::INFINITY, f64::min);
         let has_length = lengths.windows(2).all(|pair| pair[1] - pair[0] > 1e-3) && half_m > 1e-3;
-        (span.stations.len() > 1 && has_length).then_some(Self { span, lengths, half_m })
+        let is_long = lengths.last().is_some_and(|length| *length > SHORTEST_M);
+        (span.stations.len() > 1 && has_length && is_long).then_some(Self { span, lengths, half_m })
     }
 
     fn length_m(&self) -> f64 {

@@ -33,6 +33,8 @@ const SAMPLE_M: f64 = 1.0;
 const CARRIED: f64 = 0.6;
 /// … and goes along with it: cosine of the angle between them.
 const ALONG: f64 = 0.9;
+/// … in the middle about as high: bridges rise by up to that; metres.
+const STEP_UP_M: f64 = 1.8;
 /// What stands beside a way reaches so far, and a bridge begins so far beyond a sharp bend; metres.
 const BESIDE_M: f64 = 0.8;
 const PAST_BEND_M: f64 = 0.5;
@@ -149,16 +151,20 @@ impl Bridges {
         let mut own: Vec<(usize, Deck)> = Vec::new();
         let mut carried: BTreeMap<(usize, usize), Vec<Range<f64>>> = BTreeMap::new();
         for (w, i) in order {
-            let (way, range) = (&self.ways[w], &self.ways[w].stretches[i].range);
+            let (way, stretch) = (&self.ways[w], &self.ways[w].stretches[i]);
+            let range = &stretch.range;
+            let height_m = stretch.height_m((range.start + range.end) / 2.0);
+            let is_level_with = |deck: &Deck| (deck.height_m - height_m).abs() < STEP_UP_M;
             let count = ((range.end - range.start) / SAMPLE_M).ceil().max(1.0) as usize;
             let place = |k: usize| range.start + (range.end - range.start) * k as f64 / count as f64;
-            let is_carried = |(p, along)| own.iter().any(|(other, deck)| *other != w && deck.carries(p, along));
+            let is_carried =
+                |(p, along)| own.iter().any(|(other, deck)| *other != w && is_level_with(deck) && deck.carries(p, along));
             let is_on = |k: usize| way.at(place(k)).is_some_and(is_carried);
             let on: Vec<bool> = (0..=count).map(is_on).collect();
             let share = on.iter().filter(|on| **on).count() as f64 / on.len() as f64;
             if share < CARRIED {
                 let halves = (0..=8).map(|k| way.half_m(graph, range.start + (range.end - range.start) * f64::from(k) / 8.0));
-                own.push((w, Deck::of(way, range, halves.fold(f64::INFINITY, f64::min) + BESIDE_M)));
+                own.push((w, Deck::of(way, stretch, height_m, halves.fold(f64::INFINITY, f64::min) + BESIDE_M)));
                 continue;
             }
             let mut first = 0;
@@ -225,6 +231,8 @@ impl Bridges {
 
 /// The plan of a bridge: what lies so near to its middle line.
 struct Deck {
+    /// How high it is in its middle, metres above the city's zero.
+    height_m: f64,
     line: Vec<DVec2>,
     low: DVec2,
     high: DVec2,
@@ -232,13 +240,13 @@ struct Deck {
 }
 
 impl Deck {
-    fn of(way: &Way, range: &Range<f64>, reach_m: f64) -> Self {
+    fn of(way: &Way, Stretch { range, .. }: &Stretch, height_m: f64, reach_m: f64) -> Self {
         let ends = [range.start, range.end].map(|s| way.at(s).map(|(p, _)| p));
         let is_inside = |s: f64| range.start + 1e-3 < s && s < range.end - 1e-3;
         let inside = (1..way.line.len()).filter(|&i| is_inside(length_m(&way.line[..=i]))).map(|i| way.line[i]);
         let line: Vec<DVec2> = ends[0].into_iter().chain(inside).chain(ends[1]).collect();
         let (low, high) = line.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
-        Self { line, low: low - reach_m, high: high + reach_m, reach_m }
+        Self { height_m, line, low: low - reach_m, high: high + reach_m, reach_m }
     }
 
     /// Whether a place lies on it, beside its line, not beyond its ends, and a way goes along with it there.

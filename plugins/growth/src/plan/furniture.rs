@@ -83,7 +83,7 @@ impl Furnisher<'_> {
             let id = Id::from_place(&format!("grown {}", rule.name), wish.pos);
             let draw = Draw::new(self.graph.seed, id, "furniture");
             let Some(furnishing) = drawn(&rule.put, draw) else { continue };
-            if furnishing.kind == ObjectKind::Tree && self.site.decks.at(wish.pos).is_some() {
+            if furnishing.kind == ObjectKind::Tree && self.site.deck(wish.pos).is_some() {
                 continue;
             }
             let radius = furnishing.kind.radius_m();
@@ -245,7 +245,7 @@ impl Furnisher<'_> {
     /// Whether something may stand in the street: on public ground, not on a carriageway, in no doorway, clear of houses.
     fn may_stand(&self, pos: DVec2, clear_m: f64) -> bool {
         let here = GridPos::from_metres(pos);
-        let on_bridge = || self.site.decks.surface(pos).map(|(surface, _)| surface);
+        let on_bridge = || self.site.deck(pos).map(|(surface, _)| surface);
         let surface = on_bridge().or_else(|| self.site.surface(pos).map(|(surface, _)| surface));
         let is_public = surface.is_some_and(SurfaceKind::is_public);
         let on_carriageway = || self.network.carriageways.at(here).next().is_some();

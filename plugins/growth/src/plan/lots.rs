@@ -128,7 +128,12 @@ impl<'a> Obstacles<'a> {
         let open = layers.iter().filter(is_open).flat_map(|l| l.shapes.iter().flat_map(|s| whole(l, s)));
         let open = open.map(|shape| (shape, ())).collect();
         let at: HashMap<Id, DVec2> = graph.node_positions();
-        let is_street = |link: &&Link| link.layer >= 0 && matches!(link.kind, LinkKind::Street(_));
+        // Railways on bridges, too, under which no ballast lies.
+        let is_street = |link: &&Link| match link.kind {
+            LinkKind::Street(_) => link.layer >= 0,
+            LinkKind::Railway { tram } => !tram && link.layer > 0,
+            LinkKind::Watercourse => false,
+        };
         let streets = graph.links.iter().filter(is_street);
         let streets: Vec<(&Link, Vec<Station>)> =
             streets.map(|link| (link, stations(&graph.polyline(link, &at).unwrap_or_default(), link))).collect();

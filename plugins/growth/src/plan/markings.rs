@@ -5,10 +5,12 @@
 //! so that each belongs to a cell and the dashes still go on.
 
 use core::ops::Range;
+use std::collections::HashMap;
 
 use glam::DVec2;
-use veduta_city::{CityGraph, GridPos, LinkKind, Marking, MarkingKind, StreetClass, SurfaceKind};
+use veduta_city::{CityGraph, GridPos, Id, Link, LinkKind, Marking, MarkingKind, StreetClass, SurfaceKind};
 
+use super::bridges::Bridges;
 use super::network::{Junction, Network, STOP_M, Street, TWO_LANES_M, ZEBRA_M};
 use super::objects::Site;
 use super::streets::{along, length_m, width_m};
@@ -30,19 +32,24 @@ const MOST_TRACKS: f64 = 12.0;
 const CROSSING_STEP_M: f64 = 1.5;
 
 /// All markings, in the order of links.
-pub(super) fn markings(graph: &CityGraph, network: &Network<'_>, site: &Site<'_>) -> Vec<Marking> {
+pub(super) fn markings(graph: &CityGraph, network: &Network<'_>, bridges: &Bridges, site: &Site<'_>) -> Vec<Marking> {
+    let numbers: HashMap<Id, usize> = graph.links.iter().enumerate().map(|(i, link)| (link.id, i)).collect();
+    let on_ground = |link: &Link| numbers.get(&link.id).map_or_else(Vec::new, |&i| bridges.on_ground(i));
     let mut marks = Marks { site, out: Vec::new() };
     network.junctions.iter().for_each(|junction| crossing(junction, &network.streets, &mut marks));
-    network.streets.iter().for_each(|street| lines(street, &mut marks));
+    network.streets.iter().for_each(|street| lines(street, &on_ground(street.link), &mut marks));
     let at = graph.node_positions();
     for link in graph.links.iter().filter(|link| link.layer >= 0) {
         let LinkKind::Railway { tram } = link.kind else { continue };
         let line = graph.polyline(link, &at).unwrap_or_default();
         if tram {
-            marks.pieces(MarkingKind::Rails, &line, 0.0..length_m(&line), 0.0, GAUGE_M);
+            for range in marks.off_bridges(&line) {
+                marks.pieces(MarkingKind::Rails, &line, range, 0.0, GAUGE_M);
+            }
             continue;
         }
-        tracks(width_m(link)).for_each(|left| marks.railway(&line, left));
+        let parts = on_ground(link);
+        tracks(width_m(link)).for_each(|left| marks.railway(&line, &parts, left));
     }
     marks.out
 }
@@ -67,15 +74,18 @@ fn crossing(junction: &Junction, streets: &[Street<'_>], marks: &mut Marks<'_, '
     }
 }
 
-/// Lines along a street, but where crossroads leave none.
-fn lines(street: &Street<'_>, marks: &mut Marks<'_, '_>) {
+/// Lines along a street, but where crossroads leave none, and bridges, which have their own. `on_ground`: shares of its length.
+fn lines(street: &Street<'_>, on_ground: &[Range<f64>], marks: &mut Marks<'_, '_>) {
     let (from, to) = (street.taken_m[0], street.length_m - street.taken_m[1]);
     let half = (0..=8).map(|i| street.half_m(f64::from(i) / 8.0)).fold(f64::INFINITY, f64::min);
     if to - from < LEAST_M {
         return;
     }
-    for (kind, left_m) in lane_lines(street.class, half) {
-        marks.pieces(kind, &street.line, from..to, left_m, LINE_M);
+    for part in on_ground {
+        let range = from.max(part.start * street.length_m)..to.min(part.end * street.length_m);
+        for (kind, left_m) in lane_lines(street.class, half) {
+            marks.pieces(kind, &street.line, range.clone(), left_m, LINE_M);
+        }
     }
 }
 
@@ -106,9 +116,10 @@ struct Marks<'a, 'b> {
 
 impl Marks<'_, '_> {
     /// Adds a railway's track to the left of a line: on sleepers where ballast lies, even with the paving where a street crosses.
-    fn railway(&mut self, line: &[DVec2], left_m: f64) {
+    fn railway(&mut self, line: &[DVec2], on_ground: &[Range<f64>], left_m: f64) {
         let length = length_m(line);
         let kind = |s: f64| {
+            on_ground.iter().find(|part| part.contains(&(s / length)))?;
             let (p, way) = along(line, s.min(length))?;
             let (surface, z) = self.site.surface(p + way.perp() * left_m)?;
             match surface {
@@ -151,22 +162,21 @@ impl Marks<'_, '_> {
         }
     }
 
-    /// Adds a line to the left of another, over some of its length, piece by piece, but on bridges.
+    /// Adds a line to the left of another, over some of its length, piece by piece.
     fn pieces(&mut self, kind: MarkingKind, line: &[DVec2], range: Range<f64>, left_m: f64, width_m: f64) {
-        for range in self.on_ground(line, range) {
-            pieces(range).for_each(|(from, to)| self.add(kind, &beside(line, from, to, left_m), width_m));
-        }
+        pieces(range).for_each(|(from, to)| self.add(kind, &beside(line, from, to, left_m), width_m));
     }
 
-    /// The parts of a line over some of its length that lie on no bridge.
-    fn on_ground(&self, line: &[DVec2], range: Range<f64>) -> Vec<Range<f64>> {
+    /// The parts of a line that lie on no bridge, from one place along it to another.
+    fn off_bridges(&self, line: &[DVec2]) -> Vec<Range<f64>> {
+        let range = 0.0..length_m(line);
         if self.site.decks.is_none() {
             return vec![range];
         }
         let count = ((range.end - range.start) / CROSSING_STEP_M).ceil().max(1.0) as usize;
         let place = |i: usize| range.start + (range.end - range.start) * i as f64 / count as f64;
         let is_on_bridge = |i: usize| {
-            let here = [place(i), place(i + 1)].map(|s| along(line, s).is_some_and(|(p, _)| self.site.decks.at(p).is_some()));
+            let here = [place(i), place(i + 1)].map(|s| along(line, s).is_some_and(|(p, _)| self.site.deck(p).is_some()));
             here[0] || here[1]
         };
         let steps: Vec<bool> = (0..count).map(is_on_bridge).collect();

@@ -57,9 +57,8 @@ impl Site<'_> {
     /// The nearest free place on land for something that stands in the water, bridges aside, and would not: `None` if it is not so, or
     /// there is no such place near.
     fn bank(&self, object: &StandingObject) -> Option<DVec2> {
-        let is_wet = |pos: DVec2| {
-            self.decks.at(pos).is_none() && self.surface(pos).is_some_and(|(surface, _)| surface == SurfaceKind::Water)
-        };
+        let is_wet =
+            |pos: DVec2| self.deck(pos).is_none() && self.surface(pos).is_some_and(|(surface, _)| surface == SurfaceKind::Water);
         let may_be_wet = object.kind == ObjectKind::Fountain || !object.monument.is_empty();
         if may_be_wet || !is_wet(object.pos) {
             return None;
@@ -69,7 +68,7 @@ impl Site<'_> {
 
     /// The foot of something round above the city's zero, grid steps: on slopes the lowest ground under it, so that it hangs nowhere.
     fn foot(&self, pos: DVec2, radius_m: f64) -> i32 {
-        if let Some((_, height)) = self.decks.surface(pos) {
+        if let Some((_, height)) = self.deck(pos) {
             return GridPos::steps(height);
         }
         let above = self.surface(pos).map_or(0, |(_, z)| z);
@@ -79,6 +78,14 @@ impl Site<'_> {
         let rim = |i: u32| self.terrain.height_m(pos + compass(f64::from(i) * 90.0) * radius_m);
         let lowest = (0..4).map(rim).fold(self.terrain.height_m(pos), f64::min);
         above.saturating_add(GridPos::steps(lowest))
+    }
+
+    /// What lies on a bridge at a position, and how high above the city's zero, metres: of bridges over water, or so low that nobody
+    /// walks under them.
+    pub fn deck(&self, pos: DVec2) -> Option<(SurfaceKind, f64)> {
+        let (surface, height) = self.decks.surface(pos)?;
+        let is_wet = self.surface(pos).is_some_and(|(below, _)| below == SurfaceKind::Water);
+        (is_wet || height - self.terrain.height_m(pos) < HEADROOM_M).then_some((surface, height))
     }
 
     /// What lies at a position, bridges aside, and how high above the terrain.

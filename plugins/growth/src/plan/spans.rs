@@ -234,7 +234,7 @@ impl Builder<'_> {
 }
 
 /// Those stations between which the way goes on: about sharp bends the inner ends of the others lie behind one another. The first and the
-/// last stay, or none.
+/// last stay.
 fn laid_out(stations: impl Iterator<Item = (f64, BridgeStation)>, bends: &[f64]) -> Vec<(f64, BridgeStation)> {
     let goes_on = |a: &BridgeStation, b: &BridgeStation| {
         let ends = |station: &BridgeStation| [-1.0, 1.0].map(|side| station.at(side * (station.half_m() + BEYOND_M)));
@@ -242,25 +242,25 @@ fn laid_out(stations: impl Iterator<Item = (f64, BridgeStation)>, bends: &[f64])
         let ring = [a_right, b_right, b_left, a_left];
         (0..4).all(|i| (ring[(i + 1) % 4] - ring[i]).perp_dot(ring[(i + 2) % 4] - ring[i]) > LEAST_M2)
     };
+    let stations: Vec<(f64, BridgeStation)> = stations.collect();
     let mut kept: Vec<(f64, BridgeStation)> = Vec::new();
-    let mut last = None;
-    for next in stations {
+    for &next in &stations {
         // What lies too near before a bend goes, and what lies too near behind it.
         let fits = kept.iter().rposition(|(_, station)| goes_on(station, &next.1)).map(|i| i + 1);
         if fits.unwrap_or(0) == kept.len() || (bends.contains(&next.0) && fits.is_some()) {
             kept.truncate(fits.unwrap_or(0));
             kept.push(next);
         }
-        last = Some(next);
     }
-    let Some(last) = last else { return kept };
+    let Some(&last) = stations.last() else { return kept };
     while kept.len() > 1 && kept[kept.len() - 1].0 < last.0 {
         kept.pop();
         if goes_on(&kept[kept.len() - 1].1, &last.1) {
             kept.push(last);
         }
     }
-    if kept.len() > 1 { kept } else { Vec::new() }
+    // Better a deck with a fold than none.
+    if kept.len() > 1 { kept } else { stations }
 }
 
 /// Where a line bends, metres along it.

@@ -228,7 +228,7 @@ fn pieces(line: &[DVec2], (i, link): (usize, &Link), raw: &Terrain, bridges: &Br
     for part in &parts {
         // The stations within it, and its ends where they are elsewhere.
         let (from, to) = (part.start * whole, part.end * whole);
-        let end = |s: f64| along(line, s).map(|(p, _)| (s, p));
+        let end = |s: f64| along(line, s.min(whole - 1e-6).max(0.0)).map(|(p, _)| (s, p));
         let inside = stations.iter().copied().filter(|(s, _)| from + 1e-6 < *s && *s < to - 1e-6);
         let of_part: Vec<(f64, DVec2)> = end(from).into_iter().chain(inside).chain(end(to)).collect();
         for (k, pair) in of_part.windows(2).enumerate() {
