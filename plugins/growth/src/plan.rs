@@ -1,9 +1,9 @@
 //! The city plan from the city graph.
 //!
 //! ```text
-//!  CityGraph ─┬─► bridges ─► streets ─► ground ─► verges ─┬─► lots ─┐
+//!  CityGraph ─┬─► extent ─► streets ─► ground ─► verges ─┬─► lots ─┐
 //!             ├─► houses (given) ────────────────┴────────┴────────┴─► facing ─► floors ─► massing ─► variety ─► walls ─► CityPlan
-//!             └─► terrain (streets cut into it) ─────────────────────────────────┘                             │
+//!             └─► bridges ─► terrain (streets cut into it) ─► spans ─────────────┘                             │
 //!                                                  network (who waits where) ─► objects, markings, places, start ──┘
 //! ```
 //!

@@ -154,11 +154,13 @@ fn rails_cross_on_girders_and_trams_on_the_street() {
 }
 
 #[test]
-fn brooks_and_ways_that_end_in_the_water_are_no_bridges() {
-    // A quay street half over the water, and a jetty, stay what they were; a brook is led under the street.
+fn a_jetty_stands_on_piers_and_a_brook_is_led_under_the_street() {
     let mut graph = river("(id: 12, from: 2, to: 7, kind: Street(Lane), width_m: 4)");
     let plan = grown(&graph);
-    assert!(plan.bridges.iter().all(|span| span.stations.len() > 1));
+    let jetty: Vec<&BridgeSpan> = plan.bridges.iter().collect();
+    prove(&plan, &jetty);
+    let end = jetty[jetty.len() - 1].stations.last().expect("it has an end").at(0.0);
+    assert!(jetty.len() > 1 && end.distance(DVec2::new(0.0, 40.0)) < 0.1, "it ends at {end}");
     graph = river(MAIN);
     graph.blocks[0].outline = [(-4.0, -160.0), (4.0, -160.0), (4.0, 140.0), (-4.0, 140.0)].map(|(x, y)| DVec2::new(x, y)).to_vec();
     let plan = grown(&graph);

@@ -9,7 +9,7 @@ use super::marking::{Floor, lay};
 use super::outline::{centre_of, engine};
 
 /// Pavements stand so far above the carriageway; metres.
-pub(super) const KERB_M: f64 = 0.12;
+pub(crate) const KERB_M: f64 = 0.12;
 /// Breadth and height of a parapet of stone, and how far its coping reaches beyond and above it; metres.
 const PARAPET_M: (f64, f64) = (0.38, 1.0);
 const COPING_M: (f64, f64) = (0.07, 0.14);
@@ -19,7 +19,7 @@ const POST_STEP_M: f64 = 1.6;
 const POST_M: f64 = 0.09;
 const BAR_M: f64 = 0.05;
 /// From the carriageway to the crown of an arch, metres.
-const CROWN_M: f64 = 0.7;
+pub(crate) const CROWN_M: f64 = 0.7;
 /// Pieces of an arch, height of its voussoirs and how far they stand out of the wall; metres.
 const PIECES: u32 = 14;
 const VOUSSOIR_M: (f64, f64) = (0.55, 0.05);

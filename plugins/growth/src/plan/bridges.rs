@@ -79,6 +79,11 @@ impl Stretch {
         self.ends_m.0 + (self.ends_m.1 - self.ends_m.0) * share + self.camber_m * 4.0 * share * (1.0 - share)
     }
 
+    /// How far along the way its middle is, metres.
+    pub fn middle(&self) -> f64 {
+        (self.range.start + self.range.end) / 2.0
+    }
+
     /// What of it has no ground of the way's under it.
     fn hollow(&self) -> Range<f64> {
         self.range.start + self.overlap_m..self.range.end - self.overlap_m
@@ -143,17 +148,14 @@ impl Bridges {
     fn carry(&mut self, graph: &CityGraph) {
         let mut order: Vec<(usize, usize)> =
             (0..self.ways.len()).flat_map(|w| (0..self.ways[w].stretches.len()).map(move |i| (w, i))).collect();
-        let width = |&(w, i): &(usize, usize)| {
-            let range = &self.ways[w].stretches[i].range;
-            self.ways[w].half_m(graph, (range.start + range.end) / 2.0)
-        };
+        let width = |&(w, i): &(usize, usize)| self.ways[w].half_m(graph, self.ways[w].stretches[i].middle());
         order.sort_by(|a, b| width(b).total_cmp(&width(a)));
         let mut own: Vec<(usize, Deck)> = Vec::new();
         let mut carried: BTreeMap<(usize, usize), Vec<Range<f64>>> = BTreeMap::new();
         for (w, i) in order {
             let (way, stretch) = (&self.ways[w], &self.ways[w].stretches[i]);
             let range = &stretch.range;
-            let height_m = stretch.height_m((range.start + range.end) / 2.0);
+            let height_m = stretch.height_m(stretch.middle());
             let is_level_with = |deck: &Deck| (deck.height_m - height_m).abs() < STEP_UP_M;
             let count = ((range.end - range.start) / SAMPLE_M).ceil().max(1.0) as usize;
             let place = |k: usize| range.start + (range.end - range.start) * k as f64 / count as f64;

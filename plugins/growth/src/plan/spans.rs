@@ -14,17 +14,17 @@ use super::bridges::{Bridges, Stretch, Way};
 use super::index::Index;
 use super::markings::{GAUGE_M, LINE_M, lane_lines, tracks};
 use super::streets::{length_m, link_surface, pavement_m, width_at_m, width_m};
+use crate::mesh::bridge::{CROWN_M, KERB_M};
 
 /// How far above the ground that it leads over on the way's own ground it begins, metres: posts of a terrain are as exact as that.
 const LIFT_M: f64 = 0.02;
-/// From the carriageway to the crown of an arch, and from the water to where it springs; metres.
-const CROWN_M: f64 = 0.7;
+/// From the water to where arches spring, metres.
 const SPRINGING_M: f64 = 0.35;
 /// Arches rise at least so much, metres; and span so many times that, at least and at most so far.
 const LEAST_RISE_M: f64 = 0.7;
 const FLATTEST: f64 = 4.5;
 const ARCH_M: (f64, f64) = (8.0, 22.0);
-/// Widest span of a girder; of a railway's.
+/// Widest span of a girder, metres.
 const GIRDER_M: f64 = 24.0;
 /// Ways narrower than this are carried by girders, metres.
 const NARROWEST_ARCHED_M: f64 = 3.5;
@@ -108,10 +108,6 @@ fn join(spans: &mut [(usize, BridgeSpan)]) {
     }
 }
 
-fn middle(range: &Range<f64>) -> f64 {
-    (range.start + range.end) / 2.0
-}
-
 /// Where piers may not stand: streets and railways on the ground.
 fn carriageways(graph: &CityGraph) -> Index<()> {
     let at = graph.node_positions();
@@ -156,7 +152,7 @@ struct Builder<'a> {
 impl Builder<'_> {
     fn stretch(&self, way: &Way, stretch: &Stretch) -> Vec<BridgeSpan> {
         let Range { start, end } = stretch.range.clone();
-        let Some(link) = way.link_at(middle(&stretch.range)).and_then(|(link, _)| self.graph.links.get(link)) else {
+        let Some(link) = way.link_at(stretch.middle()).and_then(|(link, _)| self.graph.links.get(link)) else {
             return Vec::new();
         };
         let ground = |s: f64| way.at(s).map_or(0.0, |(p, _)| self.terrain.height_m(p));
@@ -335,7 +331,7 @@ impl<'a> Decks<'a> {
         let distance = |a: GridPos, b: GridPos| super::outline::distance_to_edge(p, a.to_metres(), b.to_metres());
         let edges = [(pair[0].left, pair[1].left, span.pavements.0), (pair[0].right, pair[1].right, span.pavements.1)];
         let is_pavement = edges.into_iter().any(|(a, b, width)| distance(a, b) < metres(width));
-        Some(if is_pavement { (SurfaceKind::Mosaic, height + super::streets::KERB_M) } else { (span.surface, height) })
+        Some(if is_pavement { (SurfaceKind::Mosaic, height + KERB_M) } else { (span.surface, height) })
     }
 }
 
