@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  cargo play [ARGS…]    set-up ─► cargo run -p veduta-game -- ARGS…
-//!  cargo verify [core]   set-up ─► fmt ─► clippy ─► test ─► doc ─► deny
+//!  cargo verify [core]   set-up ─► fmt ─► clippy ─► test ─► doc ─► deny ─► wasm
 //!
 //!  set-up: probe (what is there) ─► packages::decide (pure) ─► install, or one line to run
 //! ```
@@ -19,6 +19,7 @@ mod packages;
 mod probe;
 mod setup;
 mod verify;
+mod wasm;
 
 use std::process::{Command, ExitCode};
 
@@ -26,7 +27,8 @@ const USAGE: &str = "\
 usage: cargo play [ARGS…]     walk through the sample city; without a display, film the sample tour
                               (ARGS go to the `veduta` program: cargo play --help)
        cargo verify           formatting, lints, all tests, documentation, licences
-       cargo verify core      only the tests of the crates that need no engine; seconds";
+       cargo verify core      only the tests of the crates that need no engine; seconds
+       cargo verify wasm      only whether plans are the same bytes on wasm32";
 
 /// Exit code of wrong usage.
 const WRONG_USAGE: u8 = 2;
@@ -37,6 +39,7 @@ fn main() -> ExitCode {
         ["play", rest @ ..] => play(rest),
         ["verify"] => verify::everything(),
         ["verify", "core"] => verify::core(),
+        ["verify", "wasm"] => verify::wasm(),
         ["verify", "--help" | "-h"] | ["--help" | "-h"] => {
             println!("{USAGE}");
             0

@@ -3,10 +3,10 @@
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-use crate::{cargo, run, setup};
+use crate::{cargo, run, setup, wasm};
 
 /// The crates that need no engine: their tests are built in seconds.
-pub const CORE: [&str; 9] = [
+pub const CORE: [&str; 10] = [
     "veduta-city",
     "veduta-survey",
     "veduta-growth",
@@ -15,6 +15,7 @@ pub const CORE: [&str; 9] = [
     "veduta-route",
     "veduta-store",
     "veduta-bake",
+    "veduta-digests",
     "xtask",
 ];
 
@@ -94,7 +95,10 @@ fn checks() -> Vec<Check> {
 /// Runs every check; the exit code of the first that fails, else 0.
 pub fn everything() -> u8 {
     match setup::prepare() {
-        Ok(()) => in_order(&checks()),
+        Ok(()) => match in_order(&checks()) {
+            0 => wasm(),
+            code => code,
+        },
         Err(code) => code,
     }
 }
@@ -102,6 +106,22 @@ pub fn everything() -> u8 {
 /// Runs the tests of the crates that need no engine, and no set-up.
 pub fn core() -> u8 {
     in_order(&[Check::of("test", &CORE, &[])])
+}
+
+/// Compares plans grown here with plans grown on wasm32, where a toolchain for it is installed.
+pub fn wasm() -> u8 {
+    eprintln!("verify: plans on wasm32");
+    if let Some(reason) = wasm::lacks() {
+        eprintln!("verify: skipped, {reason}");
+        return 0;
+    }
+    match wasm::compare() {
+        Ok(()) => 0,
+        Err(told) => {
+            eprintln!("verify: FAILED: {told}");
+            1
+        }
+    }
 }
 
 fn in_order(checks: &[Check]) -> u8 {
@@ -167,7 +187,7 @@ mod tests {
     fn every_crate_is_checked_in_every_way() {
         // Tests run in their package's folder; a path from build time may be that of another clone with the same target directory.
         let root = std::path::Path::new("..");
-        let mut crates = vec!["veduta-game".to_owned(), "veduta-tests".to_owned(), "xtask".to_owned()];
+        let mut crates = ["veduta-game", "veduta-tests", "veduta-digests", "xtask"].map(str::to_owned).to_vec();
         for entry in std::fs::read_dir(root.join("plugins")).expect("the project's plugins") {
             let name = entry.expect("a folder").file_name().into_string().expect("plain names");
             crates.push(if name == "veduta" { name } else { format!("veduta-{name}") });

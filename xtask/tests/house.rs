@@ -44,6 +44,7 @@ fn table() -> BTreeMap<&'static str, Imports> {
     enter("veduta", with(&[&["veduta-city", "veduta-ecs"], &PLUGINS]), with(&[&["veduta-bake"], &CORE]));
     enter("veduta-game", with(&[&["veduta", "veduta-city", "veduta-bake"], &CORE]), vec![]);
     enter("veduta-tests", with(&[&["veduta", "veduta-game", "veduta-city", "veduta-bake", "veduta-ecs"], &CORE, &PLUGINS]), vec![]);
+    enter("veduta-digests", vec!["veduta-city", "veduta-growth"], vec![]);
     enter("xtask", vec![], vec![]);
     table
 }
