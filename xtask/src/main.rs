@@ -39,7 +39,7 @@ fn main() -> ExitCode {
         ["play", rest @ ..] => play(rest),
         ["verify"] => verify::everything(),
         ["verify", "core"] => verify::core(),
-        ["verify", "wasm"] => verify::wasm(),
+        ["verify", "wasm"] => verify::wasm(true),
         ["verify", "--help" | "-h"] | ["--help" | "-h"] => {
             println!("{USAGE}");
             0

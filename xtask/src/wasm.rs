@@ -19,7 +19,7 @@ enum Toolchain {
     /// rustup's, with the target added.
     Rustup,
     /// A distribution's compiler, which builds the standard library from its own sources.
-    FromSource { rustc: PathBuf, linker: &'static str },
+    FromSource { rustc: PathBuf, linker: String },
 }
 
 /// Why it cannot be checked here; `None` if it can.
@@ -79,7 +79,8 @@ fn toolchain() -> Option<Toolchain> {
     let sysroot = Command::new(&rustc).args(["--print", "sysroot"]).output().ok()?;
     let sysroot = PathBuf::from(String::from_utf8_lossy(&sysroot.stdout).trim());
     let has_source = sysroot.join("lib/rustlib/src/rust/library/Cargo.lock").exists();
-    let linker = ["wasm-ld", "wasm-ld-22"].into_iter().find(|linker| succeeds(Command::new(linker).arg("--version")))?;
+    let names = ["wasm-ld".to_owned()].into_iter().chain((14..30).rev().map(|version| format!("wasm-ld-{version}")));
+    let linker = names.into_iter().find(|linker| succeeds(Command::new(linker).arg("--version")))?;
     has_source.then_some(Toolchain::FromSource { rustc, linker })
 }
 
