@@ -1,10 +1,11 @@
 use core::fmt;
+use std::borrow::Cow;
 use std::path::Path;
 
-use veduta_cells::{PartitionSettings, cell_shells, facade_sheets, partition};
+use veduta_cells::{Contents, PartitionSettings, partition};
 use veduta_city::{Cells, CityGraph, CityPlan, Finding, GraphOverrides, file};
 use veduta_growth::plan::Stock;
-use veduta_store::{CityStats, write_city};
+use veduta_store::{CityStats, write_city_with};
 
 use crate::{BakeError, Heights, Input, InputKind, lay_on_ground, overrides_beside};
 
@@ -189,7 +190,8 @@ pub fn bake_input(input: &Input, out: &Path, settings: &BakeSettings, progress: 
         return Err(BakeError::Empty(input.path.clone()));
     }
     progress(Stage::Pack);
-    let (shells, sheets) = rayon::join(|| cell_shells(&plan, &cells), || facade_sheets(&plan, &cells));
-    let stats = write_city(out, &plan, &cells, &shells, &sheets)?;
+    let contents = Contents::new(&plan, &cells);
+    let of_cell = |cell: usize| (Cow::Owned(contents.shell(cell)), Cow::Owned(contents.sheet(cell)));
+    let stats = write_city_with(out, &plan, &cells, &of_cell)?;
     Ok(Baked { stats, findings })
 }

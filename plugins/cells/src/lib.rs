@@ -72,7 +72,6 @@ mod overlay;
 mod partition;
 mod patches;
 mod reach;
-mod sheet;
 mod shell;
 mod skyline;
 mod triangulate;
@@ -83,5 +82,4 @@ pub const PARTITION_VERSION: u32 = 2;
 
 pub use check::{CellsError, check};
 pub use partition::{Partition, PartitionSettings, partition};
-pub use sheet::facade_sheets;
-pub use shell::cell_shells;
+pub use shell::{Contents, cell_shells, facade_sheets};

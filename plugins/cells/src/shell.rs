@@ -1,31 +1,47 @@
 use rayon::prelude::*;
 use veduta_city::{
-    BridgeSpan, BridgeStation, Cell, CellShell, Cells, CityPlan, Design, GRID_PER_METRE, GridPolygon, GridPos, GridRing,
-    GroundPatch, House, HouseShell, Marking, PlacedMonument, PlanObject, PlanTerrain, Portal, Volume, VolumeShell,
+    BridgeSpan, BridgeStation, Cell, CellShell, Cells, CityPlan, Design, FacadeSheet, GRID_PER_METRE, GridPolygon, GridPos,
+    GridRing, GroundPatch, House, HouseShell, Marking, PlacedMonument, PlanObject, PlanTerrain, Portal, Volume, VolumeShell,
 };
 
 use crate::overlay::{Bounds, Keep, combine, turned_rings};
 use crate::patches::Patches;
 
-/// Content of every cell's level-1 packet: ground (of its yards, too), houses, objects and blind portals, relative to the packet's
-/// origin. Ground under houses is left out, but not under monuments, which need not fill their buildings' footprints.
-#[must_use]
-pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
-    let patches = Patches::new(plan);
-    let decks: Vec<Option<Bounds>> = plan.bridges.iter().map(|span| span.outline().bounds()).collect();
-    let shell = |cell: &Cell| {
+/// What goes into the packets of cells, cell by cell.
+pub struct Contents<'a> {
+    plan: &'a CityPlan,
+    cells: &'a Cells,
+    patches: Patches<'a>,
+    decks: Vec<Option<Bounds>>,
+}
+
+impl<'a> Contents<'a> {
+    /// For the cells of a plan.
+    #[must_use]
+    pub fn new(plan: &'a CityPlan, cells: &'a Cells) -> Self {
+        let decks = plan.bridges.iter().map(|span| span.outline().bounds()).collect();
+        Self { plan, cells, patches: Patches::new(plan), decks }
+    }
+
+    /// Content of a cell's level-1 packet: ground (of its yards, too), houses, objects and blind portals, relative to the packet's
+    /// origin. Ground under houses is left out, but not under monuments, which need not fill their buildings' footprints. Empty beyond
+    /// the last cell.
+    #[must_use]
+    pub fn shell(&self, cell: usize) -> CellShell {
+        let Some(cell) = self.cells.cells.get(cell) else { return CellShell::default() };
+        let plan = self.plan;
         let origin = origin(cell);
         let footings = footings(plan, cell);
         let windows = core::iter::once(&cell.outline).chain(&cell.yards).chain(&footings);
         let ground: Vec<GroundPatch> = windows
-            .flat_map(|window| patches.clipped(window))
+            .flat_map(|window| self.patches.clipped(window))
             .map(|(patch, piece)| GroundPatch { surface: patch.surface, outline: moved(&piece, origin), z: patch.z })
             .collect();
         let houses = houses(plan, cell, origin);
         let mut designs = Designs::default();
         let monuments = monuments(plan, cell, origin, &mut designs);
         let objects = objects(plan, cell, origin, &mut designs);
-        let bridges = bridges(plan, cell, &decks, origin);
+        let bridges = bridges(plan, cell, &self.decks, origin);
         CellShell {
             origin,
             outline: moved(&cell.outline, origin),
@@ -33,15 +49,40 @@ pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
             ground,
             houses,
             objects,
-            blind: blind(cells, cell, origin),
+            blind: blind(self.cells, cell, origin),
             markings: markings(plan, cell, origin),
             bridges,
             drawn_bridges: cell.bridges.len() as u32,
             designs: designs.list,
             monuments,
         }
-    };
-    cells.cells.par_iter().map(shell).collect()
+    }
+
+    /// Content of a cell's level-2 packet: the openings of its walls, in the order in which its shell lists them. Walls that the plan does
+    /// not have ([`crate::check`] names them) come as blind walls, so that the order holds. Empty beyond the last cell.
+    #[must_use]
+    pub fn sheet(&self, cell: usize) -> FacadeSheet {
+        let wall = |&(h, v, w): &(u32, u16, u16)| {
+            let volume = self.plan.houses.get(h as usize).and_then(|house| house.volumes.get(usize::from(v)))?;
+            Some(volume.walls.get(usize::from(w)).cloned().unwrap_or_default())
+        };
+        let walls = self.cells.cells.get(cell).map_or(&[][..], |cell| &cell.walls);
+        FacadeSheet { walls: walls.iter().filter_map(wall).collect() }
+    }
+}
+
+/// Content of every cell's level-1 packet: see [`Contents::shell`].
+#[must_use]
+pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
+    let contents = Contents::new(plan, cells);
+    (0..cells.cells.len()).into_par_iter().map(|cell| contents.shell(cell)).collect()
+}
+
+/// Content of every cell's level-2 packet: see [`Contents::sheet`].
+#[must_use]
+pub fn facade_sheets(plan: &CityPlan, cells: &Cells) -> Vec<FacadeSheet> {
+    let contents = Contents::new(plan, cells);
+    (0..cells.cells.len()).map(|cell| contents.sheet(cell)).collect()
 }
 
 /// The terrain under some ground and houses.

@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use veduta_city::{BridgeSpan, Cell, CellShell, Cells, CityPlan, FacadeSheet, GRID_PER_METRE, GridPos, Level, Overview};
@@ -22,28 +23,26 @@ pub(crate) struct Composed {
 
 const WHAT: &str = "the city to be written";
 
-fn invalid(reason: String) -> StoreError {
+pub(crate) fn invalid(reason: String) -> StoreError {
     StoreError::Invalid { what: WHAT, reason }
 }
 
 /// Makes all files of a city and reads each back, so that what is written can be read.
-pub(crate) fn compose(
+pub(crate) fn compose<'a>(
     plan: &CityPlan,
     cells: &Cells,
-    shells: &[CellShell],
-    sheets: &[FacadeSheet],
+    contents: &(dyn Fn(usize) -> (Cow<'a, CellShell>, Cow<'a, FacadeSheet>) + Sync),
 ) -> Result<Composed, StoreError> {
     let count = cells.cells.len();
-    for (name, found) in [("visible sets", cells.visible.len()), ("shells", shells.len()), ("sheets", sheets.len())] {
-        if found != count {
-            return Err(invalid(format!("there are {count} cells but {found} {name}")));
-        }
+    if cells.visible.len() != count {
+        return Err(invalid(format!("there are {count} cells but {} visible sets", cells.visible.len())));
     }
     let mut blobs = Blobs::default();
     let mut stats = CityStats { houses: plan.houses.len() as u64, cells: count as u64, ..CityStats::default() };
     let mut entries = Vec::with_capacity(count);
     for (entry, packets) in side_by_side(count, &|i| {
-        let entry = entry(plan, &cells.cells[i], &cells.visible[i], &shells[i], &sheets[i]);
+        let (shell, sheet) = contents(i);
+        let entry = entry(plan, &cells.cells[i], &cells.visible[i], &shell, &sheet);
         entry.map_err(|error| invalid(format!("cell {i} ({}): {error}", cells.cells[i].id)))
     })? {
         packets.into_iter().for_each(|(blob, stored)| blobs.add(&blob, stored));
@@ -77,7 +76,7 @@ pub(crate) fn compose(
 }
 
 /// Fewest things worth a thread.
-const LEAST_SHARE: usize = 64;
+const LEAST_SHARE: usize = 8;
 
 /// What `make` makes of 0, …, `count` − 1, in order, or its first mistake; shared among threads where there are any.
 fn side_by_side<T: Send>(count: usize, make: &(dyn Fn(usize) -> Result<T, StoreError> + Sync)) -> Result<Vec<T>, StoreError> {

@@ -8,7 +8,7 @@
 //!               streaming ── want(cell, level)… ──► Client ── Request            Client::deliver ──► ClientEvent
 //! ```
 //!
-//! Only three things here do I/O: [`write_city`] and the two [`Reader`]s. The [`Client`] is a state machine: it says what to
+//! Only these do I/O: [`write_city`], [`write_city_with`] and the two [`Reader`]s. The [`Client`] is a state machine: it says what to
 //! read next and takes what was read, so that threads, a browser's fetch or a test may do the reading. It reads no clock.
 //!
 //! # Use
@@ -42,7 +42,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Format 1
+//! # Format
 //!
 //! | file | bytes |
 //! |---|---|
@@ -56,7 +56,7 @@
 //! What is damaged or missing is asked for again, after 0.5 s at first, then twice as long each time, 8 s at most; the others
 //! keep coming. What cannot get better (a newer format, a damaged index, sound bytes that make no sense) is told once. Bytes
 //! from anywhere are safe to decode: they are bounded in memory before they are believed, and every index in what comes out
-//! points at something.
+//! points at something, but for bays and storeys of ornaments and doors: whoever draws them leaves out what a wall does not have.
 //!
 //! # Limits
 //! The index (some 110 bytes a cell) and the overview (some 30 bytes a house) are read whole. A walk that goes on while its
@@ -96,10 +96,10 @@ pub use packet::{Packet, decode_packet, decode_styles, encode_packet, sheet_fits
 pub use reader::{DirReader, Reader, open_reader};
 pub use request::{Payload, Request, RequestId, What};
 pub use stats::CityStats;
-pub use write::write_city;
+pub use write::{write_city, write_city_with};
 
 /// Version of the format that this program writes and reads.
-pub const FORMAT_VERSION: u32 = 4;
+pub const FORMAT_VERSION: u32 = 5;
 
 /// Name of the index's file in a city's directory.
 pub const INDEX_NAME: &str = "city.veduta";

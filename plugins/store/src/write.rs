@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write;
@@ -5,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use veduta_city::{CellShell, Cells, CityPlan, FacadeSheet};
 
-use crate::compose::{Composed, compose};
+use crate::compose::{Composed, compose, invalid};
 use crate::{CityStats, INDEX_NAME, StoreError};
 
 /// Writes a city into a directory: whole or not at all.
@@ -25,7 +26,27 @@ pub fn write_city(
     shells: &[CellShell],
     sheets: &[FacadeSheet],
 ) -> Result<CityStats, StoreError> {
-    let composed = compose(plan, cells, shells, sheets)?;
+    let count = cells.cells.len();
+    for (name, found) in [("shells", shells.len()), ("sheets", sheets.len())] {
+        if found != count {
+            return Err(invalid(format!("there are {count} cells but {found} {name}")));
+        }
+    }
+    write_city_with(dir, plan, cells, &|cell| (Cow::Borrowed(&shells[cell]), Cow::Borrowed(&sheets[cell])))
+}
+
+/// The same with shell and sheet of each cell made when they are wanted, on several threads: no more of them are in memory at once than
+/// there are threads.
+///
+/// # Errors
+/// As [`write_city`].
+pub fn write_city_with<'a>(
+    dir: &Path,
+    plan: &CityPlan,
+    cells: &Cells,
+    contents: &(dyn Fn(usize) -> (Cow<'a, CellShell>, Cow<'a, FacadeSheet>) + Sync),
+) -> Result<CityStats, StoreError> {
+    let composed = compose(plan, cells, contents)?;
     let mut stats = composed.stats;
     if !dir.exists() {
         create(dir, &composed)?;
