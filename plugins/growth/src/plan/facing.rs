@@ -25,32 +25,100 @@ pub(super) type BodyRef = (usize, usize);
 /// One edge of a footprint and what it faces.
 #[derive(Debug, Clone)]
 pub(super) struct Edge {
-    pub a: DVec2,
-    pub b: DVec2,
-    /// Bodies along it and the share of its length that each covers, by body.
-    pub party: Vec<(BodyRef, f64)>,
+    ends: (GridPos, GridPos),
     /// Whether a street, square, park or water lies before it.
     pub is_public: bool,
+    /// Where its parties lie among all.
+    parties: (u32, u32),
+}
+
+/// A body along an edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Party {
+    house: u32,
+    body: u32,
+    /// Share of the edge's length that it covers.
+    pub share: f64,
+}
+
+impl Party {
+    pub const fn body(&self) -> BodyRef {
+        (self.house as usize, self.body as usize)
+    }
 }
 
 impl Edge {
-    /// Length, metres.
-    pub fn length_m(&self) -> f64 {
-        self.a.distance(self.b)
+    pub fn a(&self) -> DVec2 {
+        self.ends.0.to_metres()
     }
 
-    /// Unit vector out of the house.
-    pub fn outward(&self) -> DVec2 {
-        -(self.b - self.a).normalize_or_zero().perp()
+    pub fn b(&self) -> DVec2 {
+        self.ends.1.to_metres()
+    }
+
+    /// Length, metres.
+    pub fn length_m(&self) -> f64 {
+        self.a().distance(self.b())
     }
 }
 
-/// What all the houses face.
+/// Unit vector out of the house at its edge a–b.
+fn outward(a: DVec2, b: DVec2) -> DVec2 {
+    -(b - a).normalize_or_zero().perp()
+}
+
+/// What all the houses face: lists of a house, or of a body, one after another.
+#[derive(Default)]
 pub(super) struct Facing {
-    /// Edges by house, body, edge; edges in the order of the outer ring, then of the holes.
-    pub edges: Vec<Vec<Vec<Edge>>>,
-    /// Houses within 3 m of each house, ascending.
-    pub neighbours: Vec<Vec<usize>>,
+    /// In the order of houses, bodies, their outer rings, then of the holes.
+    edges: Vec<Edge>,
+    parties: Vec<Party>,
+    neighbours: Vec<u32>,
+    /// Where the edges of each body end, …
+    body_ends: Vec<u32>,
+    /// … and the bodies and neighbours of each house.
+    house_ends: Vec<(u32, u32)>,
+}
+
+impl Facing {
+    /// Edges of a body.
+    pub fn of_body(&self, (house, body): BodyRef) -> &[Edge] {
+        let first = self.before(house).0 as usize + body;
+        let from = first.checked_sub(1).map_or(0, |before| self.body_ends[before] as usize);
+        &self.edges[from..self.body_ends[first] as usize]
+    }
+
+    /// Edges of each body of a house.
+    pub fn of_house(&self, house: usize) -> impl Iterator<Item = &[Edge]> {
+        (0..(self.house_ends[house].0 - self.before(house).0) as usize).map(move |body| self.of_body((house, body)))
+    }
+
+    /// Houses within 3 m of a house, ascending.
+    pub fn neighbours(&self, house: usize) -> impl Iterator<Item = usize> {
+        let range = self.before(house).1 as usize..self.house_ends[house].1 as usize;
+        self.neighbours[range].iter().map(|&near| near as usize)
+    }
+
+    /// Bodies along an edge, by body.
+    pub fn parties(&self, edge: &Edge) -> &[Party] {
+        &self.parties[edge.parties.0 as usize..edge.parties.1 as usize]
+    }
+
+    fn before(&self, house: usize) -> (u32, u32) {
+        house.checked_sub(1).map_or((0, 0), |before| self.house_ends[before])
+    }
+
+    /// Adds what the houses after its own face.
+    fn append(&mut self, next: Self) {
+        let [edges, parties, bodies, neighbours] =
+            [self.edges.len(), self.parties.len(), self.body_ends.len(), self.neighbours.len()].map(|n| n as u32);
+        let moved = |edge: Edge| Edge { parties: (edge.parties.0 + parties, edge.parties.1 + parties), ..edge };
+        self.edges.extend(next.edges.into_iter().map(moved));
+        self.parties.extend(next.parties);
+        self.neighbours.extend(next.neighbours);
+        self.body_ends.extend(next.body_ends.into_iter().map(|end| end + edges));
+        self.house_ends.extend(next.house_ends.into_iter().map(|(body, near)| (body + bodies, near + neighbours)));
+    }
 }
 
 /// The edges of all footprints, and which run where.
@@ -82,22 +150,23 @@ fn bodies_of(drafts: &[Draft]) -> impl Iterator<Item = (BodyRef, &Body)> {
     drafts.iter().enumerate().flat_map(|(h, draft)| draft.bodies.iter().enumerate().map(move |(b, body)| ((h, b), body)))
 }
 
+/// Houses that are looked out of one after the other.
+const AT_ONCE: usize = 64;
+
 /// Looks out of every wall.
 pub(super) fn facing(drafts: &[Draft], standing: &Index<(BodyRef, f64)>, ground: &Ground) -> Facing {
     let walls = Edges::of(drafts);
-    let of_house = |(h, draft): (usize, &Draft)| {
-        let mut view = View { drafts, walls: &walls, standing, ground, around: Vec::new(), spans: Vec::new(), near: Vec::new() };
-        let mut of_body = |b: usize| -> Vec<Edge> {
-            let footprint = &draft.bodies[b].footprint;
-            view.look_around((h, b), footprint);
-            footprint.edges().map(|(a, c)| view.edge((h, b), a, c)).collect()
-        };
-        let edges: Vec<Vec<Edge>> = (0..draft.bodies.len()).map(&mut of_body).collect();
-        view.near.sort_unstable();
-        (edges, view.near)
+    let of_some = |first: usize, some: &[Draft]| {
+        let (around, spans, near) = (Vec::new(), Vec::new(), Vec::new());
+        let seen = Facing::default();
+        let mut view = View { drafts, walls: &walls, standing, ground, around, spans, near, seen, found: Vec::new() };
+        some.iter().enumerate().for_each(|(i, draft)| view.house(first + i, draft));
+        view.seen
     };
-    let (edges, neighbours) = drafts.par_iter().enumerate().map(of_house).unzip();
-    Facing { edges, neighbours }
+    let parts = drafts.par_chunks(AT_ONCE).enumerate().map(|(i, some)| of_some(i * AT_ONCE, some));
+    let mut all = Facing::default();
+    parts.collect::<Vec<_>>().into_iter().for_each(|part| all.append(part));
+    all
 }
 
 /// What can be seen from a house's walls.
@@ -112,6 +181,10 @@ struct View<'a> {
     spans: Vec<(BodyRef, f64, f64)>,
     /// Houses near any of them, each once.
     near: Vec<usize>,
+    /// Edges that an index names.
+    found: Vec<u32>,
+    /// What was seen.
+    seen: Facing,
 }
 
 /// A box, and all that comes near it.
@@ -120,20 +193,34 @@ fn reach(bounds: Bounds) -> Bounds {
 }
 
 impl View<'_> {
+    fn house(&mut self, house: usize, draft: &Draft) {
+        self.near.clear();
+        for (b, body) in draft.bodies.iter().enumerate() {
+            self.look_around((house, b), &body.footprint);
+            for (p, q) in body.footprint.edges() {
+                let edge = self.edge((house, b), p, q);
+                self.seen.edges.push(edge);
+            }
+            self.seen.body_ends.push(self.seen.edges.len() as u32);
+        }
+        self.near.sort_unstable();
+        self.seen.neighbours.extend(self.near.iter().map(|&near| near as u32));
+        self.seen.house_ends.push((self.seen.body_ends.len() as u32, self.seen.neighbours.len() as u32));
+    }
+
     /// Finds the edges of others near a body.
     fn look_around(&mut self, me: BodyRef, footprint: &GridPolygon) {
         self.around.clear();
         let Some(bounds) = footprint.bounds().map(reach) else { return };
-        let mut found = Vec::new();
-        self.walls.cells.within(bounds.0, bounds.1, |note| note, &mut found);
-        let edges = found.into_iter().map(|number| self.walls.all[number as usize]);
+        self.walls.cells.within(bounds.0, bounds.1, |note| note, &mut self.found);
+        let edges = self.found.iter().map(|&number| self.walls.all[number as usize]);
         self.around.extend(edges.filter(|&(body, p, q)| body != me && do_meet(about(p, q), bounds)));
     }
 
-    fn edge(&mut self, me: BodyRef, a: GridPos, b: GridPos) -> Edge {
-        let bounds = reach(about(a, b));
-        let (grid_a, grid_b, mut twin) = (a, b, None);
-        let (a, b) = (a.to_metres(), b.to_metres());
+    fn edge(&mut self, me: BodyRef, grid_a: GridPos, grid_b: GridPos) -> Edge {
+        let bounds = reach(about(grid_a, grid_b));
+        let mut twin = None;
+        let (a, b) = (grid_a.to_metres(), grid_b.to_metres());
         self.spans.clear();
         for &(body, p, q) in &self.around {
             if !do_meet(about(p, q), bounds) {
@@ -151,31 +238,38 @@ impl View<'_> {
             }
         }
         self.spans.sort_unstable_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
-        let mut party: Vec<(BodyRef, f64)> =
-            self.spans.chunk_by(|x, y| x.0 == y.0).map(|of_body| (of_body[0].0, share(of_body))).collect();
-        let edge = Edge { a, b, party: Vec::new(), is_public: false };
+        let first = self.seen.parties.len();
+        let party = |(house, body): BodyRef, share: f64| Party { house: house as u32, body: body as u32, share };
+        let along = self.spans.chunk_by(|x, y| x.0 == y.0).map(|of_body| party(of_body[0].0, share(of_body)));
+        self.seen.parties.extend(along);
         // All that is before a party wall is the neighbour whose wall it is too.
-        if twin
-            .is_some_and(|(house, body)| matches!(&self.drafts[house].bodies[..], [one] if body == 0 && one.bottom_m < HEADROOM_M))
-        {
-            party.retain(|&(_, share)| share > 0.05);
-            return Edge { party, ..edge };
-        }
-        let out = edge.outward();
-        for t in [0.17, 0.5, 0.83] {
+        let is_free_standing =
+            |(house, body): BodyRef| matches!(&self.drafts[house].bodies[..], [one] if body == 0 && one.bottom_m < HEADROOM_M);
+        let is_hidden = twin.is_some_and(is_free_standing);
+        let out = outward(a, b);
+        for t in [0.17, 0.5, 0.83].into_iter().filter(|_| !is_hidden) {
             let before = GridPos::from_metres(a.lerp(b, t) + out * 0.1);
             for &(body, _) in self.standing.at(before).filter(|(body, _)| *body != me) {
-                let at = party.partition_point(|(other, _)| *other < body);
-                if party.get(at).is_none_or(|(other, _)| *other != body) {
-                    party.insert(at, (body, 0.0));
+                let known = &self.seen.parties[first..];
+                let at = first + known.partition_point(|other| other.body() < body);
+                if self.seen.parties.get(at).is_none_or(|other| other.body() != body) {
+                    self.seen.parties.insert(at, party(body, 0.0));
                 }
-                let known = &mut party[at].1;
+                let known = &mut self.seen.parties[at].share;
                 *known += if *known < 0.99 { 1.0 / 3.0 } else { 0.0 };
             }
         }
-        party.iter_mut().for_each(|(_, share)| *share = share.min(1.0));
-        party.retain(|&(_, share)| share > 0.05);
-        Edge { is_public: is_public(&edge, self.standing, self.ground), party, ..edge }
+        let mut kept = first;
+        for i in first..self.seen.parties.len() {
+            let party = self.seen.parties[i];
+            if party.share > 0.05 {
+                self.seen.parties[kept] = Party { share: party.share.min(1.0), ..party };
+                kept += 1;
+            }
+        }
+        self.seen.parties.truncate(kept);
+        let is_public = !is_hidden && is_public(a, b, self.standing, self.ground);
+        Edge { ends: (grid_a, grid_b), is_public, parties: (first as u32, kept as u32) }
     }
 }
 
@@ -215,11 +309,11 @@ fn share(spans: &[(BodyRef, f64, f64)]) -> f64 {
 }
 
 /// Whether most of an edge looks at public ground before it looks at a house.
-fn is_public(edge: &Edge, standing: &Index<(BodyRef, f64)>, ground: &Ground) -> bool {
-    let out = edge.outward();
-    let sees = |t: f64| sees_public(edge.a.lerp(edge.b, t), out, standing, ground);
+fn is_public(a: DVec2, b: DVec2, standing: &Index<(BodyRef, f64)>, ground: &Ground) -> bool {
+    let out = outward(a, b);
+    let sees = |t: f64| sees_public(a.lerp(b, t), out, standing, ground);
     let middle = sees(0.5);
-    if edge.length_m() < 6.0 {
+    if a.distance(b) < 6.0 {
         return middle;
     }
     // Two of three decide.

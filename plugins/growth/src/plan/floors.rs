@@ -22,21 +22,22 @@ pub(super) fn floors(drafts: &[Draft], facing: &Facing, terrain: &PlanTerrain) -
     if terrain.is_level() {
         return vec![0; drafts.len()];
     }
-    let floor = |(draft, edges): (&Draft, &Vec<Vec<Edge>>)| {
-        let on_ground = draft.bodies.iter().zip(edges).filter(|(body, _)| GridPos::steps(body.bottom_m) <= DOORSTEP);
+    let floor = |(house, draft): (usize, &Draft)| {
+        let on_ground =
+            draft.bodies.iter().zip(facing.of_house(house)).filter(|(body, _)| GridPos::steps(body.bottom_m) <= DOORSTEP);
         let mut all: Vec<&Edge> = on_ground.flat_map(|(_, edges)| edges).collect();
         if all.is_empty() {
             // A house that hangs: what it hangs over.
-            all = edges.iter().flatten().collect();
+            all = facing.of_house(house).flatten().collect();
         }
         let fronts: Vec<&Edge> = all.iter().copied().filter(|edge| edge.is_public).collect();
         let fronts = if fronts.is_empty() { all } else { fronts };
         let longest = fronts.iter().max_by(|e, f| e.length_m().total_cmp(&f.length_m()));
-        let Some(door) = longest.map(|edge| terrain.height_m((edge.a + edge.b) / 2.0)) else { return 0 };
-        let highest = longest.map_or(door, |edge| terrain.range_along(edge.a, edge.b).1);
+        let Some(door) = longest.map(|edge| terrain.height_m((edge.a() + edge.b()) / 2.0)) else { return 0 };
+        let highest = longest.map_or(door, |edge| terrain.range_along(edge.a(), edge.b()).1);
         GridPos::steps(door.max(highest - DEEPEST_M))
     };
-    drafts.par_iter().zip(&facing.edges).map(floor).collect()
+    drafts.par_iter().enumerate().map(floor).collect()
 }
 
 /// How much a floor has to rise (or sink) so that no ground before a door lies above its threshold; grid steps.

@@ -62,9 +62,8 @@ pub(super) fn masses(
     let of_house = |(h, draft): (usize, &Draft)| {
         let mut findings = Vec::new();
         let Some(style) = book.style(draft.style) else { return (Vec::new(), findings) };
-        let edges = facing.edges.get(h).map_or(&[][..], Vec::as_slice);
         let mass = |(b, body): (usize, &Body)| {
-            let edges = edges.get(b).map_or(&[][..], Vec::as_slice);
+            let edges = (facing.of_body((h, b)), facing);
             mass(draft, body, b, edges, style, grown[h], &mut findings).raised(floors[h])
         };
         (draft.bodies.iter().enumerate().map(mass).collect(), findings)
@@ -82,7 +81,7 @@ fn grown_eaves(drafts: &[Draft], facing: &Facing, floors: &[i32]) -> Vec<Option<
     for (h, draft) in drafts.iter().enumerate() {
         let Some(grown) = draft.grown else { continue };
         // Above this house's own floor.
-        let settled = facing.neighbours[h].iter().filter_map(|&n| Some(eaves[n]? + metres(floors[n] - floors[h])));
+        let settled = facing.neighbours(h).filter_map(|n| Some(eaves[n]? + metres(floors[n] - floors[h])));
         let settled: Vec<f64> = settled.collect();
         let clear = |e: f64| settled.iter().map(|s| (s - e).abs()).fold(f64::INFINITY, f64::min);
         let wish = wishes[h];
@@ -100,7 +99,7 @@ fn mass(
     draft: &Draft,
     body: &Body,
     index: usize,
-    edges: &[Edge],
+    edges: (&[Edge], &Facing),
     style: &Style,
     grown: Option<f64>,
     findings: &mut Vec<Finding>,
@@ -208,7 +207,15 @@ fn shape(body: &Body, style: &Style, draw: Draw) -> RoofShape {
 }
 
 /// Unit vector along the ridge; for skillions along the fall.
-fn ridge(body: &Body, shape: RoofShape, edges: &[Edge], bounds: &Box2, draft: &Draft, gable_fronts: f64, draw: Draw) -> DVec2 {
+fn ridge(
+    body: &Body,
+    shape: RoofShape,
+    (edges, facing): (&[Edge], &Facing),
+    bounds: &Box2,
+    draft: &Draft,
+    gable_fronts: f64,
+    draw: Draw,
+) -> DVec2 {
     let skillion = shape == RoofShape::Skillion;
     if let Some(degrees) = body.roof.direction_deg {
         let angle = degrees.to_radians();
@@ -222,10 +229,10 @@ fn ridge(body: &Body, shape: RoofShape, edges: &[Edge], bounds: &Box2, draft: &D
         return bounds.along.perp();
     }
     // In a row, ridges run along the street, unless a house shows it its gable.
-    let in_row = edges.iter().any(|e| e.party.iter().any(|&(_, share)| share > 0.5));
+    let in_row = edges.iter().any(|e| facing.parties(e).iter().any(|party| party.share > 0.5));
     let street = edges.iter().filter(|e| e.is_public).max_by(|a, b| a.length_m().total_cmp(&b.length_m()));
     if let (true, Some(street)) = (in_row || draft.grown.is_some(), street) {
-        let along = (street.b - street.a).normalize_or(DVec2::X);
+        let along = (street.b() - street.a()).normalize_or(DVec2::X);
         let is_narrow = street.length_m() < if gable_fronts > 0.3 { WIDEST_GABLE_M } else { 9.5 };
         return if is_narrow && draw.chance("gable to the street", gable_fronts) { along.perp() } else { along };
     }

@@ -84,9 +84,9 @@ pub(super) fn bays(length_m: f64, bay_m: f64) -> u8 {
 }
 
 /// The wall that a house is known by: its longest that faces a street, else its longest.
-pub(super) fn main_edge(edges: &[Vec<Edge>]) -> Option<&Edge> {
-    edges
-        .iter()
+pub(super) fn main_edge(facing: &Facing, house: usize) -> Option<&Edge> {
+    facing
+        .of_house(house)
         .flatten()
         .max_by(|a, b| (a.is_public, a.length_m()).partial_cmp(&(b.is_public, b.length_m())).unwrap_or(core::cmp::Ordering::Equal))
 }
@@ -100,13 +100,13 @@ pub(super) fn alike(a: Rgb, b: Rgb) -> bool {
 /// from the one drawn onwards, that no settled neighbour wears; where the palette is spent, it differs in its windows.
 pub(super) fn looks(drafts: &[Draft], facing: &Facing, book: &StyleBook<'_>) -> Vec<Option<Look>> {
     let mut drawn: Vec<Option<Look>> = drafts.par_iter().map(|d| book.style(d.style).map(|s| Look::draw(d, s))).collect();
-    let widths: Vec<f64> = facing.edges.par_iter().map(|edges| main_edge(edges).map_or(0.0, Edge::length_m)).collect();
+    let widths: Vec<f64> = (0..drafts.len()).into_par_iter().map(|h| main_edge(facing, h).map_or(0.0, Edge::length_m)).collect();
     let mut order: Vec<usize> = (0..drafts.len()).collect();
     order.sort_by_key(|&h| (drawn[h].as_ref().is_some_and(|l| !l.is_given), drafts[h].id, h));
     let mut settled: Vec<Option<Look>> = vec![None; drafts.len()];
     for h in order {
         let (Some(look), Some(style)) = (drawn[h].take(), book.style(drafts[h].style)) else { continue };
-        let near = facing.neighbours[h].iter().filter_map(|&n| Some((settled[n].as_ref()?, widths[n])));
+        let near = facing.neighbours(h).filter_map(|n| Some((settled[n].as_ref()?, widths[n])));
         let near: Vec<(&Look, f64)> = near.collect();
         settled[h] = Some(set_apart(look, widths[h], &near, &drafts[h], style));
     }

@@ -1,9 +1,9 @@
 //! Walls: what each faces, its axes, storeys and openings.
 
 use rayon::prelude::*;
-use veduta_city::{GroundFloor, House, Opening, PlanRoof, PlanTerrain, Storey, Style, Volume, Wall, WallKind, metres};
+use veduta_city::{House, Opening, PlanRoof, PlanTerrain, Storey, Style, Volume, Wall, WallKind, metres};
 
-use super::facing::{Edge, Facing};
+use super::facing::{BodyRef, Edge, Facing, Party};
 use super::floors::{before_bay, threshold};
 use super::houses::{Body, Draft, StyleBook};
 use super::massing::{self, Mass};
@@ -39,12 +39,13 @@ pub(super) fn houses(
         let (Some(look), Some(style)) = (&looks[h], book.style(draft.style)) else { return None };
         let mut volumes: Vec<Volume> = Vec::with_capacity(draft.bodies.len());
         for (b, body) in draft.bodies.iter().enumerate() {
-            volumes.push(volume(draft, body, b, &facing.edges[h][b], masses, masses[h][b], look, style));
+            volumes.push(volume(draft, body, (h, b), facing, masses, look, style));
         }
         let mut floor = masses[h].first().map_or(0, |mass| mass.floor);
-        floor += add_ground_floor(&mut volumes, &facing.edges[h], &masses[h], draft, look, style, &Slope { terrain, floor });
+        let edges: Vec<&[Edge]> = facing.of_house(h).collect();
+        floor += add_ground_floor(&mut volumes, &edges, &masses[h], draft, look, style, &Slope { terrain, floor });
         if !terrain.is_level() {
-            suit_ground(&mut volumes, &facing.edges[h], &masses[h], &Slope { terrain, floor });
+            suit_ground(&mut volumes, &edges, &masses[h], &Slope { terrain, floor });
         }
         Some(House {
             id: draft.id,
@@ -59,19 +60,11 @@ pub(super) fn houses(
     drafts.par_iter().enumerate().filter_map(of_house).collect()
 }
 
-fn volume(
-    draft: &Draft,
-    body: &Body,
-    index: usize,
-    edges: &[Edge],
-    masses: &[Vec<Mass>],
-    mass: Mass,
-    look: &Look,
-    style: &Style,
-) -> Volume {
-    let heights = storey_heights(body, &mass, style, draft, index);
+fn volume(draft: &Draft, body: &Body, at: BodyRef, facing: &Facing, masses: &[Vec<Mass>], look: &Look, style: &Style) -> Volume {
+    let mass = masses[at.0][at.1];
+    let heights = storey_heights(body, &mass, style, draft, at.1);
     let wall = |edge: &Edge| {
-        let kind = kind(edge, &mass, masses);
+        let kind = kind((edge, facing), &mass, masses);
         if kind == WallKind::Party {
             return Wall { kind, ..Wall::default() };
         }
@@ -79,7 +72,7 @@ fn volume(
         let is_blind = storeys.iter().all(|s| s.opening == Opening::Blank) && look.door == Opening::Blank;
         let wish = if kind == WallKind::Yard { look.bay_m * 1.25 } else { look.bay_m };
         let bays = if is_blind { 0 } else { bays(edge.length_m(), wish) };
-        Wall { kind, bays, storeys, ground_floor: GroundFloor::default() }
+        Wall { kind, bays, storeys, ..Wall::default() }
     };
     let colour = body.colour.map_or_else(|| look.painted(), bounded);
     let roof = body.roof.colour.map_or_else(|| bounded(look.roof.scaled(look.tint)), bounded);
@@ -91,22 +84,20 @@ fn volume(
         trim: bounded(colour.scaled(style.trim)),
         roof: PlanRoof { colour: roof, ..mass.roof },
         gable: look.gable,
-        walls: edges.iter().map(wall).collect(),
+        walls: facing.of_body(at).iter().map(wall).collect(),
     }
 }
 
 /// What a wall faces: a neighbour if others cover most of it, in length and in height.
-fn kind(edge: &Edge, mine: &Mass, masses: &[Vec<Mass>]) -> WallKind {
+fn kind((edge, facing): (&Edge, &Facing), mine: &Mass, masses: &[Vec<Mass>]) -> WallKind {
     let height = massing::wall_m(mine).max(0.1);
-    let covered: f64 = edge
-        .party
-        .iter()
-        .filter_map(|&((h, b), share)| {
-            let other = masses.get(h)?.get(b)?;
-            let common = metres(mine.eaves.min(other.eaves) - mine.bottom.max(other.bottom)).max(0.0);
-            Some(share * (common / height).min(1.0))
-        })
-        .sum();
+    let share = |party: &Party| {
+        let (house, body) = party.body();
+        let other = masses.get(house)?.get(body)?;
+        let common = metres(mine.eaves.min(other.eaves) - mine.bottom.max(other.bottom)).max(0.0);
+        Some(party.share * (common / height).min(1.0))
+    };
+    let covered: f64 = facing.parties(edge).iter().filter_map(share).sum();
     match (covered > PARTY_SHARE, edge.is_public) {
         (true, _) => WallKind::Party,
         (false, true) => WallKind::Street,
@@ -178,7 +169,7 @@ fn storeys(heights: &[i32], kind: WallKind, mass: &Mass, body: &Body, look: &Loo
 /// its door opens onto the ground before it, and tells by how much.
 fn add_ground_floor(
     volumes: &mut [Volume],
-    edges: &[Vec<Edge>],
+    edges: &[&[Edge]],
     masses: &[Mass],
     draft: &Draft,
     look: &Look,
@@ -229,16 +220,16 @@ impl Slope<'_> {
         if self.terrain.is_level() {
             return Vec::new();
         }
-        (0..bays).map(|bay| before_bay(self.terrain, metres(self.floor), (edge.a, edge.b), bay, bays)).collect()
+        (0..bays).map(|bay| before_bay(self.terrain, metres(self.floor), (edge.a(), edge.b()), bay, bays)).collect()
     }
 }
 
 /// Leaves out windows and shops where the ground before them is too high (above the ground floor in a whole storey of a wall), and shops
 /// where it is too low.
-fn suit_ground(volumes: &mut [Volume], edges: &[Vec<Edge>], masses: &[Mass], slope: &Slope<'_>) {
+fn suit_ground(volumes: &mut [Volume], edges: &[&[Edge]], masses: &[Mass], slope: &Slope<'_>) {
     let on_ground = volumes.iter_mut().zip(edges).zip(masses).filter(|(_, mass)| !mass.hangs());
-    for (wall, edge) in on_ground.flat_map(|((volume, edges), _)| volume.walls.iter_mut().zip(edges)) {
-        let highest = slope.terrain.range_along(edge.a, edge.b).1 - metres(slope.floor);
+    for (wall, edge) in on_ground.flat_map(|((volume, edges), _)| volume.walls.iter_mut().zip(*edges)) {
+        let highest = slope.terrain.range_along(edge.a(), edge.b()).1 - metres(slope.floor);
         let mut base = wall.storeys.first().map_or(0, |storey| storey.height);
         for storey in wall.storeys.iter_mut().skip(1) {
             if highest > metres(base) + SILL_M {
