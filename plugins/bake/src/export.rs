@@ -19,14 +19,15 @@ mod glb;
 
 use std::collections::{BTreeMap, HashMap};
 
-use serde_json::json;
+use serde_json::{Value, json};
+use veduta_cells::Contents;
 use veduta_city::{
-    CellShell, CityPlan, Design, FacadeSheet, GridPos, House, HouseShell, ObjectKind, PlacedMonument, PlanObject, Volume,
-    VolumeShell, WallKind,
+    Cell, CellShell, Cells, CityPlan, Design, FacadeSheet, GridPos, House, HouseShell, ObjectKind, PlacedMonument, PlanObject,
+    Volume, VolumeShell, WallKind,
 };
 use veduta_growth::mesh::{self, MeshData, MeshError, MonumentDetail};
 
-use glb::{Glb, Node};
+use glb::{Glb, Node, Painter, Textures};
 
 /// How a plan is exported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,7 +64,8 @@ pub enum ExportError {
 /// # Errors
 /// [`ExportError`]; none for a plan that growth made and that fits into 4 GiB.
 pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>, ExportError> {
-    let mut glb = Glb::new(settings.texture_px, plan.seed);
+    let mut painter = Painter::new(settings.texture_px, plan.seed, Textures::Within);
+    let mut glb = Glb::new(&mut painter);
     let (terrain, ground) = (plan.terrain.clone(), plan.ground.clone());
     let (bridges, drawn_bridges) = (plan.bridges.clone(), plan.bridges.len() as u32);
     let shell = CellShell { terrain, ground, markings: plan.markings.clone(), bridges, drawn_bridges, ..CellShell::default() };
@@ -82,16 +84,92 @@ pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>,
         objects.extend(export_object(&mut glb, &mut shapes, &plan.designs, object)?);
     }
     let objects = glb.node(Node { name: "objects", children: objects, ..Node::default() })?;
-    let extras = json!({
+    let children = ground.into_iter().chain(bridges).chain([houses, objects]).collect();
+    let city = glb.node(Node { name: &plan.name, children, extras: about(plan), ..Node::default() })?;
+    glb.finish(city, &plan.attribution)
+}
+
+/// What is to be known of a city.
+fn about(plan: &CityPlan) -> Value {
+    json!({
         "kind": "city",
         "latitude": plan.anchor.lat,
         "longitude": plan.anchor.lon,
         "attribution": plan.attribution,
         "seed": plan.seed.to_string(),
-    });
-    let children = ground.into_iter().chain(bridges).chain([houses, objects]).collect();
-    let city = glb.node(Node { name: &plan.name, children, extras, ..Node::default() })?;
-    glb.finish(city, &plan.attribution)
+    })
+}
+
+/// The cells of a plan as a `.glb` file each, all in the coordinates of the city, with the textures that they share in a folder beside
+/// them, and a `cells.json` that tells the least and greatest x and z of each one's ground. A house is in the file of the cell that carries its roof. Files are handed out
+/// one by one, by their paths.
+///
+/// # Errors
+/// [`ExportError`], or what `write` fails with, wrapped in it.
+pub fn export_cells<E: From<ExportError>>(
+    plan: &CityPlan,
+    cells: &Cells,
+    settings: &ExportSettings,
+    write: &mut dyn FnMut(&str, &[u8]) -> Result<(), E>,
+) -> Result<(), E> {
+    let contents = Contents::new(plan, cells);
+    let mut painter = Painter::new(settings.texture_px, plan.seed, Textures::Beside);
+    let mut list = Vec::with_capacity(cells.cells.len());
+    for (i, cell) in cells.cells.iter().enumerate() {
+        let (glb, bounds) = export_cell(plan, cell, contents.shell(i), &mut painter)?;
+        let file = format!("{}.glb", cell.id);
+        write(&file, &glb)?;
+        list.push(json!({
+            "file": file, "id": cell.id.0.to_string(), "name": cell.name, "houses": cell.houses.len(), "low": bounds.0, "high": bounds.1,
+        }));
+    }
+    for (path, png) in painter.painted() {
+        write(&path, png)?;
+    }
+    let about = json!({ "city": about(plan), "name": plan.name, "cells": list });
+    let text = serde_json::to_vec_pretty(&about).map_err(ExportError::from)?;
+    write("cells.json", &text)
+}
+
+/// A cell's file, and least and greatest x and z of its outline.
+fn export_cell(
+    plan: &CityPlan,
+    cell: &Cell,
+    mut shell: CellShell,
+    painter: &mut Painter,
+) -> Result<(Vec<u8>, ([f64; 2], [f64; 2])), ExportError> {
+    let mut glb = Glb::new(painter);
+    let at = shell.origin.to_metres();
+    let place = Some(([at.x as f32, 0.0, -at.y as f32], 0.0));
+    let mut children = Vec::new();
+    // Houses bring their footings.
+    shell.houses.clear();
+    let mut streets = mesh::ground(&shell);
+    streets.append(&mesh::markings(&shell));
+    for (name, made) in [("ground", streets), ("bridges", mesh::bridges(&shell))] {
+        if let Some(mesh) = glb.mesh(&made)? {
+            children.push(glb.node(Node { name, mesh: Some(mesh), place, ..Node::default() })?);
+        }
+    }
+    let mut houses = Vec::with_capacity(cell.houses.len());
+    for house in cell.houses.iter().filter_map(|&house| plan.houses.get(house as usize)) {
+        houses.push(export_house(&mut glb, plan, house)?);
+    }
+    let (mut shapes, mut objects) = (Shapes::new(), Vec::with_capacity(cell.objects.len()));
+    for object in cell.objects.iter().filter_map(|&object| plan.objects.get(object as usize)) {
+        objects.extend(export_object(&mut glb, &mut shapes, &plan.designs, object)?);
+    }
+    for (name, group) in [("houses", houses), ("objects", objects)] {
+        if !group.is_empty() {
+            children.push(glb.node(Node { name, children: group, ..Node::default() })?);
+        }
+    }
+    let extras = json!({ "kind": "cell", "id": cell.id.0.to_string() });
+    let name = if cell.name.is_empty() { format!("cell {}", cell.id) } else { cell.name.clone() };
+    let node = glb.node(Node { name: &name, children, extras, ..Node::default() })?;
+    let (low, high) = cell.outline.bounds().unwrap_or_default();
+    let (low, high) = (low.to_metres(), high.to_metres());
+    Ok((glb.finish(node, &plan.attribution)?, ([low.x, -high.y], [high.x, -low.y])))
 }
 
 /// Monuments side by side, as the bytes of a `.glb` file.
@@ -99,7 +177,8 @@ pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>,
 /// # Errors
 /// As [`export_glb`].
 pub fn export_monuments(designs: &[Design], settings: &ExportSettings) -> Result<Vec<u8>, ExportError> {
-    let mut glb = Glb::new(settings.texture_px, 0);
+    let mut painter = Painter::new(settings.texture_px, 0, Textures::Within);
+    let mut glb = Glb::new(&mut painter);
     let (mut children, mut right) = (Vec::with_capacity(designs.len()), 0.0);
     for design in designs {
         let mut mesh = MeshData::default();
@@ -115,7 +194,7 @@ pub fn export_monuments(designs: &[Design], settings: &ExportSettings) -> Result
     glb.finish(all, "")
 }
 
-fn export_house(glb: &mut Glb, plan: &CityPlan, house: &House) -> Result<glb::NodeIndex, ExportError> {
+fn export_house(glb: &mut Glb<'_>, plan: &CityPlan, house: &House) -> Result<glb::NodeIndex, ExportError> {
     let (mut parts, mut others, mut roofs) = (Vec::new(), MeshData::default(), MeshData::default());
     let mut facades = 0;
     if let Some(monument) = &house.monument
@@ -200,7 +279,7 @@ const VARIANTS: u64 = 4;
 type Shapes = BTreeMap<(ObjectKind, i32, u64, Option<u16>), Option<glb::Mesh>>;
 
 fn export_object(
-    glb: &mut Glb,
+    glb: &mut Glb<'_>,
     shapes: &mut Shapes,
     designs: &[Design],
     object: &PlanObject,

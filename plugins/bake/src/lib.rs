@@ -36,7 +36,7 @@ mod vector_map;
 
 pub use enlarge::enlarged;
 pub use error::BakeError;
-pub use export::{ExportError, ExportSettings, export_glb, export_monuments};
+pub use export::{ExportError, ExportSettings, export_cells, export_glb, export_monuments};
 pub use input::{Heights, Input, InputKind};
 pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, bake_input, cut, plan, survey, survey_bare};
 pub use raster_map::{RasterMap, RasterSurvey};

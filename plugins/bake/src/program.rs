@@ -115,9 +115,12 @@ enum Command {
         /// A parameter of the monument, as in height=20; may be given several times.
         #[arg(long, value_name = "NAME=NUMBER", value_parser = export::parameter)]
         with: Vec<(String, f64)>,
-        /// Where to write the model (.glb).
+        /// Where to write the model (.glb), or with --by-cell the folder of models.
         #[arg(short, long)]
         output: PathBuf,
+        /// Write a model for each cell of the city, with the textures that they share and a list of them.
+        #[arg(long, conflicts_with = "monument")]
+        by_cell: bool,
         /// Pixels a side of each texture: 16 to 1024.
         #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=1024))]
         texture: u32,
@@ -224,10 +227,12 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
             file::write_text(&map_svg(&planned.plan), &output)?;
             println!("{}", output.display());
         }
-        Command::Export { source, output, monument, with, texture } => {
+        Command::Export { source, output, by_cell, monument, with, texture } => {
             let settings = ExportSettings { texture_px: texture };
             match source.only().and_then(|path| Some((path, check::as_monuments(path)?))) {
+                Some((path, _)) if by_cell => return Err(format!("{}: monuments have no cells", path.display()).into()),
                 Some((path, read)) => export::monuments((path, &read?.0), monument.as_deref(), with, &settings, &output)?,
+                None if by_cell => export::cells(&planned(&source, None, quiet)?.plan, &settings, &output, quiet)?,
                 None => export::city(&planned(&source, None, quiet)?.plan, &settings, &output)?,
             }
         }

@@ -7,7 +7,7 @@ use gltf_json::accessor::{ComponentType, GenericComponentType};
 use gltf_json::mesh::Semantic;
 use gltf_json::validation::{Checked::Valid, Validate};
 use gltf_json::{Accessor, Index, Root};
-use veduta_bake::{BakeSettings, ExportSettings, Input, export_glb, plan};
+use veduta_bake::{BakeSettings, ExportError, ExportSettings, Input, cut, export_cells, export_glb, plan};
 use veduta_city::{CellShell, CityPlan, FacadeSheet, HouseShell, ObjectKind, PlacedMonument, PlanObject, VolumeShell, WallKind};
 use veduta_growth::mesh;
 
@@ -105,6 +105,42 @@ fn an_export_is_sound_and_whole() {
         root.scenes[0].nodes.iter().for_each(|node| parents[node.value()] += 1);
         assert!(parents.iter().all(|&n| n == 1), "{scene}: {parents:?}");
     }
+}
+
+#[test]
+fn cells_hold_every_house_and_object_once_and_share_their_textures() {
+    let plan = planned("tests/places/riverside/riverside.graph.ron");
+    let (cells, _) = cut(&plan, &BakeSettings::default());
+    let mut files: BTreeMap<String, Vec<u8>> = BTreeMap::new();
+    let mut write = |path: &str, bytes: &[u8]| -> Result<(), ExportError> {
+        assert!(files.insert(path.to_owned(), bytes.to_vec()).is_none(), "{path} is written twice");
+        Ok(())
+    };
+    export_cells(&plan, &cells, &ExportSettings { texture_px: 16 }, &mut write).unwrap_or_else(|e| panic!("{e}"));
+    let list: serde_json::Value = serde_json::from_slice(&files["cells.json"]).unwrap_or_else(|e| panic!("{e}"));
+    let list = list["cells"].as_array().expect("a list of cells");
+    assert_eq!((list.len(), list.len()), (cells.cells.len(), files.keys().filter(|path| path.ends_with(".glb")).count()));
+    let (mut ids, mut images): (Vec<String>, Vec<String>) = Default::default();
+    for entry in list {
+        let (root, _) = opened(&files[entry["file"].as_str().expect("a path")]);
+        let mut mistakes = Vec::new();
+        root.validate(&root, gltf_json::Path::new, &mut |path, error| mistakes.push(format!("{}: {error}", path())));
+        assert!(mistakes.is_empty(), "{mistakes:?}");
+        images.extend(root.images.iter().map(|image| image.uri.clone().expect("beside the file")));
+        for node in root.nodes.iter().filter(|node| !matches!(kind(node).as_deref(), None | Some("cell" | "facade"))) {
+            let extras: serde_json::Value = serde_json::from_str(node.extras.as_ref().expect("a kind").get()).expect("JSON");
+            ids.push(extras["id"].as_str().expect("an id").to_owned());
+        }
+    }
+    let mut want: Vec<String> = plan.houses.iter().map(|house| house.id.0.to_string()).collect();
+    want.extend(plan.objects.iter().map(|object| object.id.0.to_string()));
+    ids.sort();
+    want.sort();
+    assert_eq!(ids, want);
+    images.sort();
+    images.dedup();
+    assert_eq!(images, files.keys().filter(|path| path.ends_with(".png")).cloned().collect::<Vec<_>>());
+    assert!(images.len() > 5 && images.iter().all(|path| files[path].starts_with(b"\x89PNG")), "{images:?}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The container: streams of vertex data, materials as they are needed, and the header.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::io::Cursor;
 
 use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
@@ -46,28 +47,71 @@ pub(super) struct Node<'a> {
     pub extras: Value,
 }
 
+/// Where the textures of a file are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Textures {
+    /// In it.
+    Within,
+    /// In a folder beside it, which several files share.
+    Beside,
+}
+
+/// Paints tiles, each once.
+pub(super) struct Painter {
+    texture_px: u32,
+    seed: u64,
+    textures: Textures,
+    /// As PNG, by tile.
+    painted: BTreeMap<usize, Vec<u8>>,
+}
+
+impl Painter {
+    pub(super) fn new(texture_px: u32, seed: u64, textures: Textures) -> Self {
+        Self { texture_px: paintable_size(texture_px), seed, textures, painted: BTreeMap::new() }
+    }
+
+    fn paint(&mut self, tile: usize) -> Result<&[u8], ExportError> {
+        let place = match self.painted.entry(tile) {
+            Entry::Occupied(known) => return Ok(known.into_mut()),
+            Entry::Vacant(place) => place,
+        };
+        let (colours, _) = paint_tile(kind(tile), self.texture_px, self.seed);
+        let pixels: Vec<u8> = colours.iter().flat_map(|c| [c[0], c[1], c[2]]).collect();
+        let mut png = Cursor::new(Vec::new());
+        PngEncoder::new(&mut png).write_image(&pixels, self.texture_px, self.texture_px, ExtendedColorType::Rgb8)?;
+        Ok(place.insert(png.into_inner()))
+    }
+
+    /// What was painted, with the paths by which files name it.
+    pub(super) fn painted(&self) -> impl Iterator<Item = (String, &[u8])> {
+        self.painted.iter().map(|(&tile, png)| (path(tile), png.as_slice()))
+    }
+}
+
+fn kind(tile: usize) -> Tile {
+    Tile::all().nth(tile).unwrap_or(Tile::Plaster)
+}
+
+/// `textures/bay_window.png`
+fn path(tile: usize) -> String {
+    let name = format!("{:?}", kind(tile)).to_lowercase().replace(['(', ')'], "_");
+    format!("textures/{}.png", name.trim_matches('_'))
+}
+
 /// A binary glTF that is being filled.
-pub(super) struct Glb {
+pub(super) struct Glb<'a> {
     root: Root,
     streams: [Vec<u8>; INDICES + 1],
     images: Vec<Vec<u8>>,
     /// By tile.
     materials: BTreeMap<usize, Index<Material>>,
-    texture_px: u32,
-    seed: u64,
+    painter: &'a mut Painter,
 }
 
-impl Glb {
-    pub(super) fn new(texture_px: u32, seed: u64) -> Self {
-        let texture_px = paintable_size(texture_px);
-        Self {
-            root: Root::default(),
-            streams: Default::default(),
-            images: Vec::new(),
-            materials: BTreeMap::new(),
-            texture_px,
-            seed,
-        }
+impl<'a> Glb<'a> {
+    pub(super) fn new(painter: &'a mut Painter) -> Self {
+        let (streams, images) = (Default::default(), Vec::new());
+        Self { root: Root::default(), streams, images, materials: BTreeMap::new(), painter }
     }
 
     /// Adds a node. Without mesh and children it is an empty place.
@@ -176,24 +220,24 @@ impl Glb {
         if let Some(&known) = self.materials.get(&tile) {
             return Ok(known);
         }
-        let tile_kind = Tile::all().nth(tile).unwrap_or(Tile::Plaster);
-        let (colours, _) = paint_tile(tile_kind, self.texture_px, self.seed);
-        let pixels: Vec<u8> = colours.iter().flat_map(|c| [c[0], c[1], c[2]]).collect();
-        let mut png = Cursor::new(Vec::new());
-        PngEncoder::new(&mut png).write_image(&pixels, self.texture_px, self.texture_px, ExtendedColorType::Rgb8)?;
-        let name = format!("{tile_kind:?}");
+        let name = format!("{:?}", kind(tile));
+        let is_within = self.painter.textures == Textures::Within;
+        let png = self.painter.paint(tile)?;
+        let view = Index::new((INDICES + 1 + self.images.len()) as u32);
+        if is_within {
+            self.images.push(png.to_vec());
+        }
         if self.root.samplers.is_empty() {
             self.root.push(Sampler::default());
         }
         let image = self.root.push(Image {
-            buffer_view: Some(Index::new((INDICES + 1 + self.images.len()) as u32)),
+            buffer_view: is_within.then_some(view),
             mime_type: Some(MimeType("image/png".to_owned())),
             name: Some(name.clone()),
-            uri: None,
+            uri: (!is_within).then(|| path(tile)),
             extensions: None,
             extras: None,
         });
-        self.images.push(png.into_inner());
         let texture =
             self.root.push(Texture { name: None, sampler: Some(Index::new(0)), source: image, extensions: None, extras: None });
         let info = Info { index: texture, tex_coord: 0, extensions: None, extras: None };

@@ -2,11 +2,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anstream::println;
-use veduta_bake::{BakeError, ExportSettings, export_glb, export_monuments};
+use veduta_bake::{BakeError, BakeSettings, ExportSettings, cut, export_cells, export_glb, export_monuments};
 use veduta_city::{CityPlan, Monument, file};
 use veduta_growth::plan::Stock;
 
 use super::Failure;
+use super::report::report;
 
 /// A parameter as it is given: `height=20`.
 pub(crate) fn parameter(text: &str) -> Result<(String, f64), String> {
@@ -20,6 +21,27 @@ pub(crate) fn city(plan: &CityPlan, settings: &ExportSettings, output: &Path) ->
     file::write_bytes(&glb, output)?;
     let counts = (plan.houses.len(), plan.objects.len());
     println!("{}: {} houses, {} objects, {} bytes", output.display(), counts.0, counts.1, glb.len());
+    Ok(())
+}
+
+/// A model for each cell, into a folder that holds nothing else.
+pub(crate) fn cells(plan: &CityPlan, settings: &ExportSettings, output: &Path, quiet: bool) -> Result<(), Failure> {
+    let is_free = || Ok::<_, std::io::Error>(!output.exists() || std::fs::read_dir(output)?.next().is_none());
+    if !is_free().map_err(|error| format!("{}: {error}", output.display()))? {
+        return Err(format!("{}: there are files in it; name a new folder", output.display()).into());
+    }
+    let (cells, findings) = cut(plan, &BakeSettings::default());
+    report(&findings, quiet, false);
+    let (mut files, mut bytes) = (0, 0);
+    let mut write = |path: &str, content: &[u8]| -> Result<(), Failure> {
+        (files, bytes) = (files + 1, bytes + content.len());
+        let path = output.join(path);
+        let folder = path.parent().unwrap_or(output);
+        std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        Ok(file::write_bytes(content, &path)?)
+    };
+    export_cells(plan, &cells, settings, &mut write)?;
+    println!("{}: {} cells, {} houses, {files} files, {bytes} bytes", output.display(), cells.cells.len(), plan.houses.len());
     Ok(())
 }
 
