@@ -137,16 +137,31 @@ impl Sculptor<'_> {
 
     /// A lump of foliage or a head: a ball with an uneven skin.
     pub(super) fn blob(&mut self, ball: &Ball, middle: DVec3, radii: DVec3, rough: f64, draw: Draw, paint: Paint) {
-        let base = self.mesh.positions.len() as u32;
-        for (i, &p) in ball.points.iter().enumerate() {
+        let skin = |(i, &p): (usize, &DVec3)| {
             let swell = 1.0 + rough * (2.0 * draw.part(i as u64).unit("skin") - 1.0);
-            let place = self.at(middle + p * radii * swell);
             let normal = self.at(p / radii) - self.at(DVec3::ZERO);
-            let uv = DVec2::new(place.x + 0.5 * place.z, place.y - 0.5 * place.z) / paint.size_m();
-            self.mesh.vertex(place, normal.normalize_or(DVec3::Y).as_vec3().to_array(), uv, paint);
+            (self.at(middle + p * radii * swell), normal.normalize_or(DVec3::Y))
+        };
+        let points: Vec<(DVec3, DVec3)> = ball.points.iter().enumerate().map(skin).collect();
+        // The texture is laid on each face from the axis that it looks along most, so that none is drawn out.
+        let mut laid = vec![[None; 3]; points.len()];
+        for &[a, b, c] in &ball.triangles {
+            let [p, q, r] = [a, b, c].map(|i| points[i as usize].0);
+            let facing = (q - p).cross(r - p).abs();
+            let axis = match facing {
+                DVec3 { x, y, z } if x > y.max(z) => 0,
+                DVec3 { y, z, .. } if y > z => 1,
+                _ => 2,
+            };
+            // The object's frame (right, up, front) is left-handed.
+            for i in [a, c, b] {
+                let (place, normal) = points[i as usize];
+                let uv = [DVec2::new(place.z, place.y), DVec2::new(place.x, place.z), DVec2::new(place.x, place.y)][axis];
+                let vertex = laid[i as usize][axis]
+                    .get_or_insert_with(|| self.mesh.vertex(place, normal.as_vec3().to_array(), uv / paint.size_m(), paint));
+                self.mesh.indices.push(*vertex);
+            }
         }
-        // The object's frame (right, up, front) is left-handed.
-        self.mesh.indices.extend(ball.triangles.iter().flat_map(|&[a, b, c]| [a, c, b]).map(|i| base + i));
     }
 }
 
