@@ -1,8 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Anchor, BridgeSpan, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Place, PlacedMonument, PlanTerrain, Rgb, RoofShape,
-    Styles, Viewpoint,
+    Anchor, BridgeSpan, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Ornament, Place, PlacedMonument, PlanTerrain, Rgb,
+    RoofShape, Styles, Viewpoint,
 };
 
 /// The city plan: everything that will stand and lie in the city, on the grid, with every choice made that looks at
@@ -219,6 +219,9 @@ pub struct Wall {
     /// The ground floor's openings.
     #[serde(default)]
     pub ground_floor: GroundFloor,
+    /// What it carries besides, if anything.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ornament: Option<Box<Ornament>>,
 }
 
 /// One storey of a wall.
@@ -400,6 +403,7 @@ mod tests {
             bays: 3,
             storeys: vec![storey(Opening::Window), storey(Opening::FramedWindow)],
             ground_floor: GroundFloor { door_bay: Some(1), door: Opening::Portal, shops: 0b101, blank: 0b001 },
+            ornament: None,
         };
         let row = |s| (0..3).map(|b| wall.opening(s, b)).collect::<Vec<_>>();
         assert_eq!(row(0), [Opening::Blank, Opening::Portal, Opening::Shop]);

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{Opening, Rgb, RoofShape};
+use crate::{Articulation, BalconyPlaces, Opening, Rgb, RoofShape};
 
 /// A range of numbers to draw from, both ends included as far as the draw goes; written `(low, high)`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -58,6 +58,18 @@ pub struct Style {
     /// How a grown house stands on its lot.
     #[serde(default)]
     pub stand: Stand,
+    /// How its street fronts are divided or framed, to choose from.
+    #[serde(default = "Style::plain_fronts")]
+    pub articulation: Vec<Articulation>,
+    /// Where its door's front has balconies, to choose from.
+    #[serde(default = "Style::no_balconies")]
+    pub balconies: Vec<BalconyPlaces>,
+    /// Share of houses with a bay window on the door's front, 0 to 1.
+    #[serde(default)]
+    pub oriels: f64,
+    /// Share of houses with a statue on the door's front, 0 to 1.
+    #[serde(default)]
+    pub niches: f64,
 }
 
 /// Shape of a grown house's gable walls.
@@ -100,6 +112,14 @@ impl Style {
     const fn some_gables() -> f64 {
         0.15
     }
+
+    fn plain_fronts() -> Vec<Articulation> {
+        vec![Articulation::Plain]
+    }
+
+    fn no_balconies() -> Vec<BalconyPlaces> {
+        vec![BalconyPlaces::Nowhere]
+    }
 }
 
 /// A style as a person writes it: what is not given is that of the style that it inherits from. See [`Style`] for the fields.
@@ -129,6 +149,10 @@ pub struct StyleDraft {
     pub gables: Option<Vec<Gable>>,
     pub gable_fronts: Option<f64>,
     pub stand: Option<Stand>,
+    pub articulation: Option<Vec<Articulation>>,
+    pub balconies: Option<Vec<BalconyPlaces>>,
+    pub oriels: Option<f64>,
+    pub niches: Option<f64>,
 }
 
 impl StyleDraft {
@@ -173,6 +197,14 @@ impl StyleDraft {
             gables: self.gables.clone().or_else(|| base.map(|b| b.gables.clone())).unwrap_or_else(Style::plain_gables),
             gable_fronts: self.gable_fronts.or(base.map(|b| b.gable_fronts)).unwrap_or_else(Style::some_gables),
             stand: self.stand.or(base.map(|b| b.stand)).unwrap_or_default(),
+            articulation: self
+                .articulation
+                .clone()
+                .or_else(|| base.map(|b| b.articulation.clone()))
+                .unwrap_or_else(Style::plain_fronts),
+            balconies: self.balconies.clone().or_else(|| base.map(|b| b.balconies.clone())).unwrap_or_else(Style::no_balconies),
+            oriels: self.oriels.or(base.map(|b| b.oriels)).unwrap_or_default(),
+            niches: self.niches.or(base.map(|b| b.niches)).unwrap_or_default(),
         })
     }
 }
@@ -204,6 +236,16 @@ pub enum StyleError {
         low: f64,
         /// Its high end.
         high: f64,
+    },
+    /// A share is none.
+    #[error("style `{style}`: `{field}` is {share}; it needs 0 to 1")]
+    Share {
+        /// Which style.
+        style: String,
+        /// Which share.
+        field: &'static str,
+        /// What it is.
+        share: f64,
     },
     /// It inherits from a style that is not there.
     #[error("style `{style}` inherits from `{name}`, which is not there; there are: {known}")]
@@ -257,11 +299,17 @@ impl Styles {
                 ("ground_windows", s.ground_windows.is_empty()),
                 ("doors", s.doors.is_empty()),
                 ("gables", s.gables.is_empty()),
+                ("articulation", s.articulation.is_empty()),
+                ("balconies", s.balconies.is_empty()),
             ];
             for (field, empty) in lists {
                 if empty {
                     errors.push(StyleError::Empty { style: s.name.clone(), field });
                 }
+            }
+            let shares = [("shops", s.shops), ("gable_fronts", s.gable_fronts), ("oriels", s.oriels), ("niches", s.niches)];
+            for (field, share) in shares.into_iter().filter(|(_, share)| !(0.0..=1.0).contains(share)) {
+                errors.push(StyleError::Share { style: s.name.clone(), field, share });
             }
             let ranges = [
                 ("storeys", Range(f64::from(s.storeys.0), f64::from(s.storeys.1))),
@@ -314,6 +362,20 @@ mod tests {
         let other = other.finish(&known).unwrap_or_else(|e| panic!("{e}"));
         let expected = Style { name: "other".to_owned(), storeys: (5, 6), gables: vec![Gable::Stepped], ..base };
         assert_eq!(other, expected);
+    }
+
+    #[test]
+    fn a_share_beyond_the_whole_is_told() {
+        let base = r##"(name: "base", storeys: (2, 3), ground_floor_m: (4, 5), storey_m: (3, 4), bay_m: (2, 3), frontage_m: (7, 12),
+            depth_m: (9, 12), walls: ["#FFFFFF"], trim: 1.1, roofs: [Hipped], pitch_deg: (40, 50), roof_colours: ["#8C3E2C"],
+            main_windows: [Window], windows: [Window], ground_windows: [Window], doors: [Door], shops: 0.2, oriels: 1.5,
+            niches: 1.0, balconies: [])"##;
+        let style = draft(base).finish(&Styles::default()).unwrap_or_else(|e| panic!("{e}"));
+        let told: Vec<String> = Styles(vec![style]).validate().iter().map(ToString::to_string).collect();
+        assert_eq!(
+            told,
+            ["style `base`: `balconies` is empty; it needs at least one entry", "style `base`: `oriels` is 1.5; it needs 0 to 1"]
+        );
     }
 
     #[test]

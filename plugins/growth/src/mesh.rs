@@ -46,6 +46,7 @@ mod marking;
 mod monument;
 mod moulding;
 mod object;
+mod ornament;
 mod outline;
 mod roof;
 mod roof_detail;

@@ -2,9 +2,9 @@
 //!
 //! ```text
 //!  CityGraph ─┬─► extent ─► streets ─► ground ─► verges ─┬─► lots ─┐
-//!             ├─► houses (given) ────────────────┴────────┴────────┴─► facing ─► floors ─► massing ─► variety ─► walls ─► CityPlan
-//!             └─► bridges ─► terrain (streets cut into it) ─► spans ─────────────┘                             │
-//!                                                  network (who waits where) ─► objects, markings, places, start ──┘
+//!             ├─► houses (given) ───────────────────────┴─────────┴─► facing ─► floors ─► massing ─► variety ─┐
+//!             ├─► bridges ─► terrain (streets cut into it) ─► spans ──────────────────────────────────────────┤
+//!             └─► network (who waits where) ─► objects, markings, places, start ─► CityPlan ◄─ ornament ◄─ walls
 //! ```
 //!
 //! Every stage is a function of the graph, the styles and the seed; each draw is keyed by seed, id and question. Geometry
@@ -59,6 +59,7 @@ mod massing;
 mod monuments;
 mod network;
 mod objects;
+mod ornament;
 mod outline;
 mod perimeter;
 mod places;
@@ -77,7 +78,7 @@ use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, 
 pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 7;
+pub const GROWTH_VERSION: u32 = 8;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -161,7 +162,9 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let looks = variety::looks(&drafts, &facing, &book);
     let mut houses = walls::houses(&drafts, &facing, &masses, &looks, &book, &terrain);
     let mut designs = monuments::Designs::new(monuments);
+    drop((drafts, facing, masses, looks));
     designs.of_houses(graph, &mut houses, &mut findings);
+    ornament::adorn(&mut houses, &standing, &terrain, &book, graph.seed);
     cellars::build(&mut houses, &terrain);
 
     let doors = walls::doorsteps(&houses).into_iter().map(|d| (GridPolygon::simple(vec![GridPos::from_metres(d)]), ()));

@@ -100,9 +100,10 @@ mod tests {
     use proptest::prelude::*;
     use veduta_city::monument::{Axis, Content, Head, Hole, HoleShape, Material, PathPoint, Piece, Repeat, Shape};
     use veduta_city::{
-        BridgeForm, BridgeSpan, BridgeStation, Design, Gable, GridPolygon, GridPos, GroundFloor, GroundPatch, HouseShell, Id,
-        Marking, MarkingKind, ObjectKind, Opening, PlacedMonument, PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb,
-        RoofShape, SpanMarking, Storey, SurfaceKind, Tile, VolumeShell, Wall, WallKind,
+        Articulation, Balconies, BridgeForm, BridgeSpan, BridgeStation, Design, Gable, GridPolygon, GridPos, GroundFloor,
+        GroundPatch, HouseShell, Id, Marking, MarkingKind, Niche, ObjectKind, Opening, Oriel, Ornament, Parapet, PlacedMonument,
+        PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SpanMarking, Storey, SurfaceKind, Tile, VolumeShell,
+        Wall, WallKind,
     };
 
     use super::*;
@@ -276,6 +277,20 @@ mod tests {
         )
     }
 
+    /// One with all that there is, or with parts of it.
+    fn ornament(n: u8) -> Box<Ornament> {
+        Box::new(Ornament {
+            articulation: [Articulation::Plain, Articulation::Quoins, Articulation::Pilasters][usize::from(n % 3)],
+            oriel: n.is_multiple_of(2).then_some(Oriel { bay: n, storeys: (1, n) }),
+            balconies: (n % 5 != 1).then_some(Balconies {
+                bays: u32::from(n) << 9,
+                storeys: (n, 2),
+                parapet: [Parapet::Balusters, Parapet::Iron, Parapet::Panels][usize::from(n % 3)],
+            }),
+            niche: (n % 7 < 3).then_some(Niche { bay: n, storey: 4 }),
+        })
+    }
+
     fn any_wall() -> impl Strategy<Value = Wall> {
         let storey = (any::<i32>(), prop::sample::select(&[Opening::Blank, Opening::Window, Opening::Belfry][..]));
         let storeys = vec(storey.prop_map(|(height, opening)| Storey { height, opening }), 0..3);
@@ -286,6 +301,7 @@ mod tests {
             bays,
             storeys,
             ground_floor: GroundFloor { door_bay, door: Opening::Gate, shops, blank: shops / 3 },
+            ornament: (shops % 2 == 1).then(|| ornament(shops as u8)),
         })
     }
 
@@ -407,6 +423,7 @@ mod tests {
             bays: 3,
             storeys: openings.iter().map(|&opening| Storey { height: 3000, opening }).collect(),
             ground_floor: GroundFloor { door_bay: Some(1), door: O::Door, shops: 4, blank: 1 },
+            ornament: Some(ornament(kind as u8)),
         };
         let ends = (GridPos(0, 0), GridPos(5, 0));
         let blind = [PortalSide::Edge, PortalSide::Cell(3)].map(|beyond| Portal { ends, cell: 2, beyond });
@@ -435,14 +452,14 @@ mod tests {
         let (shell, sheet) = full();
         let hash = |content: Vec<u8>| blake3::hash(&content).to_hex()[..16].to_owned();
         let forms = (hash(to_bytes(&WireShell::from(&shell))), hash(to_bytes(&WireSheet::from(&sheet))));
-        let expected = ("688652d00444fa7a".to_owned(), "ccc8b71824605507".to_owned());
-        assert_eq!((crate::FORMAT_VERSION, forms), (4, expected), "raise FORMAT_VERSION if this is on purpose");
+        let expected = ("688652d00444fa7a".to_owned(), "916903869fc9994e".to_owned());
+        assert_eq!((crate::FORMAT_VERSION, forms), (5, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]
     fn equal_walls_cost_a_byte_each_before_deflate() {
         let storeys = vec![Storey { height: 3000, opening: Opening::Window }; 5];
-        let wall = Wall { kind: WallKind::Street, bays: 6, storeys, ground_floor: GroundFloor::default() };
+        let wall = Wall { kind: WallKind::Street, bays: 6, storeys, ..Wall::default() };
         let size = |n| to_bytes(&WireSheet::from(&FacadeSheet { walls: vec![wall.clone(); n] })).len();
         assert_eq!(size(101) - size(100), 1);
     }

@@ -98,6 +98,10 @@ fn styles_travel_with_the_city() {
         gables: vec![Gable::Volute],
         gable_fronts: 0.5,
         stand: Stand::Detached(3.0),
+        articulation: vec![veduta_city::Articulation::Quoins],
+        balconies: vec![veduta_city::BalconyPlaces::Ends],
+        oriels: 0.25,
+        niches: 0.75,
     };
     city.plan.styles.0.push(style);
     city.write(&temp.0).expect("written");

@@ -79,6 +79,9 @@ fn house(plan: &CityPlan, house: &House) -> String {
             m(v.roof.height),
             bays.join(" ")
         );
+        for (i, ornament) in v.walls.iter().enumerate().filter_map(|(i, wall)| Some((i, wall.ornament.as_deref()?))) {
+            text += &format!("\n    wall {i}: {}", ron::to_string(ornament).unwrap_or_else(|e| panic!("{e}")));
+        }
     }
     text
 }

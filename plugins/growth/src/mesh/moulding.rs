@@ -1,14 +1,15 @@
 use glam::DVec2;
-use veduta_city::{CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, WallKind};
+use veduta_city::{Articulation, CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, WallKind};
 
 use super::data::{MeshData, MeshError, Paint};
 use super::footing::stands;
+use super::ornament;
 use super::outline::{Edge, engine, neighbours, wall_edge};
 use super::roof_detail::{OVERHANG_DROP_M, mitre};
 use super::wall::{Front, check, runs, seen};
 
 /// Section of a moulding from its lower edge on the wall to its upper one: metres out of the wall, metres up; convex.
-type Section = [(f64, f64)];
+pub(super) type Section = [(f64, f64)];
 
 /// Crown cornice below the eaves of a tall wall.
 const CROWN: &Section = &[(0.0, -0.44), (0.14, -0.34), (0.26, -0.19), (0.28, -OVERHANG_DROP_M), (0.0, -OVERHANG_DROP_M)];
@@ -21,7 +22,7 @@ const PLINTH: &Section = &[(0.03, 0.0), (0.03, 0.6), (0.0, 0.62)];
 const TALL_M: f64 = 7.0;
 const CORNICE_FROM_M: f64 = 3.0;
 
-/// Cornices, string courses and plinths of the street walls: part of level 2. Centres are those of the walls.
+/// Cornices, string courses, plinths and ornaments of the street walls: part of level 2. Centres are those of the walls.
 ///
 /// # Errors
 /// [`MeshError::SheetLength`] if the sheet is not of this shell.
@@ -54,6 +55,9 @@ pub(super) fn add_mouldings(shell: &CellShell, sheet: &FacadeSheet, mesh: &mut M
             let paints = Paints { trim: trim.at(centre), plinth: plinth.at(centre) };
             let ends = ends(volume, plans, wall, &front.edge);
             dress(&front, plan, ends, (volume.roof.is_there(), stands(house, volume)), &paints, mesh);
+            if let Some(ornament) = &plan.ornament {
+                ornament::adorn(&front, plan, ornament, quoin_ends(volume, plans, wall, ends), volume, mesh);
+            }
         }
         mesh.stand(first, house.floor);
     }
@@ -61,7 +65,7 @@ pub(super) fn add_mouldings(shell: &CellShell, sheet: &FacadeSheet, mesh: &mut M
 
 /// How a moulding ends at a corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum End {
+pub(super) enum End {
     /// Cut square, with a face.
     Square,
     /// Drawn to where it meets the next wall's, per metre of reach.
@@ -83,6 +87,17 @@ fn ends(volume: &VolumeShell, plans: &[Wall], wall: u16, edge: &Edge) -> [End; 2
         if runs_on { mitre(first, second).map_or(End::Square, End::Mitre) } else { End::Square }
     };
     [end(before, true), end(after, false)]
+}
+
+/// Quoins meet round a corner only where the next wall has some, too.
+fn quoin_ends(volume: &VolumeShell, plans: &[Wall], wall: u16, ends: [End; 2]) -> [End; 2] {
+    let Some((before, after)) = neighbours(&volume.footprint, wall.into()) else { return [End::Square; 2] };
+    let has_quoins = |other: usize| {
+        let listed = volume.walls.iter().position(|&w| usize::from(w) == other).and_then(|i| plans.get(i));
+        listed.and_then(|plan| plan.ornament.as_deref()).is_some_and(|ornament| ornament.articulation == Articulation::Quoins)
+    };
+    let end = |own: End, other: usize| if has_quoins(other) { own } else { End::Square };
+    [end(ends[0], before), end(ends[1], after)]
 }
 
 fn dress(front: &Front, plan: &Wall, ends: [End; 2], (has_top, stands): (bool, bool), paints: &Paints, mesh: &mut MeshData) {
@@ -126,12 +141,12 @@ fn plinth(front: &Front, plan: &Wall, ends: [End; 2], paint: Paint, mesh: &mut M
     }
 }
 
-const fn is_open_to_ground(opening: Opening) -> bool {
+pub(super) const fn is_open_to_ground(opening: Opening) -> bool {
     matches!(opening, Opening::Portal | Opening::Door | Opening::Shop | Opening::Arcade | Opening::Gate)
 }
 
 /// Draws a section along a wall.
-fn sweep(edge: &Edge, ends: [End; 2], section: &Section, height: f64, paint: Paint, mesh: &mut MeshData) {
+pub(super) fn sweep(edge: &Edge, ends: [End; 2], section: &Section, height: f64, paint: Paint, mesh: &mut MeshData) {
     let way = |end: End| match end {
         End::Square => edge.out,
         End::Mitre(way) => way,

@@ -93,6 +93,7 @@ fn sheet(shell: &CellShell, bays: u8) -> FacadeSheet {
             storey(3, Opening::Blank),
         ],
         ground_floor: GroundFloor { door_bay: Some(1), door: Opening::Portal, shops: 0b1001, blank: 0 },
+        ornament: None,
     };
     FacadeSheet { walls: (0..wall::wall_total(shell)).map(wall).collect() }
 }

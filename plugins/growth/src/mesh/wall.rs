@@ -128,7 +128,7 @@ impl Front {
     }
 
     /// The wall storey by storey.
-    fn bays(&self, wall: &Wall, mesh: &mut MeshData) {
+    pub(super) fn bays(&self, wall: &Wall, mesh: &mut MeshData) {
         let total: i64 = wall.storeys.iter().map(|s| i64::from(s.height.max(0))).sum();
         if wall.bays == 0 || total == 0 {
             return self.plain(mesh);
@@ -238,6 +238,7 @@ mod tests {
                 storey(3, Opening::FramedWindow),
             ],
             ground_floor: GroundFloor { door_bay: Some(1), door: Opening::Portal, shops: 0b100, blank: 0 },
+            ornament: None,
         }
     }
 

@@ -77,5 +77,6 @@ fn cellar_wall(above: &Wall, highest_m: f64, ground_m: impl Fn(f64) -> f64, (cou
         if is_open { window } else { Opening::Blank }
     };
     let storeys = (0..count).map(|storey| Storey { height, opening: opening(storey) }).collect();
-    Wall { kind: above.kind, bays: above.bays, storeys, ground_floor: GroundFloor { blank, ..GroundFloor::default() } }
+    let ground_floor = GroundFloor { blank, ..GroundFloor::default() };
+    Wall { kind: above.kind, bays: above.bays, storeys, ground_floor, ornament: None }
 }

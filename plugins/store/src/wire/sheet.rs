@@ -1,5 +1,7 @@
 use serde::{Deserialize, Serialize};
-use veduta_city::{FacadeSheet, GroundFloor, Opening, Storey, Wall, WallKind};
+use veduta_city::{
+    Articulation, Balconies, FacadeSheet, GroundFloor, Niche, Opening, Oriel, Ornament, Parapet, Storey, Wall, WallKind,
+};
 
 use super::{
     Malformed,
@@ -18,12 +20,39 @@ pub(crate) struct WireSheet {
     doors: Vec<Opening>,
     shops: Vec<u32>,
     blank: Vec<u32>,
+    ornaments: Vec<Option<WireOrnament>>,
     /// For each different wall, which of the different stacks it has.
     stacks: Vec<u32>,
     /// Storeys of each different stack.
     storeys: Vec<u32>,
     heights: Deltas,
     openings: Vec<Opening>,
+}
+
+/// An [`Ornament`]: articulation; bay and storeys of the oriel; bays, storeys and parapet of the balconies; bay and storey of the niche.
+#[derive(Serialize, Deserialize)]
+struct WireOrnament(Articulation, Option<(u8, (u8, u8))>, Option<(u32, (u8, u8), Parapet)>, Option<(u8, u8)>);
+
+impl From<Ornament> for WireOrnament {
+    fn from(of: Ornament) -> Self {
+        Self(
+            of.articulation,
+            of.oriel.map(|oriel| (oriel.bay, oriel.storeys)),
+            of.balconies.map(|balconies| (balconies.bays, balconies.storeys, balconies.parapet)),
+            of.niche.map(|niche| (niche.bay, niche.storey)),
+        )
+    }
+}
+
+impl From<WireOrnament> for Ornament {
+    fn from(WireOrnament(articulation, oriel, balconies, niche): WireOrnament) -> Self {
+        Self {
+            articulation,
+            oriel: oriel.map(|(bay, storeys)| Oriel { bay, storeys }),
+            balconies: balconies.map(|(bays, storeys, parapet)| Balconies { bays, storeys, parapet }),
+            niche: niche.map(|(bay, storey)| Niche { bay, storey }),
+        }
+    }
 }
 
 /// Most walls of a sheet, and most storeys of all its walls together: a table could claim far more than its bytes.
@@ -46,6 +75,7 @@ impl From<&FacadeSheet> for WireSheet {
             doors: different.iter().map(|wall| wall.ground_floor.door).collect(),
             shops: different.iter().map(|wall| wall.ground_floor.shops).collect(),
             blank: different.iter().map(|wall| wall.ground_floor.blank).collect(),
+            ornaments: different.iter().map(|wall| wall.ornament.as_deref().copied().map(WireOrnament::from)).collect(),
             stacks,
             storeys: tall.iter().map(|stack| stack.len() as u32).collect(),
             heights: Deltas::of(tall.iter().flatten().map(|storey| storey.height)),
@@ -70,6 +100,7 @@ impl TryFrom<WireSheet> for FacadeSheet {
         let mut doors = Pull::new("doors", wire.doors);
         let mut shops = Pull::new("shops", wire.shops);
         let mut blank = Pull::new("bays without an opening", wire.blank);
+        let mut ornaments = Pull::new("ornaments", wire.ornaments);
         let mut different = Vec::with_capacity(wire.kinds.len());
         for kind in wire.kinds {
             let door_bay = door_bays.take()?.checked_sub(1).map(u8::try_from).transpose();
@@ -81,7 +112,8 @@ impl TryFrom<WireSheet> for FacadeSheet {
             };
             let storeys = stacks.take_ref()?;
             spend(storeys.len())?;
-            different.push(Wall { kind, bays: bays.take()?, storeys: storeys.clone(), ground_floor });
+            let ornament = ornaments.take()?.map(|ornament| Box::new(ornament.into()));
+            different.push(Wall { kind, bays: bays.take()?, storeys: storeys.clone(), ground_floor, ornament });
         }
         stacks.finish()?;
         bays.finish()?;
@@ -89,6 +121,7 @@ impl TryFrom<WireSheet> for FacadeSheet {
         doors.finish()?;
         shops.finish()?;
         blank.finish()?;
+        ornaments.finish()?;
         let mut uses = Table::of_parts(different, wire.walls).pull();
         if uses.left() > WALLS_CAP {
             return Err(Malformed::Reason("a sheet has too many walls"));

@@ -52,11 +52,11 @@ fn walls(draw: Draw, storeys: usize, height: i32) -> Vec<Wall> {
     let bays = 3 + draw.below("bays", 4) as u8;
     let door =
         GroundFloor { door_bay: Some(draw.below("door", bays.into()) as u8), door: Opening::Portal, shops: 0b101, blank: 0b10 };
-    let party = || Wall { kind: WallKind::Party, bays: 0, storeys: stack(Opening::Blank), ground_floor: GroundFloor::default() };
+    let party = || Wall { kind: WallKind::Party, bays: 0, storeys: stack(Opening::Blank), ..Wall::default() };
     vec![
-        Wall { kind: WallKind::Street, bays, storeys: stack(windows), ground_floor: door },
+        Wall { kind: WallKind::Street, bays, storeys: stack(windows), ground_floor: door, ornament: None },
         party(),
-        Wall { kind: WallKind::Yard, bays, storeys: stack(Opening::Window), ground_floor: GroundFloor::default() },
+        Wall { kind: WallKind::Yard, bays, storeys: stack(Opening::Window), ..Wall::default() },
         party(),
     ]
 }
