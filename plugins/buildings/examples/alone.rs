@@ -47,6 +47,7 @@ fn yard() -> CellShell {
         gable: Gable::Plain,
         has_roof: true,
         walls: vec![0, 1, 2, 3],
+        arcades: Vec::new(),
     };
     let lamp =
         PlanObject { id: Id(2), kind: ObjectKind::Lamp, pos: GridPos(8192, -4096), z: 0, heading: 0, height: 4096, monument: None };

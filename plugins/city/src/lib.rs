@@ -21,6 +21,7 @@
 //! could be grown anew alone; see [`draw`]).
 
 mod anchor;
+mod arcade;
 mod bridge;
 mod cell;
 mod colour;
@@ -52,6 +53,7 @@ mod tour;
 mod width;
 
 pub use anchor::Anchor;
+pub use arcade::Arcade;
 pub use bridge::{BridgeForm, BridgeSpan, BridgeStation, SpanMarking};
 pub use cell::{Cell, Cells, Portal, PortalSide};
 pub use colour::{ParseColourError, Rgb};

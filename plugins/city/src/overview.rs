@@ -92,6 +92,7 @@ mod tests {
             roof: PlanRoof { shape: RoofShape::Flat, height: 5, direction: 0, colour: Rgb::default() },
             gable: Default::default(),
             walls: Vec::new(),
+            arcades: Vec::new(),
         };
         let house = House {
             id: Id(7),

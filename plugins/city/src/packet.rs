@@ -3,8 +3,8 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    BridgeSpan, Design, Gable, GridPolygon, GridPos, GroundPatch, Id, Marking, PlacedMonument, PlanObject, PlanRoof, PlanTerrain,
-    Portal, Rgb, Volume, Wall,
+    Arcade, BridgeSpan, Design, Gable, GridPolygon, GridPos, GroundPatch, Id, Marking, PlacedMonument, PlanObject, PlanRoof,
+    PlanTerrain, Portal, Rgb, Volume, Wall,
 };
 
 /// Urban level of detail of a façade.
@@ -161,13 +161,17 @@ pub struct VolumeShell {
     pub has_roof: bool,
     /// Which edges' walls this cell draws: indices in the order of [`crate::Volume::walls`], ascending.
     pub walls: Vec<u16>,
+    /// Walks under those walls.
+    pub arcades: Vec<Arcade>,
 }
 
 impl VolumeShell {
     /// A volume as a cell tells it that draws some of its walls and perhaps its roof, if it has one, in the plan's coordinates.
     #[must_use]
     pub fn of(volume: &Volume, walls: Vec<u16>, has_roof: bool) -> Self {
+        let arcades = volume.arcades.iter().filter(|arcade| walls.contains(&arcade.wall));
         Self {
+            arcades: arcades.copied().collect(),
             footprint: volume.footprint.clone(),
             bottom: volume.bottom,
             eaves: volume.eaves,

@@ -1,8 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Anchor, BridgeSpan, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Ornament, Place, PlacedMonument, PlanTerrain, Rgb,
-    RoofShape, Styles, Viewpoint,
+    Anchor, Arcade, BridgeSpan, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Ornament, Place, PlacedMonument, PlanTerrain,
+    Rgb, RoofShape, Styles, Viewpoint,
 };
 
 /// The city plan: everything that will stand and lie in the city, on the grid, with every choice made that looks at
@@ -145,6 +145,9 @@ pub struct Volume {
     pub gable: Gable,
     /// One for each edge: of the outer ring in order, then of each hole in order.
     pub walls: Vec<Wall>,
+    /// Walks that it hangs over, ascending by wall and span.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub arcades: Vec<Arcade>,
 }
 
 fn is_at_zero(height: &i32) -> bool {

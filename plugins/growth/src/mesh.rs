@@ -32,6 +32,7 @@
 //! Distance fields for hips (parabolic creases at inner corners), and sharing vertices between faces (every face has its own
 //! normal, tile and façade anyway).
 
+mod arcade;
 pub(crate) mod bridge;
 mod collision;
 mod data;

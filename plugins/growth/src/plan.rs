@@ -4,7 +4,7 @@
 //!  CityGraph ─┬─► extent ─► streets ─► ground ─► verges ─┬─► lots ─┐
 //!             ├─► houses (given) ───────────────────────┴─────────┴─► facing ─► floors ─► massing ─► variety ─┐
 //!             ├─► bridges ─► terrain (streets cut into it) ─► spans ──────────────────────────────────────────┤
-//!             └─► network (who waits where) ─► objects, markings, places, start ─► CityPlan ◄─ ornament ◄─ walls
+//!             └─► network (who waits where) ─► objects, markings, places, start ─► CityPlan ◄─ arcades ◄─ ornament ◄─ walls
 //! ```
 //!
 //! Every stage is a function of the graph, the styles and the seed; each draw is keyed by seed, id and question. Geometry
@@ -30,13 +30,15 @@
 //! # Limits
 //! Bridges go from ground to ground: over water, and over valleys that the terrain tells. Where neither lies under a link that a map calls
 //! a bridge, as over streets and railways of a level city, it stays on the ground; what lies below the ground is left out with a finding.
-//! Arcades are openings, not rooms. The `z` of nodes is not looked at: the ground is the graph's terrain alone.
+//! Arcades on slopes, at sharp corners and under shallow houses are painted. The `z` of nodes is not looked at: the ground is the
+//! graph's terrain alone.
 //!
 //! # Rejected
 //! Boolean operations in place of one arrangement of the ground (neighbours do not share their vertices) ·
 //! floating-point overlays that are snapped afterwards (snapping makes rings cross) · subdividing blocks
 //! recursively into lots (good for suburbs; an old town's lots are a ring of burgages round a courtyard).
 
+mod arcades;
 mod arrangement;
 mod band;
 pub(crate) mod boolean;
@@ -78,7 +80,7 @@ use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, 
 pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 8;
+pub const GROWTH_VERSION: u32 = 9;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -165,6 +167,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     drop((drafts, facing, masses, looks));
     designs.of_houses(graph, &mut houses, &mut findings);
     ornament::adorn(&mut houses, &standing, &terrain, &book, graph.seed);
+    arcades::open(&mut houses, (&on_ground, &standing), &terrain);
     cellars::build(&mut houses, &terrain);
 
     let doors = walls::doorsteps(&houses).into_iter().map(|d| (GridPolygon::simple(vec![GridPos::from_metres(d)]), ()));

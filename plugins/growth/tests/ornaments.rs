@@ -30,7 +30,8 @@ fn grown(graph: &CityGraph) -> CityPlan {
 
 fn fronts(plan: &CityPlan) -> impl Iterator<Item = (&House, &Wall, [DVec2; 2])> {
     let volumes = plan.houses.iter().flat_map(|house| house.volumes.iter().map(move |volume| (house, volume)));
-    volumes.flat_map(|(house, volume)| {
+    // Walls over arcades have no ground floor.
+    volumes.filter(|(_, volume)| volume.arcades.is_empty()).flat_map(|(house, volume)| {
         let edges = volume.footprint.edges().map(|(a, b)| [a.to_metres(), b.to_metres()]);
         volume.walls.iter().zip(edges).map(move |(wall, edge)| (house, wall, edge))
     })

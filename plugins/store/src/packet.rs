@@ -100,7 +100,7 @@ mod tests {
     use proptest::prelude::*;
     use veduta_city::monument::{Axis, Content, Head, Hole, HoleShape, Material, PathPoint, Piece, Repeat, Shape};
     use veduta_city::{
-        Articulation, Balconies, BridgeForm, BridgeSpan, BridgeStation, Design, Gable, GridPolygon, GridPos, GroundFloor,
+        Arcade, Articulation, Balconies, BridgeForm, BridgeSpan, BridgeStation, Design, Gable, GridPolygon, GridPos, GroundFloor,
         GroundPatch, HouseShell, Id, Marking, MarkingKind, Niche, ObjectKind, Opening, Oriel, Ornament, Parapet, PlacedMonument,
         PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SpanMarking, Storey, SurfaceKind, Tile, VolumeShell,
         Wall, WallKind,
@@ -137,9 +137,14 @@ mod tests {
                 roof,
                 gable: if has_roof { Gable::Volute } else { Gable::Plain },
                 has_roof,
+                arcades: walls.iter().map(|&wall| arcade(wall)).collect(),
                 walls,
             },
         )
+    }
+
+    const fn arcade(wall: u16) -> Arcade {
+        Arcade { wall, span: (0, 9_000), arches: 3, floor: 150, depth: 3_700 }
     }
 
     /// A design with every kind of shape, hole and repetition.
@@ -415,6 +420,7 @@ mod tests {
             gable: [Gable::Plain, Gable::Stepped, Gable::Volute, Gable::Pediment][n % 4],
             has_roof: n % 2 == 0,
             walls: vec![0, 2],
+            arcades: vec![arcade(2)],
         };
         let object =
             |&kind| PlanObject { id: Id(1 << 63 | 5), kind, pos: GridPos(-3, 4), z: 5, heading: 6, height: 7, monument: Some(0) };
@@ -452,8 +458,8 @@ mod tests {
         let (shell, sheet) = full();
         let hash = |content: Vec<u8>| blake3::hash(&content).to_hex()[..16].to_owned();
         let forms = (hash(to_bytes(&WireShell::from(&shell))), hash(to_bytes(&WireSheet::from(&sheet))));
-        let expected = ("688652d00444fa7a".to_owned(), "916903869fc9994e".to_owned());
-        assert_eq!((crate::FORMAT_VERSION, forms), (5, expected), "raise FORMAT_VERSION if this is on purpose");
+        let expected = ("260d02581cceebbc".to_owned(), "916903869fc9994e".to_owned());
+        assert_eq!((crate::FORMAT_VERSION, forms), (6, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

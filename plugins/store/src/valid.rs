@@ -182,6 +182,21 @@ fn check_volume(volume: &VolumeShell) -> Check {
     if !volume.walls.is_sorted_by(|a, b| a < b) {
         return Err("its walls do not ascend".to_owned());
     }
+    if !volume.arcades.is_sorted_by_key(|arcade| (arcade.wall, arcade.span)) {
+        return Err("its arcades do not ascend".to_owned());
+    }
+    for arcade in &volume.arcades {
+        check_height("its paving", arcade.floor)?;
+        let (from, to) = arcade.span;
+        if volume.walls.binary_search(&arcade.wall).is_err()
+            || from < 0
+            || to <= from
+            || to.unsigned_abs() > NEAR
+            || !(0..=1 << 20).contains(&arcade.depth)
+        {
+            return Err(format!("an arcade from {from} to {to} of wall {} lies under no wall here", arcade.wall));
+        }
+    }
     let edges = edge_count(&volume.footprint);
     match volume.walls.last() {
         Some(&last) if usize::from(last) >= edges => Err(format!("it has wall {last} on a footprint of {edges} edges")),

@@ -70,7 +70,7 @@ fn a_newer_city_asks_for_a_newer_program() {
     bytes[8..12].copy_from_slice(&7_u32.to_le_bytes());
     let error = decode_index(&bytes).expect_err("newer");
     assert_eq!(error, StoreError::Newer { found: 7 });
-    assert_eq!(error.to_string(), "the city has format 7, this program reads format 5: update the program");
+    assert_eq!(error.to_string(), "the city has format 7, this program reads format 6: update the program");
     bytes[8..12].copy_from_slice(&0_u32.to_le_bytes());
     assert_eq!(decode_index(&bytes), Err(StoreError::Older { found: 0 }));
     assert_eq!(decode_index(b"<!DOCTYPE html>"), Err(StoreError::NotACity));

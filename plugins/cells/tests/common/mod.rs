@@ -41,7 +41,8 @@ pub fn volume(footprint: GridPolygon, bottom_m: f64, eaves_m: f64) -> Volume {
     let wall = Wall { kind: WallKind::Street, bays: 2, ..Wall::default() };
     let roof = PlanRoof { shape: RoofShape::Flat, height: 0, direction: 0, colour: grey };
     let (bottom, eaves) = (GridPos::steps(bottom_m), GridPos::steps(eaves_m));
-    Volume { footprint, bottom, eaves, colour: grey, trim: grey, roof, gable: Default::default(), walls: vec![wall; n] }
+    let (colour, trim) = (grey, grey);
+    Volume { footprint, bottom, eaves, colour, trim, roof, gable: Default::default(), walls: vec![wall; n], arcades: Vec::new() }
 }
 
 pub fn house(id: u64, footprint: GridPolygon) -> House {

@@ -1,6 +1,7 @@
 use glam::DVec2;
 use veduta_city::{BridgeForm, BridgeSpan, BridgeStation, CellShell, GridPos, PlanObject, SurfaceKind, metres};
 
+use super::arcade;
 use super::bridge::{Deck, KERB_M};
 use super::drape::Drape;
 use super::footing::stands;
@@ -70,6 +71,7 @@ pub fn collision(shell: &CellShell) -> Collision {
     for span in shell.bridges.iter().take(shell.drawn_bridges as usize) {
         bridge(span, &mut walls, &mut floor);
     }
+    arcades(shell, &mut walls, &mut floor);
     Collision { walls, ground: floor, objects: shell.objects.iter().map(pillar).collect() }
 }
 
@@ -79,6 +81,20 @@ impl Trimesh {
         let corners = [(edge.a, low), (edge.b, low), (edge.b, high), (edge.a, high)];
         self.positions.extend(corners.map(|(p, y)| engine(p, y).as_vec3().to_array()));
         self.triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+    }
+}
+
+/// Piers and paving of arcades.
+fn arcades(shell: &CellShell, walls: &mut Trimesh, floor: &mut Trimesh) {
+    for walk in shell.houses.iter().flat_map(|house| &house.volumes).flat_map(arcade::walks) {
+        for (edge, high) in walk.pier_sides() {
+            walls.upright(&edge, walk.floor - FOOTING_M, high);
+        }
+        if let Some(corners) = walk.paving() {
+            let base = floor.positions.len() as u32;
+            floor.positions.extend(corners.map(|p| p.as_vec3().to_array()));
+            floor.triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+        }
     }
 }
 
@@ -233,7 +249,9 @@ fn pillar(object: &PlanObject) -> Pillar {
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::{Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Id, PlanRoof, Portal, PortalSide, Rgb, VolumeShell};
+    use veduta_city::{
+        Arcade, Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Id, PlanRoof, Portal, PortalSide, Rgb, VolumeShell,
+    };
 
     use super::*;
 
@@ -255,6 +273,7 @@ mod tests {
             gable: Gable::Plain,
             has_roof: true,
             walls: vec![3],
+            arcades: Vec::new(),
         };
         HouseShell { id: Id(1), style: 0, floor: 0, volumes: vec![volume], is_monument: false }
     }
@@ -275,6 +294,21 @@ mod tests {
         assert_eq!(shut.triangles.len(), 2);
         assert!(shut.positions.iter().all(|p| p[0] == 10.0), "only the west wall is listed");
         assert!(shut.positions.iter().any(|p| p[1] >= 6.0) && shut.positions.iter().any(|p| p[1] < 0.0));
+    }
+
+    #[test]
+    fn arcades_carry_people_and_their_piers_stop_them() {
+        let arcade = Arcade { wall: 3, span: (0, 5 * 1024), arches: 2, floor: 100, depth: 2048 };
+        let mut house = house(4 * 1024);
+        house.volumes[0].arcades = vec![arcade];
+        let ground = vec![ground(SurfaceKind::Cobbles, 5)];
+        let c = collision(&CellShell { houses: vec![house], ground, ..Default::default() });
+        assert_eq!(c.walls.triangles.len(), 3 * 4 * 2, "three piers of four sides");
+        let xs = c.walls.positions.iter().map(|p| p[0]);
+        let thick = xs.clone().fold(f32::MIN, f32::max) - xs.fold(f32::MAX, f32::min);
+        assert!((thick - 0.55).abs() < 1e-5, "nothing stands behind the piers: {thick}");
+        assert_eq!(c.ground.triangles.len(), 2 + 2);
+        assert!(c.ground.positions[4..].iter().all(|p| (p[1] - 100.0 / 1024.0).abs() < 1e-6 && (10.0..=12.0).contains(&p[0])));
     }
 
     #[test]

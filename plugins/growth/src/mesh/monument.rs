@@ -13,7 +13,7 @@ mod vault;
 use core::ops::Range;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
-use veduta_city::monument::{Axis, Content, Design, Material, Piece, Repeat, Shape};
+use veduta_city::monument::{Axis, Content, Design, Head, Material, Piece, Repeat, Shape};
 use veduta_city::{CellShell, PlacedMonument, Tile, metres};
 
 use super::data::{MeshData, Paint, newell};
@@ -91,6 +91,22 @@ pub fn monument(design: &Design, placed: &PlacedMonument, detail: MonumentDetail
     };
     mason.pieces(design, 0..design.pieces.len(), frame);
     mesh.stand(first, placed.z);
+}
+
+/// Adds the underside of a cross vault, in a frame of its own: x and y along its sides, z up from its springing.
+pub(super) fn cross_vault(frame: DAffine3, size: [f64; 2], rise: f64, paint: Paint, mesh: &mut MeshData) {
+    let mut mason = Mason {
+        mesh,
+        materials: &[],
+        detail: MonumentDetail { within_m: 0.03, ..MonumentDetail::FINE },
+        centre: paint.centre,
+        foot: frame.translation.y,
+        frame,
+        paint,
+        roofer: Roofer::default(),
+        triangulator: Triangulator::default(),
+    };
+    mason.vault(size, rise, Head::Round, true);
 }
 
 /// Lays the faces of one shape after another.

@@ -1,6 +1,7 @@
 use glam::DVec2;
 use veduta_city::{Articulation, CellShell, FacadeSheet, Opening, Tile, VolumeShell, Wall, WallKind};
 
+use super::arcade;
 use super::data::{MeshData, MeshError, Paint};
 use super::footing::stands;
 use super::ornament;
@@ -43,10 +44,9 @@ struct Paints {
 pub(super) fn add_mouldings(shell: &CellShell, sheet: &FacadeSheet, mesh: &mut MeshData) {
     mesh.reserve_quads(sheet.walls.iter().filter(|wall| wall.kind == WallKind::Street).count() * 14);
     for (house, volume, plans) in seen(shell, sheet) {
-        if plans.iter().all(|plan| plan.kind != WallKind::Street) {
-            continue;
-        }
         let first = mesh.positions.len();
+        arcade::fine(volume, mesh);
+        let stands = stands(house, volume);
         let trim = Paint::new([0.0; 2], volume.trim, Tile::Stone);
         let plinth = Paint::new([0.0; 2], volume.colour.scaled(0.75), Tile::Stone);
         for (&wall, plan) in volume.walls.iter().zip(plans).filter(|(_, plan)| plan.kind == WallKind::Street) {
@@ -54,9 +54,9 @@ pub(super) fn add_mouldings(shell: &CellShell, sheet: &FacadeSheet, mesh: &mut M
             let centre = front.plaster.centre;
             let paints = Paints { trim: trim.at(centre), plinth: plinth.at(centre) };
             let ends = ends(volume, plans, wall, &front.edge);
-            dress(&front, plan, ends, (volume.roof.is_there(), stands(house, volume)), &paints, mesh);
+            dress(&front, plan, ends, (volume.roof.is_there(), stands), &paints, mesh);
             if let Some(ornament) = &plan.ornament {
-                ornament::adorn(&front, plan, ornament, quoin_ends(volume, plans, wall, ends), volume, mesh);
+                ornament::adorn(&front, plan, ornament, quoin_ends(volume, plans, wall, ends), (volume, stands), mesh);
             }
         }
         mesh.stand(first, house.floor);
@@ -106,7 +106,10 @@ fn dress(front: &Front, plan: &Wall, ends: [End; 2], (has_top, stands): (bool, b
     if has_top && height >= CORNICE_FROM_M && front.edge.length > 1.0 {
         sweep(&front.edge, ends, if height >= TALL_M { CROWN } else { LOW_CROWN }, front.eaves, trim, mesh);
     }
-    if let [first, second, ..] = plan.storeys[..] {
+    if !stands && front.edge.length > 1.0 {
+        // Over an arcade or a passage.
+        sweep(&front.edge, ends, STRING, front.bottom, trim, mesh);
+    } else if let [first, second, ..] = plan.storeys[..] {
         let total: f64 = plan.storeys.iter().map(|s| f64::from(s.height.max(0))).sum();
         if first.height > 0 && second.height > 0 && front.edge.length > 1.0 {
             let floor = front.bottom + height * f64::from(first.height) / total;

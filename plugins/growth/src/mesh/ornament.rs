@@ -42,19 +42,26 @@ const SLAB_M: f64 = 0.16;
 const PARAPET_M: f64 = 1.0;
 
 /// A cell's walls and what they carry are drawn up to so many vertices: packets come from anywhere.
-const MOST_VERTICES: usize = 1 << 22;
+pub(super) const MOST_VERTICES: usize = 1 << 22;
 /// Lower storeys have no balconies, and longer balconies are not drawn; metres.
 const LEAST_STOREY_M: f64 = 1.5;
 const LONGEST_M: f64 = 40.0;
 
 const IRON: Rgb = Rgb(0x33, 0x38, 0x36);
-const SANDSTONE: Rgb = Rgb(0xC2, 0xB2, 0x94);
+pub(super) const SANDSTONE: Rgb = Rgb(0xC2, 0xB2, 0x94);
 
-/// Adds a front's ornaments.
-pub(super) fn adorn(front: &Front, plan: &Wall, ornament: &Ornament, ends: [End; 2], volume: &VolumeShell, mesh: &mut MeshData) {
+/// Adds a front's ornaments; `stands`: whether its volume stands on the ground.
+pub(super) fn adorn(
+    front: &Front,
+    plan: &Wall,
+    ornament: &Ornament,
+    ends: [End; 2],
+    (volume, stands): (&VolumeShell, bool),
+    mesh: &mut MeshData,
+) {
     let Some(levels) = levels(front, plan).filter(|_| mesh.positions.len() <= MOST_VERTICES) else { return };
     let trim = front.plaster.with_tile(Tile::Carved);
-    let dresser = Dresser { front, plan, levels, volume, trim };
+    let dresser = Dresser { front, plan, levels, volume, stands, trim };
     match ornament.articulation {
         Articulation::Plain => {}
         Articulation::Quoins => dresser.quoins(ends, mesh),
@@ -89,6 +96,8 @@ struct Dresser<'a> {
     /// Floors of the storeys, and the eaves.
     levels: Vec<f64>,
     volume: &'a VolumeShell,
+    /// Whether its lowest storey is on the ground.
+    stands: bool,
     trim: Paint,
 }
 
@@ -112,7 +121,8 @@ impl Dresser<'_> {
 
     /// Between all bays but those beside an oriel.
     fn pilasters(&self, oriel: Option<Oriel>, mesh: &mut MeshData) {
-        let Some(&first) = self.levels.get(1) else { return };
+        // Over an arcade, the wall begins with its first floor.
+        let Some(&first) = self.levels.get(usize::from(self.stands)) else { return };
         let (low, high) = (first + OVER_STRING_M, self.front.eaves - UNDER_CROWN_M);
         let (length, widest) = (self.front.edge.length, PILASTER_M + 1.5 * REACH_M);
         if high - low < 3.0 * (BASE_M + CAPITAL_M) || length < 4.0 * widest {
@@ -191,7 +201,8 @@ impl Dresser<'_> {
             sides.push(edge);
         }
         // Below it a corbel, above it a roof: both lean back to the wall.
-        let foot = low - CORBEL_M.min((low - self.levels[0]) * 0.5);
+        let room = if self.stands { (low - self.levels[0]) * 0.5 } else { CORBEL_M };
+        let foot = low - CORBEL_M.min(room);
         let belly = outline(half * 0.86, ORIEL_OUT_M * 0.66);
         let tip = outline(half * 0.62, 0.06);
         let roof = Paint::new(self.front.plaster.centre, self.volume.roof.colour, Tile::Metal);
@@ -370,6 +381,7 @@ mod tests {
             gable: Gable::Plain,
             has_roof: true,
             walls: vec![0],
+            arcades: Vec::new(),
         };
         let house = HouseShell { id: Id(5), style: 0, floor: 0, volumes: vec![volume], is_monument: false };
         CellShell { houses: vec![house], ..CellShell::default() }

@@ -71,7 +71,18 @@ fn volume(footprint: GridPolygon, shape: RoofShape, direction: u16, height: i32)
     let walls = (0..wall_count(&footprint) as u16).collect();
     let roof = PlanRoof { shape, height, direction, colour: Rgb(0xA2, 0x4B, 0x33) };
     let (colour, trim) = (Rgb(0xD9, 0xB3, 0x6C), Rgb(0xEF, 0xE3, 0xC8));
-    VolumeShell { footprint, bottom: 512, eaves: 512 + 13 * 1024, colour, trim, roof, gable: Gable::Plain, has_roof: true, walls }
+    VolumeShell {
+        footprint,
+        bottom: 512,
+        eaves: 512 + 13 * 1024,
+        colour,
+        trim,
+        roof,
+        gable: Gable::Plain,
+        has_roof: true,
+        walls,
+        arcades: Vec::new(),
+    }
 }
 
 fn cell(volume: VolumeShell) -> CellShell {

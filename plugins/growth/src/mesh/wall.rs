@@ -1,6 +1,7 @@
 use glam::DVec2;
 use veduta_city::{CellShell, FacadeSheet, HouseShell, Opening, Tile, VolumeShell, Wall, WallKind, metres};
 
+use super::arcade;
 use super::data::{MeshData, MeshError, Paint};
 use super::form::RoofForm;
 use super::gable;
@@ -23,6 +24,7 @@ pub fn level1(shell: &CellShell) -> MeshData {
             front.plain(&mut mesh);
             front.gable(&form, wall, false, &mut along, &mut mesh);
         }
+        arcade::coarse(volume, &mut mesh);
         mesh.stand(first, house.floor);
     }
     mesh.append(&monuments(shell, MonumentDetail::COARSE));
@@ -220,8 +222,18 @@ mod tests {
         let footprint = GridPolygon::simple(vec![GridPos(0, 0), GridPos(9 * m, 0), GridPos(9 * m, 12 * m), GridPos(0, 12 * m)]);
         let roof = PlanRoof { shape: RoofShape::Gabled, height: 4 * m, direction: 90, colour: Rgb(0xA2, 0x4B, 0x33) };
         let (colour, trim) = (Rgb(0xD9, 0xB3, 0x6C), Rgb(0xEF, 0xE3, 0xC8));
-        let volume =
-            VolumeShell { footprint, bottom: 0, eaves: 13 * m, colour, trim, roof, gable: Gable::Plain, has_roof: true, walls };
+        let volume = VolumeShell {
+            footprint,
+            bottom: 0,
+            eaves: 13 * m,
+            colour,
+            trim,
+            roof,
+            gable: Gable::Plain,
+            has_roof: true,
+            walls,
+            arcades: Vec::new(),
+        };
         let house = HouseShell { id: Id(5), style: 0, floor: 0, volumes: vec![volume], is_monument: false };
         CellShell { houses: vec![house], ..Default::default() }
     }

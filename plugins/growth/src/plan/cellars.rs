@@ -55,6 +55,7 @@ fn cellar(above: &Volume, terrain: &PlanTerrain) -> Option<Volume> {
         roof: PlanRoof { shape: RoofShape::Flat, height: PlanRoof::NONE, direction: 0, colour: above.roof.colour },
         gable: Gable::Plain,
         walls: walls.collect(),
+        arcades: Vec::new(),
     })
 }
 

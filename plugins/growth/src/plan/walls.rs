@@ -85,6 +85,7 @@ fn volume(draft: &Draft, body: &Body, at: BodyRef, facing: &Facing, masses: &[Ve
         roof: PlanRoof { colour: roof, ..mass.roof },
         gable: look.gable,
         walls: facing.of_body(at).iter().map(wall).collect(),
+        arcades: Vec::new(),
     }
 }
 

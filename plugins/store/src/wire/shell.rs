@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
-    BridgeSpan, CellShell, Design, Gable, GridPos, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind, PlacedMonument,
-    PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SurfaceKind, VolumeShell,
+    Arcade, BridgeSpan, CellShell, Design, Gable, GridPos, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind,
+    PlacedMonument, PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SurfaceKind, VolumeShell,
 };
 
 use super::{
@@ -57,6 +57,8 @@ struct WireVolumes {
     gables: Vec<Gable>,
     has_roof: Vec<bool>,
     walls: Lists,
+    /// Each with the number of its volume; ascending.
+    arcades: Vec<(u32, Arcade)>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -170,8 +172,9 @@ impl WireVolumes {
             roof_heights: volumes.clone().map(|volume| volume.roof.height).collect(),
             directions: volumes.clone().map(|volume| volume.roof.direction).collect(),
             gables: volumes.clone().map(|volume| volume.gable).collect(),
-            has_roof: volumes.map(|volume| volume.has_roof).collect(),
+            has_roof: volumes.clone().map(|volume| volume.has_roof).collect(),
             walls,
+            arcades: (0..).zip(volumes).flat_map(|(v, volume)| volume.arcades.iter().map(move |&arcade| (v, arcade))).collect(),
         }
     }
 }
@@ -263,6 +266,8 @@ struct PullVolumes {
     gables: Pull<Gable>,
     has_roof: Pull<bool>,
     walls: PullLists,
+    arcades: std::iter::Peekable<std::vec::IntoIter<(u32, Arcade)>>,
+    taken: u32,
 }
 
 impl WireVolumes {
@@ -276,6 +281,8 @@ impl WireVolumes {
             gables: Pull::new("gables", self.gables),
             has_roof: Pull::new("marks of roofs", self.has_roof),
             walls: self.walls.pull(),
+            arcades: self.arcades.into_iter().peekable(),
+            taken: 0,
         }
     }
 }
@@ -284,6 +291,10 @@ impl PullVolumes {
     fn take(&mut self, points: &mut PullPoints, colours: &mut PullTable<Rgb>) -> Result<VolumeShell, Malformed> {
         let bottom = self.bottoms.take()?;
         let walls = self.walls.take()?.into_iter().map(u16::try_from).collect::<Result<_, _>>();
+        let number = self.taken;
+        self.taken += 1;
+        let arcades = core::iter::from_fn(|| self.arcades.next_if(|arcade| arcade.0 == number)).map(|arcade| arcade.1);
+        let arcades = arcades.collect();
         Ok(VolumeShell {
             footprint: points.polygon()?,
             bottom,
@@ -299,6 +310,7 @@ impl PullVolumes {
             gable: self.gables.take()?,
             has_roof: self.has_roof.take()?,
             walls: walls.map_err(|_| Malformed::Reason("a wall's index is too large"))?,
+            arcades,
         })
     }
 
@@ -310,7 +322,11 @@ impl PullVolumes {
         self.directions.finish()?;
         self.gables.finish()?;
         self.has_roof.finish()?;
-        self.walls.finish()
+        self.walls.finish()?;
+        match self.arcades.len() {
+            0 => Ok(()),
+            _ => Err(Malformed::Reason("an arcade belongs to no volume")),
+        }
     }
 }
 

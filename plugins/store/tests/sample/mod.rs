@@ -85,6 +85,7 @@ fn house(draw: Draw, footprint: GridPolygon) -> House {
                 colour: colour(draw, "tiles"),
             },
             gable: Gable::Plain,
+            arcades: Vec::new(),
         }],
         monument: None,
     }

@@ -63,6 +63,7 @@ impl Footprints {
                 gable: Gable::Plain,
                 has_roof: true,
                 walls,
+                arcades: Vec::new(),
             };
             HouseShell { id: Id(i as u64), style: 0, floor: 0, volumes: vec![volume], is_monument: false }
         };

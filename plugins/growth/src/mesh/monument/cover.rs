@@ -37,6 +37,7 @@ impl Mason<'_> {
             gable: Gable::Plain,
             has_roof: true,
             walls: Vec::new(),
+            arcades: Vec::new(),
         };
         let mut covering = MeshData::default();
         let mut roofer = core::mem::take(&mut self.roofer);
