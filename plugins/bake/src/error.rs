@@ -93,6 +93,14 @@ pub enum BakeError {
         /// What is wrong.
         errors: Vec<StockError>,
     },
+    /// A model cannot be taken.
+    #[error("{path}: {reason}")]
+    Model {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        reason: String,
+    },
     /// The graph could not be grown.
     #[error("{0}")]
     Grow(#[from] veduta_growth::plan::GrowthError),

@@ -101,8 +101,8 @@ fn about(plan: &CityPlan) -> Value {
 }
 
 /// The cells of a plan as a `.glb` file each, all in the coordinates of the city, with the textures that they share in a folder beside
-/// them, and a `cells.json` that tells the least and greatest x and z of each one's ground. A house is in the file of the cell that carries its roof. Files are handed out
-/// one by one, by their paths.
+/// them, and a `cells.json` that tells the least and greatest x and z of each one's ground. A house is in the file of the cell that carries
+/// its roof. Files are handed out one by one, by their paths.
 ///
 /// # Errors
 /// [`ExportError`], or what `write` fails with, wrapped in it.
@@ -172,6 +172,15 @@ fn export_cell(
     Ok((glb.finish(node, &plan.attribution)?, ([low.x, -high.y], [high.x, -low.y])))
 }
 
+/// A mesh as the bytes of a `.glb` file with one node of a name.
+pub(crate) fn export_model(name: &str, mesh: &MeshData, settings: &ExportSettings) -> Result<Vec<u8>, ExportError> {
+    let mut painter = Painter::new(settings.texture_px, 0, Textures::Within);
+    let mut glb = Glb::new(&mut painter);
+    let mesh = glb.mesh(mesh)?;
+    let node = glb.node(Node { name, mesh, extras: json!({ "kind": "model" }), ..Node::default() })?;
+    glb.finish(node, "")
+}
+
 /// Monuments side by side, as the bytes of a `.glb` file.
 ///
 /// # Errors
@@ -195,14 +204,34 @@ pub fn export_monuments(designs: &[Design], settings: &ExportSettings) -> Result
 }
 
 fn export_house(glb: &mut Glb<'_>, plan: &CityPlan, house: &House) -> Result<glb::NodeIndex, ExportError> {
+    let mut parts = Vec::new();
+    for (name, made, extras) in house_parts(plan, house)? {
+        let mesh = glb.mesh(&made)?;
+        parts.push(glb.node(Node { name: &name, mesh, extras, ..Node::default() })?);
+    }
+    let style = plan.styles.0.get(usize::from(house.style)).map_or("", |style| style.name.as_str());
+    let extras = json!({ "kind": "house", "id": house.id.0.to_string(), "style": style, "number": house.number });
+    glb.node(Node { name: &house_name(house), children: parts, extras, ..Node::default() })
+}
+
+/// What a house's node is called.
+pub(crate) fn house_name(house: &House) -> String {
+    match (house.name.as_str(), house.number.as_str()) {
+        ("", "") => format!("house {}", house.id),
+        ("", number) => format!("house no. {number}"),
+        (name, _) => name.to_owned(),
+    }
+}
+
+/// The parts of a house in the city's axes, each with its name and what is to be known of it.
+pub(crate) fn house_parts(plan: &CityPlan, house: &House) -> Result<Vec<(String, MeshData, Value)>, ExportError> {
     let (mut parts, mut others, mut roofs) = (Vec::new(), MeshData::default(), MeshData::default());
-    let mut facades = 0;
     if let Some(monument) = &house.monument
         && let Some(design) = plan.designs.get(usize::from(monument.design))
     {
         let mut mesh = MeshData::default();
         mesh::monument(design, monument, MonumentDetail::FINE, &mut mesh);
-        parts.extend(glb.leaf(&design.name, &mesh)?);
+        parts.push((design.name.clone(), mesh, Value::Null));
     }
     for volume in &house.volumes {
         let of_walls = |walls: Vec<u16>, has_roof: bool| shell(house, volume, walls, has_roof);
@@ -221,9 +250,7 @@ fn export_house(glb: &mut Glb<'_>, plan: &CityPlan, house: &House) -> Result<glb
             let Some(of_wall) = made.remove(&centre.map(f32::to_bits)) else { continue };
             if wall.kind == WallKind::Street {
                 let extras = json!({ "kind": "facade", "bays": wall.bays, "storeys": wall.storeys.len() });
-                let mesh = glb.mesh(&of_wall)?;
-                parts.push(glb.node(Node { name: &format!("façade {facades}"), mesh, extras, ..Node::default() })?);
-                facades += 1;
+                parts.push((format!("façade {}", parts.len()), of_wall, extras));
             } else {
                 others.append(&of_wall);
             }
@@ -231,16 +258,9 @@ fn export_house(glb: &mut Glb<'_>, plan: &CityPlan, house: &House) -> Result<glb
         made.values().for_each(|rest| others.append(rest));
         roofs.append(&mesh::roofs(&of_walls(all, true)));
     }
-    parts.extend(glb.leaf("walls", &others)?);
-    parts.extend(glb.leaf("roof", &roofs)?);
-    let name = match (house.name.as_str(), house.number.as_str()) {
-        ("", "") => format!("house {}", house.id),
-        ("", number) => format!("house no. {number}"),
-        (name, _) => name.to_owned(),
-    };
-    let style = plan.styles.0.get(usize::from(house.style)).map_or("", |style| style.name.as_str());
-    let extras = json!({ "kind": "house", "id": house.id.0.to_string(), "style": style, "number": house.number });
-    glb.node(Node { name: &name, children: parts, extras, ..Node::default() })
+    parts.extend([("walls", others), ("roof", roofs)].map(|(name, made)| (name.to_owned(), made, Value::Null)));
+    parts.retain(|(_, made, _)| !made.is_empty());
+    Ok(parts)
 }
 
 /// A mesh cut into those of its façades, which are known by their centres.

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!  OSM, GeoJSON, Shapefile, picture ─survey─► graph ─overrides─► grow ─► plan ─► partition ─► cells ─► packets ─► DIR.city
-//!                    *.graph.ron ──┘                  *.plan.ron ──┼─► X.glb, X.svg
+//!                    *.graph.ron ──┘      ▲           *.plan.ron ──┼─► X.glb, X.svg
+//!                                         └── models, edits ◄── adopt ◄── X.glb, changed in a modeller
 //! ```
 //!
 //! Each arrow is a pure function of its input, a seed and the overrides; each value can be written to a file, looked at,
@@ -23,10 +24,12 @@
 //! # Rejected
 //! A task graph with cached stages: every stage takes well under a second for a town.
 
+mod adopt;
 mod enlarge;
 mod error;
 mod export;
 mod input;
+mod model;
 mod pipeline;
 mod raster_map;
 mod scene;
@@ -34,10 +37,12 @@ mod svg;
 mod terrain;
 mod vector_map;
 
+pub use adopt::{Adopted, adopt};
 pub use enlarge::enlarged;
 pub use error::BakeError;
 pub use export::{ExportError, ExportSettings, export_cells, export_glb, export_monuments};
 pub use input::{Heights, Input, InputKind};
+pub use model::read_models;
 pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, bake_input, cut, plan, survey, survey_bare};
 pub use raster_map::{RasterMap, RasterSurvey};
 pub use scene::overrides_beside;

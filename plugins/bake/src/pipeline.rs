@@ -3,11 +3,11 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use veduta_cells::{Contents, PartitionSettings, partition};
-use veduta_city::{Cells, CityGraph, CityPlan, Finding, GraphOverrides, file};
+use veduta_city::{Cells, CityGraph, CityPlan, Finding, GraphOverrides, Id, Severity, file};
 use veduta_growth::plan::Stock;
 use veduta_store::{CityStats, write_city_with};
 
-use crate::{BakeError, Heights, Input, InputKind, lay_on_ground, overrides_beside};
+use crate::{BakeError, Heights, Input, InputKind, lay_on_ground, overrides_beside, read_models};
 
 /// What may be chosen of a bake.
 #[derive(Debug, Clone, Default)]
@@ -91,6 +91,9 @@ pub fn survey(input: &Input) -> Result<(CityGraph, Stock, Vec<Finding>), BakeErr
         findings.extend(overrides.apply(&mut graph));
         graph.fill_ids();
         let told = |errors| BakeError::Stock { path: beside.clone(), errors };
+        let (models, notes) = read_models(&overrides, &beside).map_err(|mut errors| errors.swap_remove(0))?;
+        findings.extend(notes.into_iter().map(|note| Finding::new(Severity::Note, Id::NONE, None, note)));
+        stock.models = models;
         stock = stock.with(&overrides.styles, overrides.monuments, overrides.furniture).map_err(told)?;
     }
     let (old, new): (Vec<_>, Vec<_>) = graph.validate().into_iter().partition(|error| own.contains(error));

@@ -1,3 +1,4 @@
+mod adopt;
 mod bench;
 mod check;
 mod export;
@@ -121,9 +122,20 @@ enum Command {
         /// Write a model for each cell of the city, with the textures that they share and a list of them.
         #[arg(long, conflicts_with = "monument")]
         by_cell: bool,
+        /// Write this house alone, by its name or id, to change it in a modeller and `adopt` it; may be given several times.
+        #[arg(long, value_name = "NAME", conflicts_with_all = ["monument", "by_cell"])]
+        house: Vec<String>,
         /// Pixels a side of each texture: 16 to 1024.
         #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=1024))]
         texture: u32,
+    },
+    /// Take houses back that were changed in a 3D modeller: models beside the map's overrides, which name them from then on.
+    Adopt {
+        #[command(flatten)]
+        source: Source,
+        /// The city, or houses of it, as `export` wrote it and a modeller changed it (.glb).
+        #[arg(long, value_name = "FILE")]
+        model: PathBuf,
     },
     /// Measure this program beside its peers.
     #[command(subcommand)]
@@ -227,15 +239,18 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
             file::write_text(&map_svg(&planned.plan), &output)?;
             println!("{}", output.display());
         }
-        Command::Export { source, output, by_cell, monument, with, texture } => {
+        Command::Export { source, output, by_cell, house, monument, with, texture } => {
             let settings = ExportSettings { texture_px: texture };
             match source.only().and_then(|path| Some((path, check::as_monuments(path)?))) {
-                Some((path, _)) if by_cell => return Err(format!("{}: monuments have no cells", path.display()).into()),
+                Some((path, _)) if by_cell || !house.is_empty() => {
+                    return Err(format!("{}: monuments have no cells and are no houses", path.display()).into());
+                }
                 Some((path, read)) => export::monuments((path, &read?.0), monument.as_deref(), with, &settings, &output)?,
                 None if by_cell => export::cells(&planned(&source, None, quiet)?.plan, &settings, &output, quiet)?,
-                None => export::city(&planned(&source, None, quiet)?.plan, &settings, &output)?,
+                None => export::city(&export::only(planned(&source, None, quiet)?.plan, &house)?, &settings, &output)?,
             }
         }
+        Command::Adopt { source, model } => adopt::take_back(&source.input()?, &model, quiet)?,
         Command::Bench(Bench::Survey(survey)) => bench::survey(&survey)?,
         Command::Bench(Bench::Thinning(thinning)) => bench::thinning(&thinning)?,
         Command::Bench(Bench::Growth(growth)) => bench::growth(&growth)?,

@@ -28,6 +28,17 @@ impl Rgb {
     pub fn to_linear(self) -> [f32; 3] {
         [self.0, self.1, self.2].map(|c| LINEAR[usize::from(c)])
     }
+
+    /// The colour nearest to channels in linear light; what is beyond 0 to 1 is bounded.
+    #[must_use]
+    pub fn from_linear(channels: [f32; 3]) -> Self {
+        let [r, g, b] = channels.map(|light| {
+            let above = LINEAR.partition_point(|&step| step < light).min(255);
+            let below = above.saturating_sub(1);
+            if light - LINEAR[below] < LINEAR[above] - light { below as u8 } else { above as u8 }
+        });
+        Self(r, g, b)
+    }
 }
 
 /// The linear light of each step of sRGB.

@@ -3,7 +3,7 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::{Anchor, Id, MonumentTag, Opening, Place, Rgb, StandingObject, Terrain, Viewpoint, WidthAt};
+use crate::{Anchor, Id, MonumentTag, Opening, Place, Rgb, StandingObject, Target, Terrain, Viewpoint, WidthAt};
 
 /// A closed ring in plan metres; the last vertex joins the first and is not repeated.
 pub type Ring = Vec<DVec2>;
@@ -57,6 +57,19 @@ pub struct CityGraph {
     /// Things with a name.
     #[serde(default)]
     pub places: Vec<Place>,
+    /// What is seen in place of houses, given or grown.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stand_ins: Vec<StandIn>,
+}
+
+/// A monument or a model that is seen in place of a house.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StandIn {
+    /// The house: by its id, or by a place in its footprint.
+    pub target: Target,
+    /// What is seen; it stands where the house does.
+    pub monument: MonumentTag,
 }
 
 fn is_zero(value: &f64) -> bool {

@@ -62,7 +62,7 @@ pub use finding::{Finding, Severity};
 pub use furniture::{Furnishing, FurnitureError, FurnitureRule};
 pub use graph::{
     Block, BlockKind, Building, BuildingPart, CityGraph, Link, LinkKind, Node, NodeKind, Ring, RoofShape, RoofTags, Square,
-    StreetClass, Surfacing,
+    StandIn, StreetClass, Surfacing,
 };
 pub use graph_check::GraphError;
 pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres, ring_edges};
@@ -71,7 +71,7 @@ pub use limits::{FARTHEST_M, HIGHEST_M, MOST_LEVELS, WIDEST_M};
 pub use monument::{Design, Monument, MonumentError, MonumentTag, Monuments, PlacedMonument};
 pub use object::{ObjectKind, StandingObject};
 pub use ornament::{Articulation, Balconies, BalconyPlaces, Niche, Oriel, Ornament, Parapet};
-pub use overrides::{GraphOverride, GraphOverrides, LinkEdit, OverrideError, Target};
+pub use overrides::{GraphOverride, GraphOverrides, LinkEdit, ModelFile, OverrideError, Target};
 pub use overview::{HouseName, Overview};
 pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, VolumeShell};
 pub use place::{Place, PlaceKind, Viewpoint};

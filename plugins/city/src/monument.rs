@@ -34,6 +34,7 @@
 
 mod design;
 mod formula;
+mod model;
 mod resolve;
 mod shape;
 
@@ -44,6 +45,7 @@ use serde::{Deserialize, Serialize};
 
 pub use design::{Axis, Content, Design, DesignError, MOST_FACES, Material, Piece, PlacedMonument, Repeat};
 pub use formula::{Formula, FormulaError};
+pub use model::{Model, ModelVertex};
 pub use resolve::MonumentError;
 pub use shape::{Head, Hole, HoleShape, PathPoint, Shape, Unit};
 

@@ -127,7 +127,7 @@ impl Area<'_> {
 /// # Errors
 /// [`GrowthError`] if the graph or the styles do not pass their own validation. A monument that cannot be built is a finding.
 pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
-    let Stock { styles, monuments, furniture } = stock;
+    let Stock { styles, monuments, furniture, models } = stock;
     let mut graph = graph.clone();
     graph.fill_ids();
     let graph = &graph;
@@ -163,12 +163,13 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let masses = massing::masses(&drafts, &facing, &floors, &book, &mut findings);
     let looks = variety::looks(&drafts, &facing, &book);
     let mut houses = walls::houses(&drafts, &facing, &masses, &looks, &book, &terrain);
-    let mut designs = monuments::Designs::new(monuments);
+    let mut designs = monuments::Designs::new(monuments, models);
     drop((drafts, facing, masses, looks));
     designs.of_houses(graph, &mut houses, &mut findings);
     ornament::adorn(&mut houses, &standing, &terrain, &book, graph.seed);
     arcades::open(&mut houses, (&on_ground, &standing), &terrain);
     cellars::build(&mut houses, &terrain);
+    designs.stand_in(graph, &mut houses, &mut findings);
 
     let doors = walls::doorsteps(&houses).into_iter().map(|d| (GridPolygon::simple(vec![GridPos::from_metres(d)]), ()));
     let doorsteps = index::Index::new(doors.collect());

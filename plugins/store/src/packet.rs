@@ -98,7 +98,9 @@ pub fn decode_styles(stored: &[u8], blob: &BlobRef) -> Result<Styles, StoreError
 mod tests {
     use proptest::collection::vec;
     use proptest::prelude::*;
-    use veduta_city::monument::{Axis, Content, Head, Hole, HoleShape, Material, PathPoint, Piece, Repeat, Shape};
+    use veduta_city::monument::{
+        Axis, Content, Head, Hole, HoleShape, Material, Model, ModelVertex, PathPoint, Piece, Repeat, Shape,
+    };
     use veduta_city::{
         Arcade, Articulation, Balconies, BridgeForm, BridgeSpan, BridgeStation, Design, Gable, GridPolygon, GridPos, GroundFloor,
         GroundPatch, HouseShell, Id, Marking, MarkingKind, Niche, ObjectKind, Opening, Oriel, Ornament, Parapet, PlacedMonument,
@@ -185,7 +187,11 @@ mod tests {
         };
         let row = Repeat::Row { count: 3, step: [7, 8, 9], centred: true };
         let group = Piece { mirror: None, repeat: Some(row), ..piece(Content::Group(shapes.len() as u32)) };
-        let pieces = core::iter::once(group).chain(shapes.into_iter().map(|shape| piece(Content::Shape(shape)))).collect();
+        let vertex = |x: i32| ModelVertex { at: [x, -x, 3], normal: [0, -127, 5], uv: [x, 900] };
+        let model = Model { vertices: (0..3).map(vertex).collect(), triangles: vec![[0, 1, 2]] };
+        let model = piece(Content::Model(model));
+        let pieces =
+            core::iter::once(group).chain(shapes.into_iter().map(|shape| piece(Content::Shape(shape)))).chain([model]).collect();
         let materials = [Tile::Stone, Tile::Bay(Opening::Clock)].map(|tile| Material { colour: Rgb(1, 2, 3), tile });
         Design { name: "everything".to_owned(), materials: materials.to_vec(), pieces }
     }
@@ -458,7 +464,7 @@ mod tests {
         let (shell, sheet) = full();
         let hash = |content: Vec<u8>| blake3::hash(&content).to_hex()[..16].to_owned();
         let forms = (hash(to_bytes(&WireShell::from(&shell))), hash(to_bytes(&WireSheet::from(&sheet))));
-        let expected = ("260d02581cceebbc".to_owned(), "916903869fc9994e".to_owned());
+        let expected = ("d0c70337b3d2aed4".to_owned(), "916903869fc9994e".to_owned());
         assert_eq!((crate::FORMAT_VERSION, forms), (6, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 

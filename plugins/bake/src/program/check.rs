@@ -29,10 +29,24 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
     let one = |e: file::FileError| vec![e.to_string()];
     if name.ends_with(".overrides.ron") {
         let overrides: GraphOverrides = file::read(path).map_err(one)?;
-        let counts = [overrides.edits.len(), overrides.styles.len(), overrides.monuments.len(), overrides.furniture.len()];
-        let words = format!("{} edits, {} styles, {} monuments, {} furniture rules", counts[0], counts[1], counts[2], counts[3]);
+        let counts = [
+            overrides.edits.len(),
+            overrides.styles.len(),
+            overrides.monuments.len(),
+            overrides.furniture.len(),
+            overrides.models.len(),
+        ];
+        let words = format!(
+            "{} edits, {} styles, {} monuments, {} furniture rules, {} models",
+            counts[0], counts[1], counts[2], counts[3], counts[4]
+        );
         let edits = overrides.validate().into_iter().map(|e| e.to_string());
-        let stock = Stock::new().with(&overrides.styles, overrides.monuments, overrides.furniture).err().unwrap_or_default();
+        let stock = Stock::new()
+            .with(&overrides.styles, overrides.monuments.clone(), overrides.furniture.clone())
+            .err()
+            .unwrap_or_default();
+        let models = veduta_bake::read_models(&overrides, path).err().unwrap_or_default();
+        let edits = edits.chain(models.iter().map(ToString::to_string));
         return told(path, edits.chain(stock.iter().map(ToString::to_string)).collect(), words);
     }
     if name.ends_with(".words.ron") {

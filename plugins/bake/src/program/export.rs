@@ -3,7 +3,7 @@ use std::path::Path;
 
 use anstream::println;
 use veduta_bake::{BakeError, BakeSettings, ExportSettings, cut, export_cells, export_glb, export_monuments};
-use veduta_city::{CityPlan, Monument, file};
+use veduta_city::{CityPlan, House, Monument, file};
 use veduta_growth::plan::Stock;
 
 use super::Failure;
@@ -22,6 +22,21 @@ pub(crate) fn city(plan: &CityPlan, settings: &ExportSettings, output: &Path) ->
     let counts = (plan.houses.len(), plan.objects.len());
     println!("{}: {} houses, {} objects, {} bytes", output.display(), counts.0, counts.1, glb.len());
     Ok(())
+}
+
+/// A plan of some houses alone, by their names or ids; the whole one where none are named.
+pub(crate) fn only(mut plan: CityPlan, names: &[String]) -> Result<CityPlan, Failure> {
+    if names.is_empty() {
+        return Ok(plan);
+    }
+    let is_meant =
+        |house: &House, name: &String| house.name == *name || house.id.0.to_string() == *name || house.id.to_string() == *name;
+    if let Some(name) = names.iter().find(|name| !plan.houses.iter().any(|house| is_meant(house, name))) {
+        return Err(format!("no house has the name or id `{name}`: `export` of the whole city tells both with every house").into());
+    }
+    plan.houses.retain(|house| names.iter().any(|name| is_meant(house, name)));
+    (plan.ground, plan.markings, plan.bridges, plan.objects) = Default::default();
+    Ok(plan)
 }
 
 /// A model for each cell, into a folder that holds nothing else.

@@ -2,6 +2,7 @@ use core::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
+use super::model::Model;
 use super::shape::{Shape, Unit};
 use crate::{GridPos, Rgb, Tile};
 
@@ -98,6 +99,8 @@ pub enum Content {
     Shape(Shape<i32>),
     /// So many of the pieces that follow it in the list, placed together.
     Group(u32),
+    /// Triangles from a file.
+    Model(Model),
 }
 
 /// A monument at its place in the plan.
@@ -154,6 +157,9 @@ pub enum DesignError {
     /// A material that is not there.
     #[error("piece {0} is made of a material that is not there")]
     Material(usize),
+    /// A model's triangles, numbers or normals are none.
+    #[error("piece {0} is a model with corners that are not there, lie too far away or face nowhere")]
+    Model(usize),
 }
 
 impl Design {
@@ -175,7 +181,10 @@ impl Design {
             if piece.scale.iter().any(|&n| n == 0 || n.unsigned_abs() > MOST_SCALE) {
                 return Err(DesignError::Number(i, "scale"));
             }
-            let is_shape = matches!(piece.content, Content::Shape(_));
+            let is_shape = !matches!(piece.content, Content::Group(_));
+            if matches!(&piece.content, Content::Model(model) if !model.is_whole(FARTHEST)) {
+                return Err(DesignError::Model(i));
+            }
             if let Content::Shape(shape) = &piece.content {
                 let bounded = |field, unit, &n: &i32| match unit {
                     Unit::Count if !(0..=MOST_COPIES).contains(&n) => Err(DesignError::Number(i, field)),
@@ -197,7 +206,11 @@ impl Design {
     /// # Errors
     /// [`DesignError::Group`] if its groups are not whole.
     pub fn most_faces(&self) -> Result<u64, DesignError> {
-        self.sum(0..self.pieces.len(), 0, true, &Shape::most_faces)
+        self.sum(0..self.pieces.len(), 0, true, &|content| match content {
+            Content::Shape(shape) => shape.most_faces(),
+            Content::Model(model) => model.triangles.len() as u64,
+            Content::Group(_) => 0,
+        })
     }
 
     /// What the shapes of some pieces come to, repetitions counted.
@@ -206,7 +219,7 @@ impl Design {
         mut range: Range<usize>,
         depth: usize,
         counts_groups: bool,
-        each: &dyn Fn(&Shape<i32>) -> u64,
+        each: &dyn Fn(&Content) -> u64,
     ) -> Result<u64, DesignError> {
         let mut sum: u64 = 0;
         while let Some(i) = range.next() {
@@ -214,7 +227,7 @@ impl Design {
             let copies = piece.repeat.as_ref().map_or(1, |repeat| u64::from((*repeat.count()).max(0).unsigned_abs()));
             let copies = if piece.mirror.is_some() { 2 * copies } else { copies };
             let inner = match &piece.content {
-                Content::Shape(shape) => each(shape),
+                content @ (Content::Shape(_) | Content::Model(_)) => each(content),
                 Content::Group(n) => {
                     let inner = group(&range, *n).filter(|_| depth < DEEPEST).ok_or(DesignError::Group(i))?;
                     range.start = inner.end;
@@ -240,7 +253,7 @@ impl Design {
         core::iter::from_fn(move || {
             let piece = self.pieces.get(range.next()?)?;
             let inner = match piece.content {
-                Content::Shape(_) => range.start..range.start,
+                Content::Shape(_) | Content::Model(_) => range.start..range.start,
                 Content::Group(n) => group(&range, n).unwrap_or(range.start..range.start),
             };
             range.start = inner.end;

@@ -34,6 +34,7 @@ impl GraphOverride {
     pub const fn kind(&self) -> &'static str {
         match self {
             Self::Building { .. } => "Building",
+            Self::House(_) => "House",
             Self::RemoveBuilding(_) => "RemoveBuilding",
             Self::AddBuilding(_) => "AddBuilding",
             Self::Width { .. } => "Width",
@@ -80,6 +81,7 @@ fn check(edit: &GraphOverride, reasons: &mut Vec<String>) {
             check_target(target, reasons);
             check_heights(*height_m, *levels, roof.as_ref(), reasons);
         }
+        GraphOverride::House(stand_in) => check_target(&stand_in.target, reasons),
         GraphOverride::Width { target, width_m } => {
             check_target(target, reasons);
             // 0 gives the class's own width back.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Block, BlockKind, Building, CityGraph, Finding, FurnitureRule, Id, LinkKind, Monument, MonumentTag, Place, Ring, RoofTags,
-    Severity, Square, StandingObject, StyleDraft, Surfacing,
+    Severity, Square, StandIn, StandingObject, StyleDraft, Surfacing,
 };
 pub use check::OverrideError;
 use network::Outcome;
@@ -61,9 +61,25 @@ pub struct GraphOverrides {
     /// Monuments added to, or put in place of, the stock ones.
     #[serde(default)]
     pub monuments: Vec<Monument>,
+    /// Models in files, under names that buildings, houses and objects call them by as they do monuments.
+    #[serde(default)]
+    pub models: Vec<ModelFile>,
     /// Rules for furniture, added to, or put in place of, the stock ones.
     #[serde(default)]
     pub furniture: Vec<FurnitureRule>,
+}
+
+/// A model in a file: binary glTF (`.glb`), metres, y up, its front to +z.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelFile {
+    /// What it is called by; goes before a stock monument of that name.
+    pub name: String,
+    /// The file, by its path from the folder of the overrides.
+    pub file: String,
+    /// The node of the file that it is, with all below it; the whole scene if not given.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub node: String,
 }
 
 /// One edit.
@@ -96,6 +112,8 @@ pub enum GraphOverride {
         #[serde(default)]
         monument: Option<MonumentTag>,
     },
+    /// Put a monument or a model in place of a house, whether the graph gives it or growth builds it; the place is in its footprint.
+    House(StandIn),
     /// Take a building out.
     RemoveBuilding(Target),
     /// Put a building in.
@@ -277,6 +295,7 @@ impl GraphOverride {
             | Self::RemoveSquare(target)
             | Self::RemoveBlock(target)
             | Self::RemoveObject(target) => of(target),
+            Self::House(stand_in) => of(&stand_in.target),
             Self::AddNode { id, at, .. } => (*id, Some(*at)),
             Self::AddLink(link) => (link.id, Some(link.from.at)),
             Self::AddSquare(square) => (square.id, square.outline.first().copied()),
@@ -312,6 +331,10 @@ impl GraphOverride {
                 let (i, note) = find("object", &graph.objects, target, |o| (o.id, o.pos.distance(target.at)))?;
                 graph.objects.remove(i);
                 Ok(note.into_iter().collect())
+            }
+            Self::House(stand_in) => {
+                graph.stand_ins.push(stand_in.clone());
+                Ok(Vec::new())
             }
             Self::AddBlock(block) => put(&mut graph.blocks, block.clone()),
             Self::AddBuilding(building) => put(&mut graph.buildings, (**building).clone()),

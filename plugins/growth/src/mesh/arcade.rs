@@ -36,6 +36,8 @@ const SHADE: f64 = 0.32;
 pub(super) struct Walk {
     /// The part of the wall that it lies under.
     edge: Edge,
+    /// Of the wall.
+    centre: [f32; 2],
     arches: u32,
     pub(super) floor: f64,
     /// The foot of the wall above.
@@ -57,8 +59,10 @@ impl Walk {
         let edge = Edge::new(at(arcade.span.0), at(arcade.span.1)).filter(|edge| edge.along.dot(wall.along) > 0.0)?;
         let (floor, top) = (metres(arcade.floor), metres(volume.bottom));
         let is_high = top - floor > LEAST_SPRINGING_M + OVER_CROWN_M;
+        let centre = centre_of((wall.a + wall.b) / 2.0);
         (is_high && arcade.arches > 0).then_some(Self {
             edge,
+            centre,
             arches: arcade.arches.into(),
             floor,
             top,
@@ -132,7 +136,7 @@ pub(super) fn coarse(volume: &VolumeShell, mesh: &mut MeshData) {
         if mesh.positions.len() > MOST_VERTICES {
             return;
         }
-        let centre = centre_of(walk.edge.at(0.5));
+        let centre = walk.centre;
         let paint = |colour: Rgb| Paint::new(centre, colour, Tile::Plaster);
         let (wall, dark) = (paint(volume.colour), paint(volume.colour.scaled(SHADE)));
         let (springing, crown) = walk.arch();
@@ -158,7 +162,7 @@ pub(super) fn fine(volume: &VolumeShell, mesh: &mut MeshData) {
         if mesh.positions.len() > MOST_VERTICES {
             return;
         }
-        let centre = centre_of(walk.edge.at(0.5));
+        let centre = walk.centre;
         let builder = Builder {
             walk: &walk,
             plaster: Paint::new(centre, volume.colour, Tile::Plaster),

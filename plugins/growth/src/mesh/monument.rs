@@ -13,7 +13,7 @@ mod vault;
 use core::ops::Range;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
-use veduta_city::monument::{Axis, Content, Design, Head, Material, Piece, Repeat, Shape};
+use veduta_city::monument::{Axis, Content, Design, Head, Material, Model, Piece, Repeat, Shape};
 use veduta_city::{CellShell, PlacedMonument, Tile, metres};
 
 use super::data::{MeshData, Paint, newell};
@@ -154,11 +154,15 @@ impl Mason<'_> {
     fn piece(&mut self, design: &Design, piece: &Piece, inner: Range<usize>, frame: DAffine3) {
         match &piece.content {
             Content::Group(_) => self.pieces(design, inner, frame),
-            Content::Shape(shape) => {
+            Content::Shape(_) | Content::Model(_) => {
                 let before = (self.mesh.positions.len(), self.mesh.indices.len());
                 self.frame = frame;
                 self.paint = self.painted(Some(piece.paint));
-                self.shape(shape, piece.infill);
+                match &piece.content {
+                    Content::Shape(shape) => self.shape(shape, piece.infill),
+                    Content::Model(model) => self.model(model),
+                    Content::Group(_) => {}
+                }
                 if self.detail.least_m > 0.0 && self.is_slight(before.0) {
                     super::roof::cut_back(self.mesh, before.0, before.1);
                 }
@@ -200,6 +204,19 @@ impl Mason<'_> {
             Shape::Roof { outline, shape, height, direction_deg } => {
                 self.cover(outline, *shape, *height, direction_deg.unwrap_or(0), infill);
             }
+        }
+    }
+
+    /// What somebody modelled. Triangles of corners that are not there are left out.
+    fn model(&mut self, model: &Model) {
+        let first = self.mesh.positions.len() as u32;
+        for vertex in &model.vertices {
+            let uv = DVec2::from(vertex.uv.map(|n| f64::from(n) / RATIO)) * self.paint.size_m();
+            self.vertex(DVec3::from(vertex.at.map(metres)), DVec3::from(vertex.normal.map(f64::from)), uv);
+        }
+        let count = model.vertices.len() as u32;
+        for triangle in model.triangles.iter().filter(|triangle| triangle.iter().all(|&i| i < count)) {
+            self.triangle(triangle.map(|i| first + i));
         }
     }
 

@@ -5,19 +5,20 @@ use std::collections::{BTreeMap, HashMap};
 use glam::DVec2;
 use veduta_city::{
     CityGraph, Design, Finding, GridPolygon, GridPos, House, Id, MonumentTag, Monuments, PlacedMonument, PlanObject, Ring,
-    Severity, StandingObject,
+    Severity, StandIn, StandingObject,
 };
 
 /// The designs of a city, each once, in the order in which they are first needed.
 pub(super) struct Designs<'a> {
     stock: &'a Monuments,
+    models: &'a [Design],
     list: Vec<Design>,
     known: HashMap<Design, u16>,
 }
 
 impl<'a> Designs<'a> {
-    pub fn new(stock: &'a Monuments) -> Self {
-        Self { stock, list: Vec::new(), known: HashMap::new() }
+    pub fn new(stock: &'a Monuments, models: &'a [Design]) -> Self {
+        Self { stock, models, list: Vec::new(), known: HashMap::new() }
     }
 
     pub fn finish(self) -> Vec<Design> {
@@ -26,7 +27,12 @@ impl<'a> Designs<'a> {
 
     /// Number of a monument's design with some parameters, or why there is none.
     fn number(&mut self, name: &str, with: &BTreeMap<String, f64>) -> Result<u16, String> {
-        let design = self.stock.design(name, with).map_err(|error| error.to_string())?;
+        let model = self.models.iter().find(|model| model.name == name);
+        let design = match model {
+            Some(model) if with.is_empty() => model.clone(),
+            Some(_) => return Err(format!("`{name}` is a model from a file and has no parameters")),
+            None => self.stock.design(name, with).map_err(|error| error.to_string())?,
+        };
         if let Some(&number) = self.known.get(&design) {
             return Ok(number);
         }
@@ -47,12 +53,26 @@ impl<'a> Designs<'a> {
             let middle = || GridPolygon::simple(outline.iter().map(|&p| GridPos::from_metres(p)).collect()).centroid();
             let pos = tag.pos.unwrap_or_else(middle);
             match self.number(&tag.name, &tag.with) {
-                Ok(design) => {
-                    let z = house.volumes.iter().map(|volume| volume.bottom).min().unwrap_or(0);
-                    let heading = heading(tag.heading_deg);
-                    house.monument = Some(PlacedMonument { design, pos: GridPos::from_metres(pos), z, heading });
-                }
+                Ok(design) => house.monument = Some(placed(house, design, pos, tag.heading_deg)),
                 Err(why) => findings.push(without(house.id, pos, "building", &why)),
+            }
+        }
+    }
+
+    /// Puts in place of finished houses what is to be seen there. What finds no house, or cannot be made, is told.
+    pub fn stand_in(&mut self, graph: &CityGraph, houses: &mut [House], findings: &mut Vec<Finding>) {
+        for StandIn { target, monument: tag } in &graph.stand_ins {
+            let holds = |house: &House| house.volumes.iter().any(|v| v.footprint.contains(GridPos::from_metres(target.at)));
+            let known = houses.iter().position(|house| target.id != Id::NONE && house.id == target.id);
+            let Some(house) = known.or_else(|| houses.iter().position(holds)).map(|found| &mut houses[found]) else {
+                let message = format!("house: none of that id, and none at that place, to be seen as `{}`", tag.name);
+                findings.push(Finding::new(Severity::Dropped, target.id, Some(target.at), message));
+                continue;
+            };
+            let pos = tag.pos.unwrap_or(target.at);
+            match self.number(&tag.name, &tag.with) {
+                Ok(design) => house.monument = Some(placed(house, design, pos, tag.heading_deg)),
+                Err(why) => findings.push(without(house.id, pos, "house", &why)),
             }
         }
     }
@@ -76,6 +96,12 @@ impl<'a> Designs<'a> {
             }
         }
     }
+}
+
+/// Something on the floor of a house.
+fn placed(house: &House, design: u16, pos: DVec2, heading_deg: f64) -> PlacedMonument {
+    let z = house.volumes.iter().map(|volume| volume.bottom).min().unwrap_or(0);
+    PlacedMonument { design, pos: GridPos::from_metres(pos), z, heading: heading(heading_deg) }
 }
 
 fn without(id: Id, pos: DVec2, what: &str, why: &str) -> Finding {

@@ -1,7 +1,7 @@
 //! The stock styles, monuments and furniture rules, as they lie in `assets`.
 
 use veduta_city::{
-    FurnitureError, FurnitureRule, Monument, MonumentError, Monuments, StyleDraft, StyleError, Styles, file, furniture,
+    Design, FurnitureError, FurnitureRule, Monument, MonumentError, Monuments, StyleDraft, StyleError, Styles, file, furniture,
 };
 
 /// Name and text of every stock style, in the order in which plans number them; each comes after those that it inherits from.
@@ -32,6 +32,8 @@ pub struct Stock {
     pub monuments: Monuments,
     /// What stands in streets and parks where a map says nothing.
     pub furniture: Vec<FurnitureRule>,
+    /// Models from files, by their names: they go before monuments.
+    pub models: Vec<Design>,
 }
 
 /// What is wrong with styles, monuments or rules that are brought.
@@ -51,7 +53,7 @@ pub enum StockError {
 impl Stock {
     /// What comes with growth.
     pub fn new() -> Self {
-        Self { styles: styles(), monuments: monuments(), furniture: furniture() }
+        Self { styles: styles(), monuments: monuments(), furniture: furniture(), models: Vec::new() }
     }
 
     /// Adds styles, monuments and rules, or puts them in place of those of the same name.
