@@ -31,7 +31,22 @@ const MOST_TILES: i64 = 1 << 14;
 struct Segment {
     a: GridPos,
     b: GridPos,
-    layer: u16,
+    layer: u32,
+}
+
+/// Layers, and how often each winds about something or turns at an edge: ascending, none of them 0.
+type Turns = Vec<(u32, i32)>;
+
+/// Adds to how often a layer turns.
+fn turn(turns: &mut Turns, layer: u32, by: i32) {
+    match turns.binary_search_by_key(&layer, |turn| turn.0) {
+        Ok(i) if turns[i].1 == -by => {
+            turns.remove(i);
+        }
+        Ok(i) => turns[i].1 += by,
+        Err(i) if by != 0 => turns.insert(i, (layer, by)),
+        Err(_) => {}
+    }
 }
 
 /// A part of the extent.
@@ -61,7 +76,7 @@ impl Tile {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Piece {
     /// The layer that covers it; `None` if there is none.
-    pub layer: Option<u16>,
+    pub layer: Option<u32>,
     /// Its outline, which lies in one tile. There is a vertex wherever a border ends on it.
     pub outline: GridPolygon,
 }
@@ -78,10 +93,10 @@ pub(super) fn arrange(extent: &Extent, layers: &[Layer], dust_m2: f64) -> Vec<Pi
     let sides = all.par_iter().map(|&t| {
         let mut ways = faces::Ways::new(tiles.tile(t), &hot[t]);
         bins.of_cell(t as i64).iter().for_each(|&s| ways.add(s, &segments[s as usize]));
-        Faces::new(ways, layers.len())
+        Faces::new(ways)
     });
     let (mut faces, sides): (Vec<Faces<'_>>, Vec<Sides>) = sides.collect::<Vec<_>>().into_iter().unzip();
-    let below = tiles.below(&sides, &segments, layers.len());
+    let below = tiles.below(&sides, &segments);
     faces.par_iter_mut().zip(below).for_each(|(faces, below)| faces.label(below, dust_m2));
     // A vertex on a side stays if a border ends there on either side of it.
     let ends: HashSet<GridPos> = faces.iter().flat_map(Faces::ends_on_sides).collect();
@@ -92,7 +107,7 @@ pub(super) fn arrange(extent: &Extent, layers: &[Layer], dust_m2: f64) -> Vec<Pi
 fn segments(extent: &Extent, layers: &[Layer]) -> Vec<Segment> {
     let rings = layers
         .iter()
-        .zip(0_u16..)
+        .zip(0_u32..)
         .flat_map(|(layer, number)| layer.shapes.iter().flat_map(GridPolygon::rings).map(move |ring| (number, ring.as_slice())));
     let mut out = Vec::new();
     for (layer, ring) in rings {
@@ -193,20 +208,20 @@ impl Tiles {
     /// How often each layer winds about the ground just above the first edge of each tile's southern side, by the corner, below
     /// all other edges that leave it: as often as edges run eastward from the line of its western side down there, less those
     /// that run westward to it.
-    fn below(&self, sides: &[Sides], segments: &[Segment], layers: usize) -> Vec<Vec<i32>> {
-        let mut below: Vec<Vec<i32>> = Vec::with_capacity(sides.len());
+    fn below(&self, sides: &[Sides], segments: &[Segment]) -> Vec<Turns> {
+        let mut below: Vec<Turns> = Vec::with_capacity(sides.len());
         for t in 0..sides.len() {
             let south = (t as i64 >= self.columns).then(|| t - self.columns as usize);
-            let mut turns = south.map_or_else(|| vec![0; layers], |south| below[south].clone());
+            let mut turns = south.map_or_else(Turns::new, |south| below[south].clone());
             if let Some(south) = south {
-                turns.iter_mut().zip(&sides[south].inner).for_each(|(turns, more)| *turns += more);
+                sides[south].inner.iter().for_each(|&(layer, by)| turn(&mut turns, layer, by));
             }
             // Both tiles may know that a segment runs along the side between them.
             let mut along: Vec<(u32, i32)> = sides[t].southern.clone();
             along.extend(south.iter().flat_map(|&south| &sides[south].northern));
             along.sort_unstable();
             along.dedup();
-            along.iter().for_each(|&(s, turn)| turns[usize::from(segments[s as usize].layer)] += turn);
+            along.iter().for_each(|&(s, by)| turn(&mut turns, segments[s as usize].layer, by));
             below.push(turns);
         }
         below
@@ -280,7 +295,7 @@ mod tests {
             if !extent.holds(GridPos(x, y)) || distance(&all, p) < 3.0 {
                 continue;
             }
-            let want = layers.iter().position(|layer| winding(&layer.shapes, p) != 0).map(|layer| layer as u16);
+            let want = layers.iter().position(|layer| winding(&layer.shapes, p) != 0).map(|layer| layer as u32);
             let found: Vec<_> = pieces.iter().filter(|piece| winding(std::slice::from_ref(&piece.outline), p) != 0).collect();
             assert_eq!(found.len(), 1, "{p:?}");
             assert_eq!(found[0].layer, want, "{p:?}");
@@ -295,7 +310,7 @@ mod tests {
             layers(&[vec![ring(20_000, 30_000), ring(22_000, 28_000).into_iter().rev().collect()], vec![ring(10_000, 40_000)]]);
         let pieces = arrange(&extent, &layers, 0.0);
         prove_partition(&extent, &pieces);
-        let of = |layer: Option<u16>| pieces.iter().filter(|p| p.layer == layer).map(|p| twice_area(&p.outline) / 2).sum::<i64>();
+        let of = |layer: Option<u32>| pieces.iter().filter(|p| p.layer == layer).map(|p| twice_area(&p.outline) / 2).sum::<i64>();
         assert_eq!((of(Some(0)), of(Some(1))), (100_000_000 - 36_000_000, 900_000_000 - 64_000_000));
         assert_eq!(pieces.iter().filter(|p| p.layer == Some(1)).count(), 2, "about the ring, and within it");
     }

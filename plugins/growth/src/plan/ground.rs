@@ -20,7 +20,7 @@ const DUST_M2: f64 = 0.05;
 pub(super) fn partition(extent: &Extent, layers: &[Layer]) -> Vec<GroundPatch> {
     let pieces = arrange(extent, layers, DUST_M2).into_iter();
     let patch = |piece: super::arrangement::Piece| {
-        let layer = piece.layer.and_then(|layer| layers.get(usize::from(layer)));
+        let layer = piece.layer.and_then(|layer| layers.get(layer as usize));
         let (surface, z) = layer.map_or((SurfaceKind::Yard, 0), |layer| (layer.surface, layer.z));
         GroundPatch { surface, outline: piece.outline, z }
     };

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use veduta_city::{BorderEdge, GridPos, connected_faces};
 
-use super::{Piece, Segment, Tile, hot};
+use super::{Piece, Segment, Tile, Turns, hot, turn};
 use crate::plan::groups::Groups;
 
 /// An edge between two hot points, the lesser first, and whether it runs so (1) for a layer or back (-1).
@@ -13,14 +13,15 @@ struct Turn {
     u: u32,
     v: u32,
     /// [`SIDE`]: a side of the tile.
-    layer: u16,
+    layer: u32,
     by: i16,
 }
 
 /// In place of a layer.
-const SIDE: u16 = u16::MAX;
-/// A cover that lies outside of the tile, above all layers.
-const OUTSIDE: u16 = u16::MAX;
+const SIDE: u32 = u32::MAX;
+/// Covers below all layers: none, and what lies outside of the tile.
+const NONE: u32 = u32::MAX - 1;
+const OUTSIDE: u32 = u32::MAX;
 
 /// Segments of a tile on their ways by hot points.
 pub(super) struct Ways<'a> {
@@ -36,7 +37,7 @@ pub(super) struct Ways<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Sides {
     /// How often each layer's edges run eastward from it, less westward to it, but for those along the other sides.
-    pub inner: Vec<i32>,
+    pub inner: Turns,
     /// Segments that run from its south-western corner along the southern side (1) or to it (-1), and the same for the north.
     pub southern: Vec<(u32, i32)>,
     pub northern: Vec<(u32, i32)>,
@@ -67,7 +68,7 @@ impl<'a> Ways<'a> {
         self.way = way;
     }
 
-    fn step(&mut self, number: u32, layer: u16, from: u32, to: u32) {
+    fn step(&mut self, number: u32, layer: u32, from: u32, to: u32) {
         let (u, v, by) = if from < to { (from, to, 1) } else { (to, from, -1) };
         self.turns.push(Turn { u, v, layer, by });
         let (a, b) = (self.hot[u as usize], self.hot[v as usize]);
@@ -98,7 +99,7 @@ pub(super) struct Faces<'a> {
     hot: &'a [GridPos],
     edges: Vec<Edge>,
     /// Layer and how often it winds more on an edge's left than on its right.
-    turns: Vec<(u16, i32)>,
+    turns: Vec<(u32, i32)>,
     /// The half after each half.
     next: Vec<u32>,
     /// The loop of each half.
@@ -108,12 +109,11 @@ pub(super) struct Faces<'a> {
     /// Pairs of loops that go round the same face.
     joined: Vec<(u32, u32)>,
     /// The layer that covers the face of each loop, in the end.
-    covers: Vec<u16>,
-    layers: usize,
+    covers: Vec<u32>,
 }
 
 impl<'a> Faces<'a> {
-    pub(super) fn new(ways: Ways<'a>, layers: usize) -> (Self, Sides) {
+    pub(super) fn new(ways: Ways<'a>) -> (Self, Sides) {
         let Ways { tile, hot, mut turns, southern, northern, .. } = ways;
         turns.sort_unstable_by_key(|turn| (u64::from(turn.u) << 32 | u64::from(turn.v), turn.layer));
         let mut faces = Faces {
@@ -126,9 +126,8 @@ impl<'a> Faces<'a> {
             begins: Vec::new(),
             joined: Vec::new(),
             covers: Vec::new(),
-            layers,
         };
-        let mut inner = vec![0; layers];
+        let mut inner = Turns::new();
         for same in turns.chunk_by(|a, b| (a.u, a.v) == (b.u, b.v)) {
             let first = faces.turns.len() as u32;
             for layer in same.chunk_by(|a, b| a.layer == b.layer) {
@@ -142,7 +141,7 @@ impl<'a> Faces<'a> {
             if end > first || is_side {
                 let (u, v) = (same[0].u, same[0].v);
                 if !is_side && faces.at(u).0 == tile.lo.0 {
-                    faces.turns[first as usize..].iter().for_each(|&(layer, by)| inner[usize::from(layer)] += by);
+                    faces.turns[first as usize..].iter().for_each(|&(layer, by)| turn(&mut inner, layer, by));
                 }
                 faces.edges.push(Edge { u, v, is_side, turns: (first, end) });
             }
@@ -264,9 +263,8 @@ impl<'a> Faces<'a> {
 
     /// Finds the layer that covers each face from how often the layers wind about the one by the south-western corner; then
     /// gives small ones to their neighbours.
-    pub(super) fn label(&mut self, below: Vec<i32>, dust_m2: f64) {
+    pub(super) fn label(&mut self, below: Turns, dust_m2: f64) {
         let count = self.begins.len();
-        let mut winding: Vec<i32> = vec![0; count * self.layers];
         self.covers = vec![OUTSIDE; count];
         let mut islands: Vec<Vec<u32>> = vec![Vec::new(); count];
         for &(a, b) in &self.joined {
@@ -280,31 +278,39 @@ impl<'a> Faces<'a> {
         // What winds about the ground north of the corner's edges winds about this face.
         let mut base = below;
         for edge in self.edges.iter().filter(|e| !e.is_side && e.u == 0) {
-            self.turns_of(edge).iter().for_each(|&(layer, by)| base[usize::from(layer)] += by);
+            self.turns_of(edge).iter().for_each(|&(layer, by)| turn(&mut base, layer, by));
         }
-        winding[first as usize * self.layers..][..self.layers].copy_from_slice(&base);
+        // Of all layers few come into the tile.
+        let mut here: Vec<u32> = self.turns.iter().chain(&base).map(|turn| turn.0).collect();
+        here.sort_unstable();
+        here.dedup();
+        let own_number = |layer: u32| here.binary_search(&layer).unwrap_or(0);
+        let layers = here.len();
+        let mut winding: Vec<i32> = vec![0; count * layers];
+        base.iter().for_each(|&(layer, by)| winding[first as usize * layers + own_number(layer)] = by);
         let mut is_reached = vec![false; count];
         is_reached[first as usize] = true;
         let mut open = vec![first];
-        while let Some(here) = open.pop() {
-            let own = here as usize * self.layers;
-            self.covers[here as usize] = winding[own..own + self.layers].iter().position(|&w| w != 0).unwrap_or(self.layers) as u16;
-            for half in self.each_of_loop(self.begins[here as usize]) {
+        while let Some(at) = open.pop() {
+            let own = at as usize * layers;
+            let top = winding[own..own + layers].iter().position(|&w| w != 0);
+            self.covers[at as usize] = top.map_or(NONE, |top| here[top]);
+            for half in self.each_of_loop(self.begins[at as usize]) {
                 let edge = &self.edges[half as usize / 2];
                 let there = self.loops[half as usize ^ 1];
                 if edge.is_side || core::mem::replace(&mut is_reached[there as usize], true) {
                     continue;
                 }
-                winding.copy_within(own..own + self.layers, there as usize * self.layers);
+                winding.copy_within(own..own + layers, there as usize * layers);
                 let sign = if half.is_multiple_of(2) { -1 } else { 1 };
                 for &(layer, by) in self.turns_of(edge) {
-                    winding[there as usize * self.layers + usize::from(layer)] += sign * by;
+                    winding[there as usize * layers + own_number(layer)] += sign * by;
                 }
                 open.push(there);
             }
-            for &there in &islands[here as usize] {
+            for &there in &islands[at as usize] {
                 if !core::mem::replace(&mut is_reached[there as usize], true) {
-                    winding.copy_within(own..own + self.layers, there as usize * self.layers);
+                    winding.copy_within(own..own + layers, there as usize * layers);
                     open.push(there);
                 }
             }
@@ -312,12 +318,12 @@ impl<'a> Faces<'a> {
         self.sweep(libm::round(dust_m2 * 2.0 * 1024.0 * 1024.0) as i64);
     }
 
-    fn turns_of(&self, edge: &Edge) -> &[(u16, i32)] {
+    fn turns_of(&self, edge: &Edge) -> &[(u32, i32)] {
         &self.turns[edge.turns.0 as usize..edge.turns.1 as usize]
     }
 
     /// Covers on the left and on the right of an edge.
-    fn covers_of(&self, edge: usize) -> [u16; 2] {
+    fn covers_of(&self, edge: usize) -> [u32; 2] {
         [2 * edge, 2 * edge + 1].map(|half| self.covers[self.loops[half] as usize])
     }
 
@@ -336,7 +342,7 @@ impl<'a> Faces<'a> {
             let (a, b) = self.ends(half);
             twice[regions.of(self.loops[half as usize]) as usize] += self.tile.lo.cross(a, b);
         }
-        let is_dust = |region: u32, covers: &[u16]| covers[region as usize] != OUTSIDE && twice[region as usize] < least_twice;
+        let is_dust = |region: u32, covers: &[u32]| covers[region as usize] != OUTSIDE && twice[region as usize] < least_twice;
         let mut borders: Vec<(u32, u32, f64)> = Vec::new();
         for e in 0..self.edges.len() {
             let both = [2 * e, 2 * e + 1].map(|half| regions.of(self.loops[half]));
@@ -351,7 +357,7 @@ impl<'a> Faces<'a> {
             }
         }
         borders.sort_by_key(|border| (border.0, border.1));
-        let mut given: Vec<(u32, u16)> = Vec::new();
+        let mut given: Vec<(u32, u32)> = Vec::new();
         for region in borders.chunk_by(|a, b| a.0 == b.0) {
             let lengths = region.chunk_by(|a, b| a.1 == b.1).map(|same| (same[0].1, same.iter().map(|b| b.2).sum::<f64>()));
             // To what is not dust itself, if it can be.
@@ -381,7 +387,7 @@ impl<'a> Faces<'a> {
 
     /// The pieces of the tile, by layer. `ends`: vertices on sides that are to stay, those of neighbours among them.
     pub(super) fn pieces(&self, ends: &HashSet<GridPos>) -> Vec<Piece> {
-        let mut borders: Vec<(u16, BorderEdge)> = Vec::new();
+        let mut borders: Vec<(u32, BorderEdge)> = Vec::new();
         // The ends of the borders at a vertex, as far as two.
         let mut meeting: Vec<(u8, [u32; 2])> = vec![(0, [0; 2]); self.hot.len()];
         for (e, edge) in self.edges.iter().enumerate() {
@@ -407,7 +413,7 @@ impl<'a> Faces<'a> {
         borders.sort_by_key(|border| border.0);
         let mut pieces = Vec::new();
         for same in borders.chunk_by(|a, b| a.0 == b.0) {
-            let layer = (usize::from(same[0].0) < self.layers).then_some(same[0].0);
+            let layer = (same[0].0 < NONE).then_some(same[0].0);
             for mut outline in connected_faces(same.iter().map(|border| border.1).collect(), true) {
                 outline.outer.retain(|&p| !is_idle(p));
                 outline.holes.iter_mut().for_each(|hole| hole.retain(|&p| !is_idle(p)));
