@@ -68,7 +68,8 @@ pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>,
     let mut glb = Glb::new(&mut painter);
     let (terrain, ground) = (plan.terrain.clone(), plan.ground.clone());
     let (bridges, drawn_bridges) = (plan.bridges.clone(), plan.bridges.len() as u32);
-    let shell = CellShell { terrain, ground, markings: plan.markings.clone(), bridges, drawn_bridges, ..CellShell::default() };
+    let (courses, markings) = (plan.courses.clone(), plan.markings.clone());
+    let shell = CellShell { terrain, ground, courses, markings, bridges, drawn_bridges, ..CellShell::default() };
     let mut streets = mesh::ground(&shell);
     streets.append(&mesh::markings(&shell));
     let ground = glb.leaf("ground", &streets)?;

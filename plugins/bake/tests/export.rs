@@ -204,3 +204,22 @@ fn an_empty_plan_is_a_scene_without_a_buffer() {
     let root = Root::from_slice(&glb[20..]).unwrap_or_else(|e| panic!("{e}"));
     assert!(root.buffers.is_empty() && root.buffer_views.is_empty() && root.nodes.len() == 3);
 }
+
+#[test]
+fn paving_is_laid_as_in_the_city() {
+    let plan = planned("tests/places/lane/lane.graph.ron");
+    let glb = export_glb(&plan, &ExportSettings { texture_px: 16 }).unwrap_or_else(|e| panic!("{e}"));
+    let (root, buffer) = opened(&glb);
+    let ground = root.nodes.iter().find(|node| node.name.as_deref() == Some("ground")).and_then(|node| node.mesh).expect("ground");
+    let own = |semantic: Semantic| -> Vec<Vec<f32>> {
+        let accessor = root.meshes[ground.value()].primitives[0].attributes[&Valid(semantic)];
+        elements(&root, buffer, accessor).map(floats).collect()
+    };
+    let (terrain, ground) = (plan.terrain.clone(), plan.ground.clone());
+    let laid =
+        |courses| mesh::ground(&CellShell { terrain: terrain.clone(), ground: ground.clone(), courses, ..CellShell::default() });
+    let (along, by_compass) = (laid(plan.courses.clone()), laid(Vec::new()));
+    assert_ne!(along.uvs, by_compass.uvs, "the lane does not run east");
+    let exported = own(Semantic::TexCoords(0));
+    assert!(along.uvs.iter().zip(&exported).all(|(uv, found)| uv[..] == found[..]) && exported.len() >= along.uvs.len());
+}

@@ -52,7 +52,7 @@ fn yard() -> CellShell {
     let lamp =
         PlanObject { id: Id(2), kind: ObjectKind::Lamp, pos: GridPos(8192, -4096), z: 0, heading: 0, height: 4096, monument: None };
     CellShell {
-        ground: vec![GroundPatch { surface: SurfaceKind::Cobbles, outline: outline.clone(), z: 0 }],
+        ground: vec![GroundPatch { surface: SurfaceKind::Cobbles, outline: outline.clone(), z: 0, course: None }],
         outline,
         houses: vec![HouseShell { id: Id(1), style: 0, floor: 0, volumes: vec![volume], is_monument: false }],
         objects: vec![lamp],

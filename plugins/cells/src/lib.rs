@@ -18,7 +18,7 @@
 //! let square = GridPolygon::simple(vec![GridPos(0, 0), GridPos(side, 0), GridPos(side, side), GridPos(0, side)]);
 //! let plan = CityPlan {
 //!     extent: square.clone(),
-//!     ground: vec![GroundPatch { surface: SurfaceKind::Cobbles, outline: square, z: 0 }],
+//!     ground: vec![GroundPatch { surface: SurfaceKind::Cobbles, outline: square, z: 0, course: None }],
 //!     ..CityPlan::default()
 //! };
 //!

@@ -1,6 +1,8 @@
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use veduta_city::{
-    BridgeSpan, BridgeStation, Cell, CellShell, Cells, CityPlan, Design, FacadeSheet, GRID_PER_METRE, GridPolygon, GridPos,
+    BridgeSpan, BridgeStation, Cell, CellShell, Cells, CityPlan, Course, Design, FacadeSheet, GRID_PER_METRE, GridPolygon, GridPos,
     GridRing, GroundPatch, House, HouseShell, Marking, PlacedMonument, PlanObject, PlanTerrain, Portal, Volume, VolumeShell,
 };
 
@@ -33,10 +35,13 @@ impl<'a> Contents<'a> {
         let origin = origin(cell);
         let footings = footings(plan, cell);
         let windows = core::iter::once(&cell.outline).chain(&cell.yards).chain(&footings);
-        let ground: Vec<GroundPatch> = windows
-            .flat_map(|window| self.patches.clipped(window))
-            .map(|(patch, piece)| GroundPatch { surface: patch.surface, outline: moved(&piece, origin), z: patch.z })
-            .collect();
+        let pieces: Vec<(&GroundPatch, GridPolygon)> = windows.flat_map(|window| self.patches.clipped(window)).collect();
+        let (courses, numbers) = courses(plan, &pieces, origin);
+        let patch = |(patch, piece): (&GroundPatch, GridPolygon)| {
+            let course = patch.course.and_then(|course| numbers.get(&course).copied());
+            GroundPatch { surface: patch.surface, outline: moved(&piece, origin), z: patch.z, course }
+        };
+        let ground: Vec<GroundPatch> = pieces.into_iter().map(patch).collect();
         let houses = houses(plan, cell, origin);
         let mut designs = Designs::default();
         let monuments = monuments(plan, cell, origin, &mut designs);
@@ -47,6 +52,7 @@ impl<'a> Contents<'a> {
             outline: moved(&cell.outline, origin),
             terrain: terrain(plan, origin, &ground, &houses),
             ground,
+            courses,
             houses,
             objects,
             blind: blind(self.cells, cell, origin),
@@ -83,6 +89,31 @@ pub fn cell_shells(plan: &CityPlan, cells: &Cells) -> Vec<CellShell> {
 pub fn facade_sheets(plan: &CityPlan, cells: &Cells) -> Vec<FacadeSheet> {
     let contents = Contents::new(plan, cells);
     (0..cells.cells.len()).map(|cell| contents.sheet(cell)).collect()
+}
+
+/// As much as some ground needs of the courses that it is laid along, and their numbers by those of the plan. None where that is more
+/// than a packet may hold.
+fn courses(plan: &CityPlan, ground: &[(&GroundPatch, GridPolygon)], origin: GridPos) -> (Vec<Course>, BTreeMap<u32, u32>) {
+    let mut needed: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
+    for (patch, piece) in ground {
+        let Some((number, course)) = patch.course.and_then(|number| Some((number, plan.courses.get(number as usize)?))) else {
+            continue;
+        };
+        for i in piece.rings().flatten().filter_map(|p| course.nearest(p.to_metres())) {
+            let (first, last) = needed.entry(number).or_insert((i, i));
+            (*first, *last) = ((*first).min(i), (*last).max(i));
+        }
+    }
+    let part = |(&number, &(first, last)): (&u32, &(usize, usize))| {
+        let part = plan.courses.get(number as usize)?.part(first, last);
+        Some((number, Course { line: part.line.iter().map(|&p| local(p, origin)).collect(), ..part }))
+    };
+    let parts: Vec<(u32, Course)> = needed.iter().filter_map(part).collect();
+    if parts.iter().map(|part| part.1.line.len()).sum::<usize>() > Course::MOST_VERTICES {
+        return Default::default();
+    }
+    let numbers = parts.iter().zip(0..).map(|((number, _), i)| (*number, i)).collect();
+    (parts.into_iter().map(|part| part.1).collect(), numbers)
 }
 
 /// The terrain under some ground and houses.

@@ -3,8 +3,8 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Arcade, BridgeSpan, Design, Gable, GridPolygon, GridPos, GroundPatch, Id, Marking, PlacedMonument, PlanObject, PlanRoof,
-    PlanTerrain, Portal, Rgb, Volume, Wall,
+    Arcade, BridgeSpan, Course, Design, Gable, GridPolygon, GridPos, GroundPatch, Id, Marking, PlacedMonument, PlanObject,
+    PlanRoof, PlanTerrain, Portal, Rgb, Volume, Wall,
 };
 
 /// Urban level of detail of a façade.
@@ -100,6 +100,9 @@ pub struct CellShell {
     pub terrain: PlanTerrain,
     /// Ground, yards included.
     pub ground: Vec<GroundPatch>,
+    /// What patches are laid along, as much as is needed here.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub courses: Vec<Course>,
     /// Houses with at least one wall or roof here.
     pub houses: Vec<HouseShell>,
     /// Standing objects.

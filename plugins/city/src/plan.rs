@@ -1,8 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Anchor, Arcade, BridgeSpan, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Ornament, Place, PlacedMonument, PlanTerrain,
-    Rgb, RoofShape, Styles, Viewpoint,
+    Anchor, Arcade, BridgeSpan, Course, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Ornament, Place, PlacedMonument,
+    PlanTerrain, Rgb, RoofShape, Styles, Viewpoint,
 };
 
 /// The city plan: everything that will stand and lie in the city, on the grid, with every choice made that looks at
@@ -35,6 +35,9 @@ pub struct CityPlan {
     pub terrain: PlanTerrain,
     /// Ground partition: patches do not overlap and leave no gap inside the extent, except under houses.
     pub ground: Vec<GroundPatch>,
+    /// What patches are laid along.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub courses: Vec<Course>,
     /// Houses.
     pub houses: Vec<House>,
     /// What stands in the streets.
@@ -98,6 +101,9 @@ pub struct GroundPatch {
     pub outline: GridPolygon,
     /// Height of its top above the terrain, grid steps (pavements stand a kerb above the carriageway).
     pub z: i32,
+    /// Index of the course that it is laid along; by the compass without.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub course: Option<u32>,
 }
 
 /// A house: one or more volumes.

@@ -48,6 +48,10 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let layer = i32(in.color.a + 0.5);
     // What the layer is off a whole number tells the floor's height, in 1,024 m.
     let height = in.world_position.y - (in.color.a - f32(layer)) * 1024.0;
+    let across = dpdx(in.world_position.xyz);
+    let down = dpdy(in.world_position.xyz);
+    let uv_across = dpdx(in.uv);
+    let uv_down = dpdy(in.uv);
     let tile = textureSample(colour_tiles, tile_sampler, in.uv, layer);
     let relief = textureSample(normal_tiles, tile_sampler, in.uv, layer);
     // Where alpha is 1 the tile modulates the vertex colour about one half; where it is 0 it stands as it is.
@@ -59,7 +63,14 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 
     let n = normalize(in.world_normal);
     var tangent = vec3<f32>(1.0, 0.0, 0.0);
-    if abs(n.y) < 0.99 { tangent = normalize(cross(vec3<f32>(0.0, 1.0, 0.0), n)); }
+    if abs(n.y) < 0.9 {
+        tangent = normalize(cross(vec3<f32>(0.0, 1.0, 0.0), n));
+    } else {
+        // Paving is laid in any direction: along u as it lies on the screen.
+        let turned = (across * uv_down.y - down * uv_across.y) * sign(uv_across.x * uv_down.y - uv_across.y * uv_down.x);
+        let along = turned - n * dot(n, turned);
+        if dot(along, along) > 1e-20 { tangent = normalize(along); }
+    }
     let bitangent = cross(n, tangent);
     let bump = relief.xyz * 2.0 - 1.0;
     pbr_input.N = normalize(tangent * bump.x + bitangent * bump.y + n * max(bump.z, 0.2));

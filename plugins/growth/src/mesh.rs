@@ -17,7 +17,7 @@
 //! use veduta_city::{CellShell, GridPolygon, GridPos, GroundPatch, SurfaceKind};
 //! use veduta_growth::mesh;
 //! let square = vec![GridPos(0, 0), GridPos(4096, 0), GridPos(4096, 4096), GridPos(0, 4096)];
-//! let patch = GroundPatch { surface: SurfaceKind::Cobbles, outline: GridPolygon::simple(square), z: 0 };
+//! let patch = GroundPatch { surface: SurfaceKind::Cobbles, outline: GridPolygon::simple(square), z: 0, course: None };
 //! let shell = CellShell { ground: vec![patch], ..Default::default() };
 //! let ground = mesh::ground(&shell);
 //! assert_eq!(ground.triangle_count(), 2);

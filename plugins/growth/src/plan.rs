@@ -45,6 +45,7 @@ pub(crate) mod boolean;
 mod bounds;
 mod bridges;
 mod cellars;
+mod courses;
 mod crossroads;
 mod extent;
 mod facing;
@@ -80,7 +81,7 @@ use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, 
 pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 9;
+pub const GROWTH_VERSION: u32 = 10;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -147,7 +148,8 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let areas = streets::areas(&graph.blocks, &mut findings);
     let depths = water::Depths::of(graph.terrain.as_ref());
     let bridges = bridges::Bridges::of(graph, &water::Waters::of(graph, &areas, depths));
-    let layers = streets::layers(graph, &areas, (&bridges, depths), &mut findings);
+    let courses = courses::Courses::of(graph);
+    let layers = streets::layers(graph, &areas, (&bridges, depths, &courses), &mut findings);
     let book = houses::StyleBook::new(styles, &areas, &mut findings);
     let mut drafts = houses::given(graph, &book, &extent, &mut findings);
 
@@ -193,6 +195,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
         places: places::places(graph, &houses, styles),
         terrain,
         ground,
+        courses: courses.finish(),
         houses,
         objects,
         markings,

@@ -102,10 +102,10 @@ mod tests {
         Axis, Content, Head, Hole, HoleShape, Material, Model, ModelVertex, PathPoint, Piece, Repeat, Shape,
     };
     use veduta_city::{
-        Arcade, Articulation, Balconies, BridgeForm, BridgeSpan, BridgeStation, Design, Gable, GridPolygon, GridPos, GroundFloor,
-        GroundPatch, HouseShell, Id, Marking, MarkingKind, Niche, ObjectKind, Opening, Oriel, Ornament, Parapet, PlacedMonument,
-        PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SpanMarking, Storey, SurfaceKind, Tile, VolumeShell,
-        Wall, WallKind,
+        Arcade, Articulation, Balconies, BridgeForm, BridgeSpan, BridgeStation, Course, Design, Gable, GridPolygon, GridPos,
+        GroundFloor, GroundPatch, HouseShell, Id, Marking, MarkingKind, Niche, ObjectKind, Opening, Oriel, Ornament, Parapet,
+        PlacedMonument, PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SpanMarking, Storey, SurfaceKind,
+        Tile, VolumeShell, Wall, WallKind,
     };
 
     use super::*;
@@ -241,7 +241,12 @@ mod tests {
 
     fn any_shell() -> impl Strategy<Value = CellShell> {
         let surface = prop::sample::select(&[SurfaceKind::Asphalt, SurfaceKind::Ballast][..]);
-        let patch = (surface, any_polygon(), -NEAR..NEAR).prop_map(|(surface, outline, z)| GroundPatch { surface, outline, z });
+        let patch = (surface, any_polygon(), -NEAR..NEAR).prop_map(|(surface, outline, z)| GroundPatch {
+            surface,
+            outline,
+            z,
+            course: None,
+        });
         let house = (any::<u64>(), any::<u16>(), -NEAR..NEAR, vec(any_volume(), 0..3), any::<bool>());
         let house = house.prop_map(|(id, style, floor, volumes, is_monument)| HouseShell {
             id: Id(id),
@@ -275,6 +280,7 @@ mod tests {
                     outline,
                     terrain: PlanTerrain { origin: GridPos(-7, 8), step: 2048, columns: 3, heights },
                     ground,
+                    courses: Vec::new(),
                     houses,
                     objects,
                     blind,
@@ -444,8 +450,9 @@ mod tests {
             origin: GridPos(1000, -1000),
             outline: outline(0),
             terrain: PlanTerrain { origin: GridPos(-9, 9), step: 4096, columns: 2, heights: vec![1, 2, 3, 5] },
-            ground: surfaces.iter().map(|&surface| GroundPatch { surface, outline: outline(9), z: 3 }).collect(),
+            ground: surfaces.iter().map(|&surface| GroundPatch { surface, outline: outline(9), z: 3, course: Some(0) }).collect(),
             houses: vec![HouseShell { id: Id::from_source(2, 99), style: 1, floor: -5, volumes, is_monument: true }],
+            courses: vec![Course { line: vec![GridPos(-7, 8), GridPos(90, 8)], from: 5000 }],
             objects: kinds.iter().map(object).collect(),
             blind: blind.to_vec(),
             markings: [MarkingKind::Line, MarkingKind::Dashes, MarkingKind::Zebra, MarkingKind::Rails]
@@ -464,8 +471,8 @@ mod tests {
         let (shell, sheet) = full();
         let hash = |content: Vec<u8>| blake3::hash(&content).to_hex()[..16].to_owned();
         let forms = (hash(to_bytes(&WireShell::from(&shell))), hash(to_bytes(&WireSheet::from(&sheet))));
-        let expected = ("d0c70337b3d2aed4".to_owned(), "916903869fc9994e".to_owned());
-        assert_eq!((crate::FORMAT_VERSION, forms), (6, expected), "raise FORMAT_VERSION if this is on purpose");
+        let expected = ("aa37688f9cc9bc3f".to_owned(), "916903869fc9994e".to_owned());
+        assert_eq!((crate::FORMAT_VERSION, forms), (7, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

@@ -3,7 +3,9 @@
 //! Plan positions stay within ±2³⁰ steps (1,048 km), positions within a cell and heights within ±2²⁷ (131 km): no sum or
 //! difference of two of them leaves 32 bits.
 
-use veduta_city::{BridgeSpan, BridgeStation, CellShell, GridPolygon, GridPos, HouseShell, Overview, PortalSide, VolumeShell};
+use veduta_city::{
+    BridgeSpan, BridgeStation, CellShell, Course, GridPolygon, GridPos, HouseShell, Overview, PortalSide, VolumeShell,
+};
 
 use crate::blob::BlobKind;
 use crate::{BlobRef, CellEntry, CityIndex};
@@ -73,6 +75,13 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
         check_polygon("it", &patch.outline, NEAR)
             .and_then(|()| check_height("it", patch.z))
             .map_err(|reason| format!("patch {i} of its ground: {reason}"))?;
+        if let Some(course) = patch.course.filter(|&course| course as usize >= shell.courses.len()) {
+            return Err(format!("patch {i} of its ground is laid along course {course} of {}", shell.courses.len()));
+        }
+    }
+    let vertices: usize = shell.courses.iter().map(|course| course.line.len()).sum();
+    if vertices > Course::MOST_VERTICES || !shell.courses.iter().flat_map(|course| &course.line).all(|&pos| is_within(pos, NEAR)) {
+        return Err("its courses have too many vertices, or reach too far".to_owned());
     }
     shell.houses.iter().try_for_each(check_house)?;
     for object in &shell.objects {

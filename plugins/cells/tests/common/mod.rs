@@ -51,7 +51,7 @@ pub fn house(id: u64, footprint: GridPolygon) -> House {
 }
 
 pub fn patch(surface: SurfaceKind, outline: GridPolygon) -> GroundPatch {
-    GroundPatch { surface, outline, z: 0 }
+    GroundPatch { surface, outline, z: 0, course: None }
 }
 
 /// A plan with one public patch all over it.

@@ -279,7 +279,7 @@ mod tests {
     }
 
     fn ground(surface: SurfaceKind, x: i32) -> GroundPatch {
-        GroundPatch { surface, outline: square(x, 5), z: 0 }
+        GroundPatch { surface, outline: square(x, 5), z: 0, course: None }
     }
 
     #[test]

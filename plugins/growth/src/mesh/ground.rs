@@ -1,5 +1,5 @@
 use glam::DVec2;
-use veduta_city::{CellShell, GRID_PER_METRE, GridPos, GroundPatch, Rgb, SurfaceKind, Tile, metres};
+use veduta_city::{CellShell, Course, GridPos, GroundPatch, Rgb, SurfaceKind, Tile, metres};
 
 use super::data::{MeshData, Paint};
 use super::drape::Drape;
@@ -10,12 +10,8 @@ use super::outline::{Triangulator, centre_of, engine, middle, rings, wall_edge};
 const KERB_M: f64 = 0.15;
 const BANK_M: f64 = 6.0;
 
-/// A whole number of repeats of every ground tile: texture coordinates count from the last multiple of it, so that they fit
-/// between cells and stay small; grid steps.
-const REPEAT: i64 = 16 * GRID_PER_METRE as i64;
-
 /// The cell's ground, facing up, with upright faces at the kerbs and banks of patches that stand above others, and under the walls of
-/// houses on slopes. Texture coordinates go on across cells.
+/// houses on slopes. Texture coordinates run along the patches' courses, and go on across cells.
 #[must_use]
 pub fn ground(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
@@ -28,11 +24,14 @@ pub fn ground(shell: &CellShell) -> MeshData {
         let tile = Tile::Ground(patch.surface);
         let paint = Paint::new(centre_of(middle(&patch.outline)), Rgb(255, 255, 255), tile);
         let lift = metres(patch.z);
+        let course = patch.course.and_then(|course| shell.courses.get(course as usize));
         triangulator.each(&rings(&patch.outline), |_, places| {
             drape.pieces(&places, |piece| {
                 let base = mesh.positions.len() as u32;
                 for &p in piece {
-                    let uv = DVec2::new(p.x + offset.x, -(p.y + offset.y)) / paint.size_m();
+                    // Along its course, or by the compass; v runs to the right.
+                    let laid = course.and_then(|course| course.place(p)).unwrap_or(p + offset);
+                    let uv = DVec2::new(laid.x, -laid.y) / paint.size_m();
                     mesh.vertex(drape.above(p, lift), drape.normal(p), uv, paint);
                 }
                 for i in 1..piece.len() as u32 - 1 {
@@ -49,8 +48,9 @@ pub fn ground(shell: &CellShell) -> MeshData {
     mesh
 }
 
+/// What of a cell's origin is no whole number of repeats: texture coordinates fit between cells and stay small.
 pub(super) fn remainder(origin: i32) -> f64 {
-    metres(i64::from(origin).rem_euclid(REPEAT) as i32)
+    metres(origin.rem_euclid(Course::REPEAT))
 }
 
 fn kerb(patch: &GroundPatch, level: &LevelEdges, depth: f64, drape: &Drape<'_>, mesh: &mut MeshData) {
@@ -106,7 +106,7 @@ mod tests {
     fn patch(x: i32, z: i32, surface: SurfaceKind) -> GroundPatch {
         let corners = [(x, 0), (x + 4, 0), (x + 4, 4), (x, 4)];
         let outline = GridPolygon::simple(corners.into_iter().map(|(x, y)| GridPos(x * 1024, y * 1024)).collect());
-        GroundPatch { surface, outline, z }
+        GroundPatch { surface, outline, z, course: None }
     }
 
     #[test]
@@ -120,6 +120,41 @@ mod tests {
         let stone = Tile::Stone.index() as f32;
         let low = mesh.positions.iter().zip(&mesh.colours).filter(|(_, c)| c[3] == stone).map(|(p, _)| p[1]).fold(9.0, f32::min);
         assert!((low - (123.0 / 1024.0 - 0.15)).abs() < 1e-6, "{low}");
+    }
+
+    #[test]
+    fn paving_follows_its_course_also_from_cell_to_cell() {
+        let line = [(-20, -20), (0, 0), (30, 20)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec();
+        let whole = Course { line, from: 0 };
+        let of = |x: i32, course: Option<Course>| {
+            let ground = vec![GroundPatch { course: course.is_some().then_some(0), ..patch(x, 0, SurfaceKind::Flagstones) }];
+            ground_mesh(CellShell { ground, courses: course.into_iter().collect(), ..Default::default() })
+        };
+        let (laid, by_compass) = (of(0, Some(whole.clone())), of(0, None));
+        assert_ne!(laid.uvs, by_compass.uvs);
+        let size = Paint::new([0.0; 2], Rgb::default(), Tile::Ground(SurfaceKind::Flagstones)).size_m();
+        for (p, uv) in laid.positions.iter().zip(&laid.uvs) {
+            let want = whole.place(DVec2::new(f64::from(p[0]), f64::from(-p[2]))).expect("it has length");
+            assert!((f64::from(uv[0]) * size.x - want.x).abs() < 1e-4 && (f64::from(uv[1]) * size.y + want.y).abs() < 1e-4);
+        }
+        // The next cell knows a part of it, and goes on where this one ends.
+        let next = of(4, Some(whole.part(1, 1)));
+        let repeat = f64::from(Course::REPEAT) / 1024.0 / size.x;
+        let mut shared = 0;
+        for (p, uv) in laid.positions.iter().zip(&laid.uvs) {
+            for (q, other) in next.positions.iter().zip(&next.uvs).filter(|(q, _)| *q == p) {
+                let apart = f64::from(uv[0] - other[0]).rem_euclid(repeat);
+                assert!(apart.min(repeat - apart) < 1e-3 && (uv[1] - other[1]).abs() < 1e-4, "{p:?} {q:?}: {uv:?} {other:?}");
+                shared += 1;
+            }
+        }
+        assert!(shared > 1, "they share an edge");
+    }
+
+    fn ground_mesh(shell: CellShell) -> MeshData {
+        let mesh = ground(&shell);
+        mesh.validate().unwrap();
+        mesh
     }
 
     #[test]

@@ -190,7 +190,7 @@ proptest! {
             let [bottom, eaves, height, z] = numbers;
             let walls = walls.iter().map(|w| w % 12).collect();
             let volume = VolumeShell { bottom, eaves, walls, ..volume(outline.clone(), shape, direction, height) };
-            let patch = |surface| GroundPatch { surface, outline: outline.clone(), z };
+            let patch = |surface| GroundPatch { surface, outline: outline.clone(), z, course: None };
             let ground = vec![patch(SurfaceKind::Grass), patch(SurfaceKind::Water)];
             let shell = CellShell { origin: GridPos(z, height), ground, ..cell(volume) };
             let sheet = sheet(&shell, 5);

@@ -82,7 +82,7 @@ pub(super) struct Piece {
 }
 
 /// The pieces of the extent, tile by tile, south to north and west to east, in each by layer. Pieces smaller than `dust_m2`
-/// (corners that a tile's side cuts off, leavings of the grid) join the neighbour with whom they share the longest border.
+/// (corners that a tile's side cuts off, leavings of the grid) join the neighbour with whom they share the longest border, one that differs by its course alone before others.
 pub(super) fn arrange(extent: &Extent, layers: &[Layer], dust_m2: f64) -> Vec<Piece> {
     let segments = segments(extent, layers);
     let tiles = Tiles::new(extent);
@@ -97,10 +97,22 @@ pub(super) fn arrange(extent: &Extent, layers: &[Layer], dust_m2: f64) -> Vec<Pi
     });
     let (mut faces, sides): (Vec<Faces<'_>>, Vec<Sides>) = sides.collect::<Vec<_>>().into_iter().unzip();
     let below = tiles.below(&sides, &segments);
-    faces.par_iter_mut().zip(below).for_each(|(faces, below)| faces.label(below, dust_m2));
+    let kinds = kinds(layers);
+    faces.par_iter_mut().zip(below).for_each(|(faces, below)| faces.label(below, &kinds, dust_m2));
     // A vertex on a side stays if a border ends there on either side of it.
     let ends: HashSet<GridPos> = faces.iter().flat_map(Faces::ends_on_sides).collect();
     faces.par_iter().map(|faces| faces.pieces(&ends)).collect::<Vec<_>>().into_iter().flatten().collect()
+}
+
+/// A number for each layer, which those have in common that differ by their course alone.
+fn kinds(layers: &[Layer]) -> Vec<u32> {
+    let mut kinds: Vec<u32> = Vec::with_capacity(layers.len());
+    for (i, layer) in layers.iter().enumerate() {
+        let is_alike = |other: &Layer| (other.rank, other.z, other.surface) == (layer.rank, layer.z, layer.surface);
+        let before = i.checked_sub(1).filter(|&before| is_alike(&layers[before]));
+        kinds.push(before.map_or(i as u32, |before| kinds[before]));
+    }
+    kinds
 }
 
 /// All edges within the extent.

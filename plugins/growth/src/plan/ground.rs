@@ -22,7 +22,7 @@ pub(super) fn partition(extent: &Extent, layers: &[Layer]) -> Vec<GroundPatch> {
     let patch = |piece: super::arrangement::Piece| {
         let layer = piece.layer.and_then(|layer| layers.get(layer as usize));
         let (surface, z) = layer.map_or((SurfaceKind::Yard, 0), |layer| (layer.surface, layer.z));
-        GroundPatch { surface, outline: piece.outline, z }
+        GroundPatch { surface, outline: piece.outline, z, course: layer.and_then(|layer| layer.course) }
     };
     pieces.map(patch).collect()
 }

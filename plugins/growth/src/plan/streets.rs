@@ -12,6 +12,7 @@ use veduta_city::{
 
 use super::band::{self, band, stations};
 use super::bridges::Bridges;
+use super::courses::{self, Courses};
 use super::crossroads::{Arm, gaps, rounding, wedge};
 use super::water::Depths;
 use super::{Area, outline};
@@ -55,6 +56,8 @@ pub(super) struct Layer {
     pub surface: SurfaceKind,
     /// Height of its top above the terrain, grid steps.
     pub z: i32,
+    /// The course that it is laid along.
+    pub course: Option<u32>,
     /// Where.
     pub shapes: Vec<GridPolygon>,
 }
@@ -62,15 +65,16 @@ pub(super) struct Layer {
 #[cfg(test)]
 impl Layer {
     pub fn new(rank: Rank, surface: SurfaceKind, shapes: Vec<GridPolygon>) -> Self {
-        Self { rank, surface, z: key(rank, surface).1, shapes }
+        Self { rank, surface, z: key(rank, surface, None).1, course: None, shapes }
     }
 }
 
-/// What makes shapes one layer: priority, height of the top above the terrain in grid steps (deep water lies over shallow), surface.
-type Key = (Rank, i32, SurfaceKind);
+/// What makes shapes one layer: priority, height of the top above the terrain in grid steps (deep water lies over shallow), surface, and
+/// the course that it is laid along, of which the first lies on top.
+type Key = (Rank, i32, SurfaceKind, Option<u32>);
 
-fn key(rank: Rank, surface: SurfaceKind) -> Key {
-    (rank, if rank == Rank::Pavement { GridPos::steps(KERB_M) } else { 0 }, surface)
+fn key(rank: Rank, surface: SurfaceKind, course: Option<u32>) -> Key {
+    (rank, if rank == Rank::Pavement { GridPos::steps(KERB_M) } else { 0 }, surface, course.filter(|_| courses::is_laid(surface)))
 }
 
 /// Width of the pavement on each side of a street with a carriageway; 0 if there is none. Metres.
@@ -91,7 +95,7 @@ pub(super) fn width_at_m(link: &Link, share: f64) -> f64 {
     link.width_at(share).clamp(NARROWEST_M, WIDEST_M)
 }
 
-const fn surface(surfacing: Surfacing) -> SurfaceKind {
+pub(super) const fn surface(surfacing: Surfacing) -> SurfaceKind {
     match surfacing {
         Surfacing::Asphalt => SurfaceKind::Asphalt,
         Surfacing::Cobbles => SurfaceKind::Cobbles,
@@ -106,29 +110,29 @@ const fn surface(surfacing: Surfacing) -> SurfaceKind {
 pub(super) fn layers(
     graph: &CityGraph,
     areas: &[Area<'_>],
-    (bridges, depths): (&Bridges, Depths),
+    (bridges, depths, courses): (&Bridges, Depths, &Courses),
     findings: &mut Vec<Finding>,
 ) -> Vec<Layer> {
     let mut shapes: BTreeMap<Key, Vec<GridPolygon>> = BTreeMap::new();
-    link_shapes(graph, areas, (bridges, depths), &mut shapes, findings);
-    for square in &graph.squares {
+    link_shapes(graph, areas, (bridges, depths, courses), &mut shapes, findings);
+    for (i, square) in graph.squares.iter().enumerate() {
         let found = outline::polygons(&square.outline, &square.holes);
         if found.is_empty() {
             let message = "square: its outline has no area";
             findings.push(Finding::new(Severity::Dropped, square.id, square.outline.first().copied(), message));
         }
-        shapes.entry(key(Rank::Square, surface(square.surfacing))).or_default().extend(found);
+        shapes.entry(key(Rank::Square, surface(square.surfacing), courses.of_square(i))).or_default().extend(found);
     }
     for area in areas {
         let key = match area.block.kind {
             BlockKind::Built => continue,
-            BlockKind::Park => key(Rank::Park, SurfaceKind::Grass),
-            BlockKind::Monument => key(Rank::Monument, SurfaceKind::Flagstones),
-            BlockKind::Water => (Rank::Water, depths.of_block(&area.polygons), SurfaceKind::Water),
+            BlockKind::Park => key(Rank::Park, SurfaceKind::Grass, None),
+            BlockKind::Monument => key(Rank::Monument, SurfaceKind::Flagstones, None),
+            BlockKind::Water => (Rank::Water, depths.of_block(&area.polygons), SurfaceKind::Water, None),
         };
         shapes.entry(key).or_default().extend(area.polygons.iter().cloned());
     }
-    shapes.into_iter().map(|((rank, z, surface), shapes)| Layer { rank, surface, z, shapes }).collect()
+    shapes.into_iter().map(|((rank, z, surface, course), shapes)| Layer { rank, surface, z, course, shapes }).collect()
 }
 
 /// One band to lay: the link, its half-width where the link is as wide as it mostly is, and what it is laid as.
@@ -155,7 +159,7 @@ impl Strip<'_> {
 fn link_shapes(
     graph: &CityGraph,
     areas: &[Area<'_>],
-    (bridges, depths): (&Bridges, Depths),
+    (bridges, depths, courses): (&Bridges, Depths, &Courses),
     shapes: &mut BTreeMap<Key, Vec<GridPolygon>>,
     findings: &mut Vec<Finding>,
 ) {
@@ -187,7 +191,11 @@ fn link_shapes(
             continue;
         }
         let on_ground = bridges.on_ground(i);
-        strips.extend(strips_of(graph, &at, link, areas, depths).into_iter().map(|s| Strip { on_ground: on_ground.clone(), ..s }));
+        strips.extend(
+            strips_of(graph, &at, link, areas, (depths, courses.of_link(i)))
+                .into_iter()
+                .map(|s| Strip { on_ground: on_ground.clone(), ..s }),
+        );
     }
     let mut nodes: BTreeMap<(Family, Id), Vec<Arm<Key>>> = BTreeMap::new();
     for strip in &strips {
@@ -253,27 +261,33 @@ impl Family {
     }
 }
 
-fn strips_of<'a>(graph: &CityGraph, at: &HashMap<Id, DVec2>, link: &'a Link, areas: &[Area<'_>], depths: Depths) -> Vec<Strip<'a>> {
+fn strips_of<'a>(
+    graph: &CityGraph,
+    at: &HashMap<Id, DVec2>,
+    link: &'a Link,
+    areas: &[Area<'_>],
+    (depths, course): (Depths, Option<u32>),
+) -> Vec<Strip<'a>> {
     let width = width_m(link);
     let strip = |half_m, key| Strip { link, half_m, pavement_m: 0.0, key, on_ground: Vec::new() };
     let (half, own) = (width / 2.0, link_surface(link));
     match link.kind {
-        LinkKind::Watercourse => vec![strip(half, (Rank::Water, depths.of_course(width), own))],
+        LinkKind::Watercourse => vec![strip(half, (Rank::Water, depths.of_course(width), own, None))],
         LinkKind::Railway { tram: true } => Vec::new(),
-        LinkKind::Railway { tram: false } => vec![strip(half, key(Rank::Rails, own))],
+        LinkKind::Railway { tram: false } => vec![strip(half, key(Rank::Rails, own, None))],
         LinkKind::Street(class) if class.has_carriageway() => {
             let pavement = pavement_m(class, width);
-            let carriageway = strip(half - pavement, key(Rank::Carriageway, own));
+            let carriageway = strip(half - pavement, key(Rank::Carriageway, own, course));
             let mut strips = vec![Strip { pavement_m: pavement, ..carriageway }];
             if pavement > 0.0 {
-                strips.push(strip(half, key(Rank::Pavement, SurfaceKind::Mosaic)));
+                strips.push(strip(half, key(Rank::Pavement, SurfaceKind::Mosaic, course)));
             }
             strips
         }
-        LinkKind::Street(StreetClass::Lane | StreetClass::Service) => vec![strip(half, key(Rank::Lane, own))],
+        LinkKind::Street(StreetClass::Lane | StreetClass::Service) => vec![strip(half, key(Rank::Lane, own, course))],
         LinkKind::Street(_) => {
             let is_gravel = link.surfacing.is_none() && in_park(graph, at, link, areas);
-            vec![strip(half, key(Rank::Path, if is_gravel { SurfaceKind::Gravel } else { own }))]
+            vec![strip(half, key(Rank::Path, if is_gravel { SurfaceKind::Gravel } else { own }, course))]
         }
     }
 }
@@ -373,7 +387,7 @@ mod tests {
             );
             let graph: CityGraph = veduta_city::file::parse(&text, "t").unwrap_or_else(|e| panic!("{e}"));
             let mut findings = Vec::new();
-            layers(&graph, &[], (&Bridges::default(), Depths::of(None)), &mut findings);
+            layers(&graph, &[], (&Bridges::default(), Depths::of(None), &Courses::of(&graph)), &mut findings);
             assert_eq!(findings.len(), usize::from(taken.is_some()), "{given}: {findings:?}");
             let is_told =
                 |f: &Finding| f.id == Id(3) && f.plan_pos == Some(DVec2::ZERO) && taken.is_some_and(|t| f.message.contains(t));

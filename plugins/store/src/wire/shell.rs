@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
-    Arcade, BridgeSpan, CellShell, Design, Gable, GridPos, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind,
+    Arcade, BridgeSpan, CellShell, Course, Design, Gable, GridPos, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind,
     PlacedMonument, PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SurfaceKind, VolumeShell,
 };
 
@@ -34,6 +34,10 @@ pub(crate) struct WireShell {
 struct WireGround {
     surfaces: Vec<SurfaceKind>,
     z: Deltas,
+    /// 0: none; else one more than the course.
+    courses: Vec<u32>,
+    /// Where each course begins.
+    from: Vec<i32>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -116,6 +120,7 @@ impl From<&CellShell> for WireShell {
             points.point(portal.ends.1);
         }
         shell.markings.iter().for_each(|marking| points.line(&marking.line));
+        shell.courses.iter().for_each(|course| points.line(&course.line));
         let mut colours = TableWriter::default();
         for volume in volumes() {
             [volume.colour, volume.trim, volume.roof.colour].iter().for_each(|colour| colours.push(colour));
@@ -128,6 +133,8 @@ impl From<&CellShell> for WireShell {
             ground: WireGround {
                 surfaces: shell.ground.iter().map(|patch| patch.surface).collect(),
                 z: Deltas::of(shell.ground.iter().map(|patch| patch.z)),
+                courses: shell.ground.iter().map(|patch| patch.course.map_or(0, |course| course.saturating_add(1))).collect(),
+                from: shell.courses.iter().map(|course| course.from).collect(),
             },
             houses: WireHouses {
                 ids: ids(shell.houses.iter().map(|house| house.id)),
@@ -195,32 +202,54 @@ impl WireObjects {
 impl TryFrom<WireShell> for CellShell {
     type Error = Malformed;
 
-    fn try_from(wire: WireShell) -> Result<Self, Malformed> {
+    fn try_from(mut wire: WireShell) -> Result<Self, Malformed> {
         let mut points = wire.points.pull();
         let mut colours = wire.colours.pull();
         let outline = points.polygon()?;
         let houses = wire.houses.pull(&mut wire.volumes.pull(), &mut points, &mut colours)?;
+        let starts = core::mem::take(&mut wire.ground.from);
         let ground = wire.ground.pull(&mut points)?;
         let objects = wire.objects.pull(&mut points)?;
         let blind = wire.blind.pull(&mut points)?;
         let markings = wire.markings.pull(&mut points)?;
+        let course = |from| Ok(Course { line: points.line()?, from });
+        let courses = starts.into_iter().map(course).collect::<Result<_, _>>()?;
         points.finish()?;
         colours.finish()?;
         let WireShell { origin, designs, monuments, bridges, drawn_bridges, .. } = wire;
         let terrain = PlanTerrain::try_from(wire.terrain)?;
-        Ok(Self { origin, outline, terrain, ground, houses, objects, blind, markings, bridges, drawn_bridges, designs, monuments })
+        Ok(Self {
+            origin,
+            outline,
+            terrain,
+            ground,
+            courses,
+            houses,
+            objects,
+            blind,
+            markings,
+            bridges,
+            drawn_bridges,
+            designs,
+            monuments,
+        })
     }
 }
 
 impl WireGround {
     fn pull(self, points: &mut PullPoints) -> Result<Vec<GroundPatch>, Malformed> {
         let mut z = Pull::new("heights of ground", self.z.numbers());
+        let mut courses = Pull::new("courses of ground", self.courses);
         let ground = self
             .surfaces
             .into_iter()
-            .map(|surface| Ok(GroundPatch { surface, outline: points.polygon()?, z: z.take()? }))
+            .map(|surface| {
+                let (outline, z) = (points.polygon()?, z.take()?);
+                Ok(GroundPatch { surface, outline, z, course: courses.take()?.checked_sub(1) })
+            })
             .collect::<Result<_, _>>()?;
         z.finish()?;
+        courses.finish()?;
         Ok(ground)
     }
 }

@@ -172,8 +172,8 @@ fn add_cell(plan: &mut CityPlan, city: &mut City, c: usize, count: usize, each: 
         (SurfaceKind::Mosaic, 3 * M, 5 * M, 150),
         (SurfaceKind::Mosaic, -5 * M, -3 * M, 150),
     ] {
-        plan.ground.push(GroundPatch { surface, outline: quad(start, front, c0, c1), z });
-        shell.ground.push(GroundPatch { surface, outline: moved(&quad(start, front, c0, c1), origin), z });
+        plan.ground.push(GroundPatch { surface, outline: quad(start, front, c0, c1), z, course: None });
+        shell.ground.push(GroundPatch { surface, outline: moved(&quad(start, front, c0, c1), origin), z, course: None });
     }
     let pos = at(start + M, 4 * M);
     let lamp = PlanObject {

@@ -263,7 +263,7 @@ impl<'a> Faces<'a> {
 
     /// Finds the layer that covers each face from how often the layers wind about the one by the south-western corner; then
     /// gives small ones to their neighbours.
-    pub(super) fn label(&mut self, below: Turns, dust_m2: f64) {
+    pub(super) fn label(&mut self, below: Turns, kinds: &[u32], dust_m2: f64) {
         let count = self.begins.len();
         self.covers = vec![OUTSIDE; count];
         let mut islands: Vec<Vec<u32>> = vec![Vec::new(); count];
@@ -315,7 +315,7 @@ impl<'a> Faces<'a> {
                 }
             }
         }
-        self.sweep(libm::round(dust_m2 * 2.0 * 1024.0 * 1024.0) as i64);
+        self.sweep(kinds, libm::round(dust_m2 * 2.0 * 1024.0 * 1024.0) as i64);
     }
 
     fn turns_of(&self, edge: &Edge) -> &[(u32, i32)] {
@@ -327,8 +327,56 @@ impl<'a> Faces<'a> {
         [2 * edge, 2 * edge + 1].map(|half| self.covers[self.loops[half] as usize])
     }
 
-    /// Gives regions of one cover that are smaller than a size to the neighbour with the longest common border.
-    fn sweep(&mut self, least_twice: i64) {
+    /// Gives regions of one cover that are smaller than a size to neighbours: first to those of one kind, and what is still small then to the
+    /// one with the longest common border.
+    fn sweep(&mut self, kinds: &[u32], least_twice: i64) {
+        self.sweep_alike(kinds, least_twice);
+        let (mut regions, twice) = self.regions();
+        let borders = self.borders(&mut regions, &twice, least_twice);
+        let is_dust = |region: u32| twice[region as usize] < least_twice;
+        let mut given: Vec<(u32, u32)> = Vec::new();
+        for region in borders.chunk_by(|a, b| a.0 == b.0) {
+            // To what is not dust itself, if it can be.
+            let best =
+                lengths(region).max_by(|a, b| (!is_dust(a.0)).cmp(&!is_dust(b.0)).then(a.1.total_cmp(&b.1)).then(b.0.cmp(&a.0)));
+            given.extend(best.map(|(other, _)| (region[0].0, self.covers[other as usize])));
+        }
+        self.give(&mut regions, &given);
+    }
+
+    /// The same among those of one kind: where several small ones meet, they become one with the largest of them.
+    fn sweep_alike(&mut self, kinds: &[u32], least_twice: i64) {
+        let (mut regions, twice) = self.regions();
+        let borders = self.borders(&mut regions, &twice, least_twice);
+        let kind = |region: u32| kinds.get(self.covers[region as usize] as usize);
+        let mut alike = Groups::new(self.begins.len());
+        for region in borders.chunk_by(|a, b| a.0 == b.0) {
+            let of_kind = lengths(region).filter(|&(other, _)| kind(other).is_some() && kind(other) == kind(region[0].0));
+            let best = of_kind.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
+            if let Some((other, _)) = best {
+                alike.join(region[0].0, other);
+            }
+        }
+        let mut small: Vec<(u32, u32)> = borders.iter().map(|border| border.0).map(|region| (alike.of(region), region)).collect();
+        small.extend(borders.iter().map(|border| (alike.of(border.1), border.1)));
+        small.sort_unstable();
+        small.dedup();
+        let mut given: Vec<(u32, u32)> = Vec::new();
+        for group in small.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
+            let largest = group.iter().max_by_key(|(_, region)| (twice[*region as usize], core::cmp::Reverse(*region)));
+            given.extend(largest.into_iter().flat_map(|&(_, largest)| {
+                group
+                    .iter()
+                    .map(move |&(_, region)| (region, largest))
+                    .map(|(region, largest)| (region, self.covers[largest as usize]))
+            }));
+        }
+        given.sort_unstable();
+        self.give(&mut regions, &given);
+    }
+
+    /// Faces of one cover that hang together, and twice the area of each.
+    fn regions(&self) -> (Groups, Vec<i64>) {
         let mut regions = Groups::new(self.begins.len());
         self.joined.iter().for_each(|&(a, b)| regions.join(a, b));
         for e in 0..self.edges.len() {
@@ -342,7 +390,12 @@ impl<'a> Faces<'a> {
             let (a, b) = self.ends(half);
             twice[regions.of(self.loops[half as usize]) as usize] += self.tile.lo.cross(a, b);
         }
-        let is_dust = |region: u32, covers: &[u32]| covers[region as usize] != OUTSIDE && twice[region as usize] < least_twice;
+        (regions, twice)
+    }
+
+    /// What small regions border on, edge by edge, by region; metres.
+    fn borders(&self, regions: &mut Groups, twice: &[i64], least_twice: i64) -> Vec<(u32, u32, f64)> {
+        let is_dust = |region: u32| self.covers[region as usize] != OUTSIDE && twice[region as usize] < least_twice;
         let mut borders: Vec<(u32, u32, f64)> = Vec::new();
         for e in 0..self.edges.len() {
             let both = [2 * e, 2 * e + 1].map(|half| regions.of(self.loops[half]));
@@ -350,23 +403,18 @@ impl<'a> Faces<'a> {
                 let (a, b) = (self.at(self.edges[e].u), self.at(self.edges[e].v));
                 let length = a.to_metres().distance(b.to_metres());
                 for [own, other] in [both, [both[1], both[0]]] {
-                    if is_dust(own, &self.covers) && self.covers[other as usize] != OUTSIDE {
+                    if is_dust(own) && self.covers[other as usize] != OUTSIDE {
                         borders.push((own, other, length));
                     }
                 }
             }
         }
         borders.sort_by_key(|border| (border.0, border.1));
-        let mut given: Vec<(u32, u32)> = Vec::new();
-        for region in borders.chunk_by(|a, b| a.0 == b.0) {
-            let lengths = region.chunk_by(|a, b| a.1 == b.1).map(|same| (same[0].1, same.iter().map(|b| b.2).sum::<f64>()));
-            // To what is not dust itself, if it can be.
-            let best = lengths.max_by(|a, b| {
-                let rank = |region: u32| !is_dust(region, &self.covers);
-                rank(a.0).cmp(&rank(b.0)).then(a.1.total_cmp(&b.1)).then(b.0.cmp(&a.0))
-            });
-            given.extend(best.map(|(other, _)| (region[0].0, self.covers[other as usize])));
-        }
+        borders
+    }
+
+    /// Gives regions other covers; ascending.
+    fn give(&mut self, regions: &mut Groups, given: &[(u32, u32)]) {
         if given.is_empty() {
             return;
         }
@@ -422,6 +470,11 @@ impl<'a> Faces<'a> {
         }
         pieces
     }
+}
+
+/// The lengths of a region's borders with each neighbour.
+fn lengths(region: &[(u32, u32, f64)]) -> impl Iterator<Item = (u32, f64)> {
+    region.chunk_by(|a, b| a.1 == b.1).map(|same| (same[0].1, same.iter().map(|border| border.2).sum()))
 }
 
 /// For each hot point, the halves that begin there.
