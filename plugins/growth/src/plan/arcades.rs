@@ -219,7 +219,9 @@ impl<'a> Plot<'a> {
             // On the outer side of an edge that is not set back: beside a neighbour no slit is left.
             let outside = |p: GridPos| {
                 let by = |edge: usize| -self.along(edge).perp().dot(p.to_metres() - self.corners[edge]);
-                [before, i].into_iter().filter(|&edge| self.back[edge] == 0.0).map(by).fold(0.0, f64::min)
+                // (Which zero is the lesser one, platforms do not agree on.)
+                let within = [before, i].into_iter().filter(|&edge| self.back[edge] == 0.0).map(by).filter(|by| *by < 0.0);
+                within.fold(0.0, f64::min)
             };
             let p = exact * f64::from(GRID_PER_METRE);
             let (x, y) = (libm::floor(p.x) as i32, libm::floor(p.y) as i32);
