@@ -52,7 +52,7 @@ pub fn adopt(input: &Input, edited: &Path, settings: &BakeSettings) -> Result<Ad
     let known = Known::of(&planned);
     let overrides = overrides_beside(&input.path);
     let mut adopted = Adopted { overrides: overrides.clone(), changed: Vec::new(), unchanged: 0, notes: Vec::new() };
-    let (mut models, mut stand_ins, mut seen) = (Vec::new(), Vec::new(), HashSet::new());
+    let (mut changed, mut seen) = (Vec::new(), HashSet::new());
     for (i, node) in nodes.iter().enumerate() {
         let Some(h) = known.house(node) else { continue };
         let house = &planned.houses[h];
@@ -76,8 +76,7 @@ pub fn adopt(input: &Input, edited: &Path, settings: &BakeSettings) -> Result<Ad
                     .notes
                     .push(format!("`{name}`: {count} triangles of material `{material}` are seen as plaster in its colour"));
             }
-            stand_ins.push(stand_in(house));
-            models.push((house_name(house), format!("house_{}", house.id.0), local(found.mesh, house)));
+            changed.push((house_name(house), local(found.mesh, house), stand_in(house)));
         }
     }
     if seen.is_empty() {
@@ -85,7 +84,7 @@ pub fn adopt(input: &Input, edited: &Path, settings: &BakeSettings) -> Result<Ad
             "no node of it is a house of this map: export the city with this version, and keep the names of its nodes".to_owned(),
         ));
     }
-    write(&overrides, models, stand_ins, &mut adopted)?;
+    write(&overrides, changed, &mut adopted)?;
     Ok(adopted)
 }
 
@@ -192,12 +191,7 @@ fn is_within(mesh: &MeshData, other: &MeshData) -> bool {
 }
 
 /// Writes the models, and then the edits that tell of those that were not known.
-fn write(
-    overrides: &Path,
-    models: Vec<(String, String, MeshData)>,
-    stand_ins: Vec<StandIn>,
-    adopted: &mut Adopted,
-) -> Result<(), BakeError> {
+fn write(overrides: &Path, changed: Vec<(String, MeshData, StandIn)>, adopted: &mut Adopted) -> Result<(), BakeError> {
     let name = overrides.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let folder = format!("{}.models", name.strip_suffix(".graph.overrides.ron").unwrap_or(&name));
     let failed = |path: &Path, reason: String| BakeError::Model { path: path.to_owned(), reason };
@@ -209,7 +203,8 @@ fn write(
         ("(\n)\n".to_owned(), GraphOverrides::default())
     };
     let (mut new_text, mut expected) = (text.clone(), known);
-    for ((title, name, mesh), stand_in) in models.into_iter().zip(stand_ins) {
+    for (title, mesh, stand_in) in changed {
+        let name = stand_in.monument.name.clone();
         let relative = format!("{folder}/{name}.glb");
         let path = overrides.with_file_name(&folder).join(format!("{name}.glb"));
         let bytes = export_model(&title, &mesh, &ExportSettings { texture_px: TEXTURE_PX })

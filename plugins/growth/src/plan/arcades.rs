@@ -59,8 +59,8 @@ pub(super) fn open(houses: &mut [House], (ground, standing): (&Ground, &Index<(B
 
 /// Whether a wall stands on arches by its style.
 fn is_arcaded(wall: &Wall) -> bool {
-    let has_room = wall.storeys.len() > 1 && wall.storeys.first().is_some_and(|s| metres(s.height) >= LEAST_HEIGHT_M);
-    wall.kind == WallKind::Street && has_room && wall.storeys.first().is_some_and(|s| s.opening == Opening::Arcade)
+    let [ground, _, ..] = wall.storeys[..] else { return false };
+    wall.kind == WallKind::Street && ground.opening == Opening::Arcade && metres(ground.height) >= LEAST_HEIGHT_M
 }
 
 /// Puts windows in place of the arches that other houses stand close before.
@@ -139,7 +139,7 @@ impl<'a> Plot<'a> {
         CORNER_DEG.contains(&(180.0 - turn)).then(|| into.perp_dot(out))
     }
 
-    /// The ground that a walk along an edge would take, and as much behind it as a room needs.
+    /// The ground that a walk along an edge would take.
     fn strip(&self, i: usize) -> GridPolygon {
         let (before, after) = self.before_and_after(i);
         let [a, b] = [self.corners[i], self.corners[after]];
