@@ -18,7 +18,9 @@ pub type BorderEdge = (GridPos, GridPos);
 #[must_use]
 pub fn connected_faces(mut edges: Vec<BorderEdge>, keep_collinear: bool) -> Vec<GridPolygon> {
     edges.retain(|(a, b)| a != b);
-    close_gaps(&mut edges);
+    if has_gaps(&edges) {
+        close_gaps(&mut edges);
+    }
     let mut faces: Vec<GridPolygon> = Vec::new();
     let mut lone: Vec<GridRing> = Vec::new();
     for walk in walks(&edges) {
@@ -55,6 +57,16 @@ fn adopt(faces: &mut [GridPolygon], hole: GridRing) {
     }
 }
 
+/// Whether edges begin elsewhere than they end.
+fn has_gaps(edges: &[BorderEdge]) -> bool {
+    let sorted = |ends: &mut dyn Iterator<Item = GridPos>| {
+        let mut ends: Vec<GridPos> = ends.collect();
+        ends.sort_unstable();
+        ends
+    };
+    sorted(&mut edges.iter().map(|edge| edge.0)) != sorted(&mut edges.iter().map(|edge| edge.1))
+}
+
 /// Adds an edge from each loose end to the nearest loose beginning: engines that round crossings to the grid may judge a
 /// sliver's edge wrongly.
 fn close_gaps(edges: &mut Vec<BorderEdge>) {
@@ -78,11 +90,11 @@ fn close_gaps(edges: &mut Vec<BorderEdge>) {
 /// Closed walks along all edges that keep the inside on their left and turn as sharply as it allows at each vertex, so that a walk
 /// never leads from one side of a touching to the other.
 fn walks(edges: &[BorderEdge]) -> Vec<GridRing> {
-    let mut order: Vec<usize> = (0..edges.len()).collect();
-    order.sort_unstable_by_key(|&i| (edges[i].0, i));
+    let mut order: Vec<(GridPos, usize)> = edges.iter().map(|edge| edge.0).zip(0..).collect();
+    order.sort_unstable();
     let leaving = |p: GridPos| {
-        let first = order.partition_point(|&i| edges[i].0 < p);
-        order[first..].iter().copied().take_while(move |&i| edges[i].0 == p)
+        let first = order.partition_point(|&(from, _)| from < p);
+        order[first..].iter().take_while(move |&&(from, _)| from == p).map(|&(_, i)| i)
     };
     let mut is_walked = vec![false; edges.len()];
     let mut walks = Vec::new();
@@ -129,9 +141,23 @@ fn twice_area(ring: &[GridPos]) -> i128 {
     ring.windows(2).map(|pair| cross(first, pair[0], pair[1])).sum()
 }
 
+/// Whether a walk comes by no vertex twice.
+fn is_simple(walk: &[GridPos]) -> bool {
+    if walk.len() <= 16 {
+        return (1..walk.len()).all(|i| !walk[..i].contains(&walk[i]));
+    }
+    let mut sorted = walk.to_vec();
+    sorted.sort_unstable();
+    sorted.windows(2).all(|pair| pair[0] != pair[1])
+}
+
 /// Cuts a walk where it comes by a vertex again; leaves out what has no area.
 fn simple_rings(walk: GridRing) -> Vec<GridRing> {
     let mut done = Vec::new();
+    if is_simple(&walk) {
+        done.extend((twice_area(&walk) != 0).then_some(walk));
+        return done;
+    }
     let mut open = GridRing::new();
     let mut at: HashMap<GridPos, usize> = HashMap::new();
     for p in walk {

@@ -31,7 +31,12 @@ impl GridPos {
     /// A length in metres as steps of the grid, rounded; saturates.
     #[must_use]
     pub fn steps(length_m: f64) -> i32 {
-        libm::round(length_m * f64::from(GRID_PER_METRE)) as i32
+        let steps = length_m * f64::from(GRID_PER_METRE);
+        // Halves away from zero; what is left of a number after its whole part is exact.
+        let whole = steps as i64;
+        let rest = steps - whole as f64;
+        let away = i64::from(rest >= 0.5) - i64::from(rest <= -0.5);
+        whole.saturating_add(away).clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
     }
 
     /// Plan position in metres.
@@ -169,6 +174,27 @@ mod tests {
 
     fn square(side: i32) -> GridRing {
         vec![GridPos(0, 0), GridPos(side, 0), GridPos(side, side), GridPos(0, side)]
+    }
+
+    #[test]
+    fn lengths_are_rounded_to_the_nearest_step_and_saturate() {
+        let mut draw = 1_u64;
+        for i in 0..100_000_u64 {
+            draw = draw.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(i | 1);
+            let length = (draw >> 20) as f64 / (1_u64 << (draw % 44)) as f64 - f64::from(i as u32 % 5000);
+            assert_eq!(GridPos::steps(length), libm::round(length * 1024.0) as i32, "{length}");
+        }
+        for half in -5..=5 {
+            let length = (f64::from(half) + 0.5) / 1024.0;
+            let [below, above] = [f64::from_bits(length.to_bits() - 1), f64::from_bits(length.to_bits() + 1)];
+            for length in [below, length, above] {
+                assert_eq!(GridPos::steps(length), libm::round(length * 1024.0) as i32, "{length}");
+            }
+        }
+        let ends = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, 2.097e6, -2.098e6, 0.0, -0.0];
+        for length in ends {
+            assert_eq!(GridPos::steps(length), libm::round(length * 1024.0) as i32, "{length}");
+        }
     }
 
     #[test]

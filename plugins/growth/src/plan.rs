@@ -145,10 +145,12 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     }
     let mut findings = Vec::new();
     let extent = extent::extent(graph, &mut findings);
-    let areas = streets::areas(&graph.blocks, &mut findings);
+    let (areas, (courses, network)) = rayon::join(
+        || streets::areas(&graph.blocks, &mut findings),
+        || rayon::join(|| courses::Courses::of(graph), || network::Network::new(graph)),
+    );
     let depths = water::Depths::of(graph.terrain.as_ref());
     let bridges = bridges::Bridges::of(graph, &water::Waters::of(graph, &areas, depths));
-    let courses = courses::Courses::of(graph);
     let layers = streets::layers(graph, &areas, (&bridges, depths, &courses), &mut findings);
     let book = houses::StyleBook::new(styles, &areas, &mut findings);
     let mut drafts = houses::given(graph, &book, &extent, &mut findings);
@@ -177,7 +179,6 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let doorsteps = index::Index::new(doors.collect());
     let decks = spans::Decks::new(spans.iter().enumerate());
     let site = objects::Site { terrain: &terrain, ground: &on_ground, decks: &decks, standing: &standing, doorsteps: &doorsteps };
-    let network = network::Network::new(graph);
     let (mut objects, grown) = objects::objects(graph, &areas, (&network, furniture), &site, &mut findings);
     designs.of_objects(graph.objects.iter().chain(&grown), &mut objects, &mut findings);
     let markings = markings::markings(graph, &network, &bridges, &site);

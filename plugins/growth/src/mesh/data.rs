@@ -167,8 +167,7 @@ impl MeshData {
 
     /// The same with texture coordinates as if its corners were elsewhere.
     pub(super) fn polygon_as(&mut self, corners: &[DVec3], charted: &[DVec3], paint: Paint) {
-        let Some(normal) = newell(corners) else { return };
-        let chart = Chart::new(normal, paint.tile);
+        let Some((normal, chart)) = newell_sum(corners).and_then(|sum| Chart::across(sum, paint.tile)) else { return };
         let base = self.positions.len() as u32;
         self.positions.extend(corners.iter().map(|p| p.as_vec3().to_array()));
         self.normals.extend(corners.iter().map(|_| normal.as_vec3().to_array()));
@@ -190,9 +189,18 @@ fn all_finite<const N: usize>(what: &'static str, of: &[[f32; N]]) -> Result<(),
 
 /// Unit normal of a polygon by Newell's sum; `None` if it has (next to) no area.
 pub(super) fn newell(corners: &[DVec3]) -> Option<DVec3> {
+    let sum = newell_sum(corners)?;
+    let length = sum.length();
+    (length > NO_AREA).then(|| sum * length.recip())
+}
+
+/// Sums of normals shorter than this are of polygons without area.
+const NO_AREA: f64 = 1e-9;
+
+/// A normal of a polygon, as long as twice its area; `None` of no corner.
+fn newell_sum(corners: &[DVec3]) -> Option<DVec3> {
     let first = *corners.first()?;
-    let sum: DVec3 = corners.windows(2).map(|w| (w[0] - first).cross(w[1] - first)).sum();
-    (sum.length() > 1e-9).then(|| sum.normalize())
+    Some(corners.windows(2).map(|w| (w[0] - first).cross(w[1] - first)).sum())
 }
 
 /// What a face is drawn with.
@@ -234,11 +242,19 @@ struct Chart {
 }
 
 impl Chart {
-    fn new(normal: DVec3, tile: Tile) -> Self {
-        let level = DVec3::Y.cross(normal);
-        let u = if level.length() > 1e-3 { level.normalize() } else { DVec3::X };
+    /// The axes across a normal of any length, and the unit normal; `None` if it has (next to) no length.
+    fn across(normal: DVec3, tile: Tile) -> Option<(DVec3, Self)> {
+        let level = DVec3::new(normal.z, 0.0, -normal.x);
+        // One root does not wait for the other.
+        let (length, run) = (normal.length(), level.length());
+        if length <= NO_AREA {
+            return None;
+        }
+        let normal = normal * length.recip();
+        let u = if run > 1e-3 * length { level * run.recip() } else { DVec3::X };
         let (width, height) = tile.size_m();
-        Self { u: u / f64::from(width), v: u.cross(normal) / f64::from(height) }
+        let [across, down] = [width, height].map(|size| f64::from(size).recip());
+        Some((normal, Self { u: u * across, v: u.cross(normal) * down }))
     }
 
     fn uv(&self, p: DVec3) -> DVec2 {

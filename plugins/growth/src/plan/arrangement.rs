@@ -11,9 +11,8 @@
 mod faces;
 mod hot;
 
-use std::collections::HashSet;
-
 use rayon::prelude::*;
+use rustc_hash::FxHashSet;
 use veduta_city::{GridPolygon, GridPos, ring_edges};
 
 use super::extent::Extent;
@@ -100,7 +99,7 @@ pub(super) fn arrange(extent: &Extent, layers: &[Layer], dust_m2: f64) -> Vec<Pi
     let kinds = kinds(layers);
     faces.par_iter_mut().zip(below).for_each(|(faces, below)| faces.label(below, &kinds, dust_m2));
     // A vertex on a side stays if a border ends there on either side of it.
-    let ends: HashSet<GridPos> = faces.iter().flat_map(Faces::ends_on_sides).collect();
+    let ends: FxHashSet<GridPos> = faces.iter().flat_map(Faces::ends_on_sides).collect();
     faces.par_iter().map(|faces| faces.pieces(&ends)).collect::<Vec<_>>().into_iter().flatten().collect()
 }
 

@@ -89,8 +89,11 @@ impl Points {
 fn fence(bulk: &[DVec2]) -> (DVec2, DVec2) {
     let axis = |pick: fn(&DVec2) -> f64| {
         let mut values: Vec<f64> = bulk.iter().map(pick).collect();
-        values.sort_by(f64::total_cmp);
-        let at = |share: f64| values.get(((values.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(0.0);
+        let last = values.len().saturating_sub(1);
+        let mut at = |share: f64| {
+            let place = (last as f64 * share) as usize;
+            if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(place, f64::total_cmp).1 }
+        };
         let (low, high, middle) = (at(0.1), at(0.9), at(0.5));
         let reach = 0.75 * (high - low) + 250.0;
         ((low - reach).max(middle - FARTHEST_M), (high + reach).min(middle + FARTHEST_M))

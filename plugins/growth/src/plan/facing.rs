@@ -7,15 +7,15 @@ use veduta_city::{GridPolygon, GridPos, SurfaceKind};
 use super::bounds::{Bounds, about, do_meet, grown, joined};
 use super::ground::Ground;
 use super::houses::{Body, Draft};
-use super::index::{Cells, Gathering, Index};
+use super::index::{CellSet, Cells, Gathering, Index};
 use super::outline;
 
 /// Walls closer than this, side by side, are party walls; metres.
 const PARTY_M: f64 = 0.3;
 /// Houses closer than this are neighbours; metres.
 const NEAR_M: f64 = 3.0;
-/// How far before a wall a street is still faced; metres.
-const REACH_M: f64 = 15.0;
+/// Where it is looked at what lies before a wall: as far as a street is still faced; metres.
+const STEPS_M: [f64; 16] = [0.3, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 /// Bodies that hang higher than this do not stand in the way of people; metres.
 pub(super) const HEADROOM_M: f64 = 2.5;
 
@@ -156,10 +156,12 @@ const AT_ONCE: usize = 64;
 /// Looks out of every wall.
 pub(super) fn facing(drafts: &[Draft], standing: &Index<(BodyRef, f64)>, ground: &Ground) -> Facing {
     let walls = Edges::of(drafts);
+    let public = ground.cells_of(|(surface, _)| is_faced(*surface));
+    let before = Before { standing, ground, public };
     let of_some = |first: usize, some: &[Draft]| {
         let (around, spans, near) = (Vec::new(), Vec::new(), Vec::new());
         let seen = Facing::default();
-        let mut view = View { drafts, walls: &walls, standing, ground, around, spans, near, seen, found: Vec::new() };
+        let mut view = View { drafts, walls: &walls, before: &before, around, spans, near, seen, found: Vec::new() };
         some.iter().enumerate().for_each(|(i, draft)| view.house(first + i, draft));
         view.seen
     };
@@ -173,10 +175,9 @@ pub(super) fn facing(drafts: &[Draft], standing: &Index<(BodyRef, f64)>, ground:
 struct View<'a> {
     drafts: &'a [Draft],
     walls: &'a Edges,
-    standing: &'a Index<(BodyRef, f64)>,
-    ground: &'a Ground,
+    before: &'a Before<'a>,
     /// Edges of others about the body that is looked at.
-    around: Vec<(BodyRef, GridPos, GridPos)>,
+    around: Vec<Near>,
     /// The parts of it that others run along.
     spans: Vec<(BodyRef, f64, f64)>,
     /// Houses near any of them, each once.
@@ -185,6 +186,13 @@ struct View<'a> {
     found: Vec<u32>,
     /// What was seen.
     seen: Facing,
+}
+
+/// An edge near a body.
+struct Near {
+    body: BodyRef,
+    ends: (GridPos, GridPos),
+    bounds: Bounds,
 }
 
 /// A box, and all that comes near it.
@@ -214,7 +222,8 @@ impl View<'_> {
         let Some(bounds) = footprint.bounds().map(reach) else { return };
         self.walls.cells.within(bounds.0, bounds.1, |note| note, &mut self.found);
         let edges = self.found.iter().map(|&number| self.walls.all[number as usize]);
-        self.around.extend(edges.filter(|&(body, p, q)| body != me && do_meet(about(p, q), bounds)));
+        let near = edges.filter(|&(body, ..)| body != me).map(|(body, p, q)| Near { body, ends: (p, q), bounds: about(p, q) });
+        self.around.extend(near.filter(|near| do_meet(near.bounds, bounds)));
     }
 
     fn edge(&mut self, me: BodyRef, grid_a: GridPos, grid_b: GridPos) -> Edge {
@@ -222,15 +231,12 @@ impl View<'_> {
         let mut twin = None;
         let (a, b) = (grid_a.to_metres(), grid_b.to_metres());
         self.spans.clear();
-        for &(body, p, q) in &self.around {
-            if !do_meet(about(p, q), bounds) {
-                continue;
-            }
+        for &Near { body, ends: (p, q), .. } in self.around.iter().filter(|near| do_meet(near.bounds, bounds)) {
             if (p, q) == (grid_b, grid_a) {
                 twin = Some(body);
             }
             let (p, q) = (p.to_metres(), q.to_metres());
-            if body.0 != me.0 && !self.near.contains(&body.0) && gap_m(a, b, p, q) <= NEAR_M {
+            if body.0 != me.0 && !self.near.contains(&body.0) && is_near(a, b, p, q) {
                 self.near.push(body.0);
             }
             if let Some((from, to)) = covered(a, b, p, q) {
@@ -249,7 +255,7 @@ impl View<'_> {
         let out = outward(a, b);
         for t in [0.17, 0.5, 0.83].into_iter().filter(|_| !is_hidden) {
             let before = GridPos::from_metres(a.lerp(b, t) + out * 0.1);
-            for &(body, _) in self.standing.at(before).filter(|(body, _)| *body != me) {
+            for &(body, _) in self.before.standing.of_kind_at(before, |(body, _)| *body != me) {
                 let known = &self.seen.parties[first..];
                 let at = first + known.partition_point(|other| other.body() < body);
                 if self.seen.parties.get(at).is_none_or(|other| other.body() != body) {
@@ -268,15 +274,14 @@ impl View<'_> {
             }
         }
         self.seen.parties.truncate(kept);
-        let is_public = !is_hidden && is_public(a, b, self.standing, self.ground);
+        let is_public = !is_hidden && self.before.is_public(a, b);
         Edge { ends: (grid_a, grid_b), is_public, parties: (first as u32, kept as u32) }
     }
 }
 
-/// Least distance between two edges that do not cross, metres.
-fn gap_m(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> f64 {
-    let d = outline::distance_to_edge;
-    d(a, p, q).min(d(b, p, q)).min(d(p, a, b)).min(d(q, a, b))
+/// Whether two edges that do not cross come within 3 m of one another.
+fn is_near(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> bool {
+    [(a, p, q), (b, p, q), (p, a, b), (q, a, b)].into_iter().any(|(at, from, to)| outline::distance_to_edge(at, from, to) <= NEAR_M)
 }
 
 /// The part of a–b, as parameters 0 to 1, that p–q runs along; `None` if it does not.
@@ -308,31 +313,44 @@ fn share(spans: &[(BodyRef, f64, f64)]) -> f64 {
     sum
 }
 
-/// Whether most of an edge looks at public ground before it looks at a house.
-fn is_public(a: DVec2, b: DVec2, standing: &Index<(BodyRef, f64)>, ground: &Ground) -> bool {
-    let out = outward(a, b);
-    let sees = |t: f64| sees_public(a.lerp(b, t), out, standing, ground);
-    let middle = sees(0.5);
-    if a.distance(b) < 6.0 {
-        return middle;
-    }
-    // Two of three decide.
-    if sees(0.2) == middle { middle } else { sees(0.8) }
+/// What lies and stands before walls.
+struct Before<'a> {
+    standing: &'a Index<(BodyRef, f64)>,
+    ground: &'a Ground,
+    /// Where there may be public ground: most walls have none before them.
+    public: CellSet,
 }
 
-fn sees_public(from: DVec2, out: DVec2, standing: &Index<(BodyRef, f64)>, ground: &Ground) -> bool {
-    let mut step = 0.3;
-    while step <= REACH_M {
-        let pos = GridPos::from_metres(from + out * step);
-        if standing.at(pos).any(|(_, bottom)| *bottom < HEADROOM_M) {
-            return false;
+impl Before<'_> {
+    /// Whether most of an edge looks at public ground before it looks at a house.
+    fn is_public(&self, a: DVec2, b: DVec2) -> bool {
+        let out = outward(a, b);
+        let sees = |t: f64| self.sees_public(a.lerp(b, t), out);
+        let middle = sees(0.5);
+        if a.distance(b) < 6.0 {
+            return middle;
         }
-        if ground.at(pos).next().is_some_and(|(surface, _)| is_faced(*surface)) {
-            return true;
-        }
-        step += if step < 1.0 { 0.7 } else { 1.0 };
+        // Two of three decide.
+        if sees(0.2) == middle { middle } else { sees(0.8) }
     }
-    false
+
+    fn sees_public(&self, from: DVec2, out: DVec2) -> bool {
+        let place = |step: f64| GridPos::from_metres(from + out * step);
+        if let Some(is_public) = self.is_public_at(place(STEPS_M[0])) {
+            return is_public;
+        }
+        let places = STEPS_M.map(place);
+        let Some(last) = places.iter().rposition(|&pos| self.public.has(pos)) else { return false };
+        places[1..=last.max(1)].iter().find_map(|&pos| self.is_public_at(pos)).unwrap_or(false)
+    }
+
+    /// Whether public ground lies at a place; `None` where neither that nor a house is.
+    fn is_public_at(&self, pos: GridPos) -> Option<bool> {
+        if self.standing.of_kind_at(pos, |(_, bottom)| *bottom < HEADROOM_M).next().is_some() {
+            return Some(false);
+        }
+        self.ground.of_kind_at(pos, |(surface, _)| is_faced(*surface)).next().is_some().then_some(true)
+    }
 }
 
 /// Whether a surface makes a façade of a wall that looks at it.

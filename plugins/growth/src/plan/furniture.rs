@@ -1,9 +1,8 @@
 //! What stands in streets, squares, parks and yards by rule, where a map does not say.
 
-use std::collections::HashMap;
-
 use glam::DVec2;
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 use veduta_city::draw::Draw;
 use veduta_city::furniture::{AreaKind, Control, Offset, Placement, Side};
 use veduta_city::{
@@ -43,7 +42,7 @@ pub(super) struct Furnisher<'a> {
 
 /// Discs that things stand on.
 #[derive(Default)]
-pub(super) struct Taken(HashMap<(i64, i64), Vec<(DVec2, f64)>>);
+pub(super) struct Taken(FxHashMap<(i64, i64), Vec<(DVec2, f64)>>);
 
 impl Taken {
     /// Side of the squares in which they are looked for: two of the widest reach no farther; metres.
@@ -115,7 +114,7 @@ impl Furnisher<'_> {
 
     fn along(&self, rule: &FurnitureRule, classes: &[StreetClass], every_m: f64, side: Side, at: Offset) -> Vec<Wish> {
         let nodes = self.graph.node_positions();
-        let taken: HashMap<Id, [f64; 2]> = self.network.streets.iter().map(|street| (street.link.id, street.taken_m)).collect();
+        let taken: FxHashMap<Id, [f64; 2]> = self.network.streets.iter().map(|street| (street.link.id, street.taken_m)).collect();
         let of_link = |link: &Link| -> Vec<Wish> {
             let LinkKind::Street(class) = link.kind else { return Vec::new() };
             let (width, pavement) = (streets::width_m(link), streets::pavement_m(class, streets::width_m(link)));

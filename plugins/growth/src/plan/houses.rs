@@ -1,7 +1,6 @@
 //! Given buildings as drafts of houses: valid footprints on the grid, tags checked, a style chosen.
 
-use std::collections::HashSet;
-
+use rustc_hash::FxHashSet;
 use veduta_city::draw::Draw;
 use veduta_city::{
     BlockKind, Building, CityGraph, Finding, GridPolygon, HIGHEST_M, Id, MOST_LEVELS, Opening, Rgb, RoofTags, Severity, Style,
@@ -124,7 +123,7 @@ fn sane(value: Option<f64>, most: f64, what: &str, id: Id, findings: &mut Vec<Fi
 
 /// Drafts of the graph's buildings, in order.
 pub(super) fn given(graph: &CityGraph, book: &StyleBook<'_>, extent: &Extent, findings: &mut Vec<Finding>) -> Vec<Draft> {
-    let mut seen: HashSet<GridPolygon> = HashSet::new();
+    let mut seen: FxHashSet<GridPolygon> = FxHashSet::default();
     let mut drafts = Vec::new();
     for building in &graph.buildings {
         let place = building.outline.first().copied();

@@ -10,8 +10,8 @@ use veduta_city::{GridPolygon, GridPos};
 
 use super::bounds::{Bounds, do_meet, grown, joined};
 
-/// Least side of a cell as a power of two of grid steps: 4 m.
-const LEAST_SHIFT: u32 = 12;
+/// Least side of a cell as a power of two of grid steps: 8 m.
+const LEAST_SHIFT: u32 = 13;
 /// Cells there may be for each shape, …
 const CELLS_A_SHAPE: i64 = 64;
 /// … but always so many.
@@ -112,9 +112,17 @@ fn across(low: GridPos, high: GridPos, y: i64) -> (i64, i64) {
         let (a, b) = (i64::from(low.0), i64::from(high.0));
         return (a.min(b), a.max(b));
     }
-    let way = i128::from(run) * i128::from(y - i64::from(low.1));
-    let least = i64::from(low.0) + way.div_euclid(i128::from(rise)) as i64;
-    (least, least + i64::from(way.rem_euclid(i128::from(rise)) > 0))
+    let up = y - i64::from(low.1);
+    // Division in 128 bits takes ten times as long, and nothing but edges across half the plane needs it.
+    let (whole, is_between) = match run.checked_mul(up) {
+        Some(way) => (way.div_euclid(rise), way.rem_euclid(rise) > 0),
+        None => {
+            let (way, rise) = (i128::from(run) * i128::from(up), i128::from(rise));
+            (way.div_euclid(rise) as i64, way.rem_euclid(rise) > 0)
+        }
+    };
+    let least = i64::from(low.0) + whole;
+    (least, least + i64::from(is_between))
 }
 
 impl Cells {
@@ -137,14 +145,17 @@ impl Cells {
         &self.notes[at(cell as usize)..at(cell as usize + 1)]
     }
 
-    /// What was noted in the cell of a position; nothing outside of all cells.
-    pub fn at(&self, pos: GridPos) -> &[u32] {
+    /// The cell of a position, counted row by row; `None` outside of all cells.
+    fn cell(&self, pos: GridPos) -> Option<i64> {
         let (x, y) = (i64::from(pos.0) - i64::from(self.low.0), i64::from(pos.1) - i64::from(self.low.1));
         let (column, row) = (x >> self.shift, y >> self.shift);
-        if column < 0 || row < 0 || column >= self.columns || row >= self.rows {
-            return &[];
-        }
-        self.of_cell(row * self.columns + column)
+        let is_there = column >= 0 && row >= 0 && column < self.columns && row < self.rows;
+        is_there.then_some(row * self.columns + column)
+    }
+
+    /// What was noted in the cell of a position; nothing outside of all cells.
+    pub fn at(&self, pos: GridPos) -> &[u32] {
+        self.cell(pos).map_or(&[], |cell| self.of_cell(cell))
     }
 
     /// What was noted in the cells that a box touches, ascending, each note once, as `key` has it.
@@ -169,6 +180,19 @@ pub(super) struct Index<T> {
     /// Of each polygon twice its number, and one more where it covers the whole cell.
     cells: Cells,
     things: Vec<Thing<T>>,
+}
+
+/// Some of an index's cells.
+pub(super) struct CellSet {
+    frame: Cells,
+    holds: Vec<bool>,
+}
+
+impl CellSet {
+    /// Whether a position lies in one of them.
+    pub fn has(&self, pos: GridPos) -> bool {
+        self.frame.cell(pos).is_some_and(|cell| self.holds[cell as usize])
+    }
 }
 
 /// A polygon with something attached.
@@ -196,11 +220,24 @@ impl<T: Sync> Index<T> {
 
     /// All that contain a position, in order of insertion.
     pub fn at(&self, pos: GridPos) -> impl Iterator<Item = &T> {
+        self.of_kind_at(pos, |_| true)
+    }
+
+    /// All of a kind that contain a position, in order of insertion: outlines of others are not looked at.
+    pub fn of_kind_at(&self, pos: GridPos, is_of: impl Fn(&T) -> bool) -> impl Iterator<Item = &T> {
         let touching = self.cells.at(pos).iter().map(|note| (&self.things[*note as usize / 2], note % 2 == 1));
         let holds = move |(thing, is_covered): &(&Thing<T>, bool)| {
-            *is_covered || do_meet((pos, pos), thing.bounds) && thing.polygon.contains(pos)
+            is_of(&thing.of) && (*is_covered || do_meet((pos, pos), thing.bounds) && thing.polygon.contains(pos))
         };
         touching.filter(holds).map(|(thing, _)| &thing.of)
+    }
+
+    /// The cells that something of a kind touches.
+    pub fn cells_of(&self, is_of: impl Fn(&T) -> bool + Sync) -> CellSet {
+        let is_of: Vec<bool> = self.things.iter().map(|thing| is_of(&thing.of)).collect();
+        let count = (self.cells.columns * self.cells.rows) as usize;
+        let holds = |cell: usize| self.cells.of_cell(cell as i64).iter().any(|note| is_of[*note as usize / 2]);
+        CellSet { frame: self.cells.frame(), holds: (0..count).into_par_iter().with_min_len(1 << 12).map(holds).collect() }
     }
 
     /// All that may come within a distance of the bounds of a polygon, in order of insertion: none of which the bounds do not.

@@ -5,9 +5,9 @@
 //! so that each belongs to a cell and the dashes still go on.
 
 use core::ops::Range;
-use std::collections::HashMap;
 
 use glam::DVec2;
+use rustc_hash::FxHashMap;
 use veduta_city::{CityGraph, GridPos, Id, Link, LinkKind, Marking, MarkingKind, StreetClass, SurfaceKind};
 
 use super::bridges::Bridges;
@@ -33,7 +33,7 @@ const CROSSING_STEP_M: f64 = 1.5;
 
 /// All markings, in the order of links.
 pub(super) fn markings(graph: &CityGraph, network: &Network<'_>, bridges: &Bridges, site: &Site<'_>) -> Vec<Marking> {
-    let numbers: HashMap<Id, usize> = graph.links.iter().enumerate().map(|(i, link)| (link.id, i)).collect();
+    let numbers: FxHashMap<Id, usize> = graph.links.iter().enumerate().map(|(i, link)| (link.id, i)).collect();
     let on_ground = |link: &Link| numbers.get(&link.id).map_or_else(Vec::new, |&i| bridges.on_ground(i));
     let mut marks = Marks { site, out: Vec::new() };
     network.junctions.iter().for_each(|junction| crossing(junction, &network.streets, &mut marks));

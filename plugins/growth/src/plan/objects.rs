@@ -1,9 +1,8 @@
 //! What stands in the streets: given objects, moved out of walls, and what rules put where a graph has none.
 
-use std::collections::HashSet;
-
 use glam::DVec2;
 use rayon::prelude::*;
+use rustc_hash::FxHashSet;
 use veduta_city::draw::Draw;
 use veduta_city::{
     CityGraph, Finding, FurnitureRule, GridPos, Id, ObjectKind, PlanObject, PlanTerrain, Severity, StandingObject, SurfaceKind,
@@ -45,8 +44,7 @@ impl Site<'_> {
 
     /// Whether a disc about a position is outside of all houses, by its rim.
     pub fn is_free_about(&self, pos: DVec2, radius_m: f64) -> bool {
-        let rim = |i: usize| pos + compass(f64::from(i as u32) * 45.0) * radius_m;
-        self.is_free(pos) && (0..8).all(|i| self.is_free(rim(i)))
+        self.is_free(pos) && EIGHT_WINDS.into_iter().all(|wind| self.is_free(pos + wind * radius_m))
     }
 
     /// The nearest free position within a distance.
@@ -75,8 +73,8 @@ impl Site<'_> {
         if self.terrain.is_level() {
             return above;
         }
-        let rim = |i: u32| self.terrain.height_m(pos + compass(f64::from(i) * 90.0) * radius_m);
-        let lowest = (0..4).map(rim).fold(self.terrain.height_m(pos), f64::min);
+        let rim = EIGHT_WINDS.into_iter().step_by(2).map(|wind| self.terrain.height_m(pos + wind * radius_m));
+        let lowest = rim.fold(self.terrain.height_m(pos), f64::min);
         above.saturating_add(GridPos::steps(lowest))
     }
 
@@ -93,6 +91,21 @@ impl Site<'_> {
         self.ground.at(GridPos::from_metres(pos)).next().copied()
     }
 }
+
+/// Unit vectors to the north, the north-east and so on.
+const EIGHT_WINDS: [DVec2; 8] = {
+    const D: f64 = core::f64::consts::FRAC_1_SQRT_2;
+    [
+        DVec2::new(0.0, 1.0),
+        DVec2::new(D, D),
+        DVec2::new(1.0, 0.0),
+        DVec2::new(D, -D),
+        DVec2::new(0.0, -1.0),
+        DVec2::new(-D, -D),
+        DVec2::new(-1.0, 0.0),
+        DVec2::new(-D, D),
+    ]
+};
 
 /// Positions about another within a distance, in rings of 25 cm.
 fn about(pos: DVec2, within_m: f64) -> impl Iterator<Item = DVec2> {
@@ -192,7 +205,7 @@ pub(super) fn objects(
         findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
         grown.truncate(MOST_GROWN);
     }
-    let mut seen: HashSet<Id> = out.iter().map(|o| o.id).collect();
+    let mut seen: FxHashSet<Id> = out.iter().map(|o| o.id).collect();
     grown.retain(|o| seen.insert(o.id));
     out.par_extend(grown.par_iter().map(|o| placed(o, graph.seed, site)));
     (out, grown)

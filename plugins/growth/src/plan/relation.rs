@@ -5,7 +5,7 @@ use glam::DVec2;
 use veduta_city::{GridPolygon, GridPos};
 
 use super::bounds::{about, do_meet};
-use super::outline::{distance_to_edge, edges};
+use super::outline::edges;
 
 /// Whether one of a ring's edges has all of the ring on its left and all of another on its right: most houses side by side are
 /// told apart by that alone.
@@ -48,48 +48,112 @@ pub(super) fn is_within(polygon: &GridPolygon, other: &GridPolygon, tolerance_m2
         return false;
     }
     let local = |p: GridPos| (p - low).to_metres() * steps;
-    let own: Vec<(DVec2, DVec2)> = edges(&polygon.outer).map(|(a, b)| (local(a), local(b))).collect();
+    let own: Vec<Edge> = edges(&polygon.outer).map(|(a, b)| Edge::new(local(a), local(b))).collect();
     let is_near = |p: GridPos, q: GridPos| do_meet(about(p, q), (low, high));
-    let borders: Vec<(DVec2, DVec2)> = other.edges().filter(|&(p, q)| is_near(p, q)).map(|(p, q)| (local(p), local(q))).collect();
-    let is_on_border = |p: DVec2| borders.iter().any(|&(a, b)| distance_to_edge(p, a, b) <= NEAR);
+    let near = other.edges().filter(|&(p, q)| is_near(p, q));
+    let borders: Vec<Edge> = near.map(|(p, q)| Edge::new(local(p), local(q))).collect();
+    let perimeter: f64 = own.iter().map(|edge| edge.length).sum();
+    if perimeter * NEAR < tolerance_m2 * steps * steps && is_convex(&polygon.outer) {
+        let middle = own.iter().map(|edge| edge.from).sum::<DVec2>() / own.len() as f64;
+        if core_depth(&own, middle) > 0.0 && !borders.iter().any(|border| meets_core(&own, border)) {
+            return other.contains(low + GridPos(middle.x as i32, middle.y as i32));
+        }
+    }
+    let is_on_border = |p: DVec2| borders.iter().any(|border| border.is_near(p));
     if !polygon.outer.iter().all(|&p| is_on_border(local(p)) || other.contains(p)) {
         return false;
     }
     // What is outside lies beside the pieces of the border that run along its own, and no farther from them than these.
     let most = tolerance_m2 * steps * steps / NEAR;
     let (mut shares, mut sum) = (Vec::new(), 0.0);
-    let is_kept_to = |&(p, q): &(DVec2, DVec2)| {
+    let is_kept_to = |border: &Edge| {
         // The pieces of the border between the edges that it crosses: each is inside or outside of the polygon as a whole.
         shares.clear();
         shares.extend([0.0, 1.0]);
-        shares.extend(own.iter().filter_map(|&(a, b)| crossing(p, q, a, b)));
+        shares.extend(own.iter().filter_map(|edge| crossing(border, edge)));
         shares.sort_unstable_by(f64::total_cmp);
         shares.windows(2).all(|piece| {
-            let [from, to] = [piece[0], piece[1]].map(|share| p.lerp(q, share));
-            // Distance to an edge is convex: what is near at both ends is near between.
-            let is_along = |&(a, b): &(DVec2, DVec2)| distance_to_edge(from, a, b).max(distance_to_edge(to, a, b)) <= NEAR;
+            let [from, to] = [piece[0], piece[1]].map(|share| border.from.lerp(border.to, share));
             if !contains(&own, (from + to) / 2.0) {
                 return true;
             }
+            // Distance to an edge is convex: what is near at both ends is near between.
             sum += from.distance(to);
-            sum < most && own.iter().any(is_along)
+            sum < most && own.iter().any(|edge| edge.is_near(from) && edge.is_near(to))
         })
     };
     borders.iter().all(is_kept_to) && inner_point(&polygon.outer).is_some_and(|p| other.contains(p))
 }
 
-/// Where p–q crosses a–b, as a share of the way from p to q.
-fn crossing(p: DVec2, q: DVec2, a: DVec2, b: DVec2) -> Option<f64> {
-    let (way, edge) = (q - p, b - a);
+/// An edge, grid steps.
+struct Edge {
+    from: DVec2,
+    to: DVec2,
+    /// Unit vector from one to the other.
+    way: DVec2,
+    length: f64,
+}
+
+impl Edge {
+    fn new(from: DVec2, to: DVec2) -> Self {
+        let length = from.distance(to);
+        Self { from, to, way: if length > 0.0 { (to - from) / length } else { DVec2::ZERO }, length }
+    }
+
+    /// Whether a position is as near as rounding leads.
+    fn is_near(&self, p: DVec2) -> bool {
+        let off = p - self.from;
+        (off - self.way * off.dot(self.way).clamp(0.0, self.length)).length_squared() <= NEAR * NEAR
+    }
+
+    /// How much farther to its left than rounding leads a position lies.
+    fn depth_of(&self, p: DVec2) -> f64 {
+        self.way.perp_dot(p - self.from) - NEAR
+    }
+}
+
+/// How far a position lies within the core of a convex ring, what is farther than rounding leads from all of its edges; less than
+/// nothing outside.
+fn core_depth(ring: &[Edge], p: DVec2) -> f64 {
+    ring.iter().map(|edge| edge.depth_of(p)).fold(f64::INFINITY, f64::min)
+}
+
+/// Whether an edge may come into the core of a convex ring. (Cyrus and Beck, *Generalized two- and three-dimensional clipping*,
+/// Computers & Graphics 3, 1978.)
+fn meets_core(ring: &[Edge], other: &Edge) -> bool {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for edge in ring {
+        let (before, after) = (edge.depth_of(other.from), edge.depth_of(other.to));
+        match (before < 0.0, after < 0.0) {
+            (true, true) => return false,
+            (true, false) => from = from.max(before / (before - after)),
+            (false, true) => to = to.min(before / (before - after)),
+            (false, false) => {}
+        }
+    }
+    from <= to
+}
+
+/// Where one edge crosses another, as a share of its own way.
+fn crossing(of: &Edge, other: &Edge) -> Option<f64> {
+    let (way, edge) = (of.to - of.from, other.to - other.from);
+    // Both ends well on one side: most are.
+    let [a, b] = [other.from, other.to].map(|end| of.way.perp_dot(end - of.from));
+    if a.min(b) > 0.1 || a.max(b) < -0.1 {
+        return None;
+    }
     let cross = way.perp_dot(edge);
-    let share = (a - p).perp_dot(edge) / cross;
-    let along = (a - p).perp_dot(way) / cross;
+    let share = (other.from - of.from).perp_dot(edge) / cross;
+    let along = (other.from - of.from).perp_dot(way) / cross;
     (cross != 0.0 && (0.0..=1.0).contains(&share) && (-1e-9..=1.0 + 1e-9).contains(&along)).then_some(share)
 }
 
 /// Whether a position lies in a ring, given by its edges.
-fn contains(ring: &[(DVec2, DVec2)], p: DVec2) -> bool {
-    let crosses = |&&(a, b): &&(DVec2, DVec2)| (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
+fn contains(ring: &[Edge], p: DVec2) -> bool {
+    let crosses = |edge: &&Edge| {
+        let (a, b) = (edge.from, edge.to);
+        (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
+    };
     ring.iter().filter(crosses).count() % 2 == 1
 }
 

@@ -1,7 +1,6 @@
 //! The faces of a tile's snapped edges, and which layer covers each.
 
-use std::collections::HashSet;
-
+use rustc_hash::FxHashSet;
 use veduta_city::{BorderEdge, GridPos, connected_faces};
 
 use super::{Piece, Segment, Tile, Turns, hot, turn};
@@ -434,7 +433,7 @@ impl<'a> Faces<'a> {
     }
 
     /// The pieces of the tile, by layer. `ends`: vertices on sides that are to stay, those of neighbours among them.
-    pub(super) fn pieces(&self, ends: &HashSet<GridPos>) -> Vec<Piece> {
+    pub(super) fn pieces(&self, ends: &FxHashSet<GridPos>) -> Vec<Piece> {
         let mut borders: Vec<(u32, BorderEdge)> = Vec::new();
         // The ends of the borders at a vertex, as far as two.
         let mut meeting: Vec<(u8, [u32; 2])> = vec![(0, [0; 2]); self.hot.len()];
