@@ -5,7 +5,7 @@ use std::path::Path;
 use veduta_cells::{Contents, PartitionSettings, partition};
 use veduta_city::{Cells, CityGraph, CityPlan, Finding, GraphOverrides, Id, Severity, file};
 use veduta_growth::plan::Stock;
-use veduta_store::{CityStats, write_city_with};
+use veduta_store::{CityStats, CityWriter};
 
 use crate::{BakeError, Heights, Input, InputKind, lay_on_ground, overrides_beside, read_models};
 
@@ -186,15 +186,20 @@ pub fn bake(input: &Path, out: &Path, settings: &BakeSettings, progress: &mut dy
 /// As [`bake`].
 pub fn bake_input(input: &Input, out: &Path, settings: &BakeSettings, progress: &mut dyn FnMut(Stage)) -> Result<Baked, BakeError> {
     let Planned { plan, mut findings } = plan(input, settings, progress)?;
+    let mut writer = CityWriter::new(out, &plan)?;
     progress(Stage::Cut);
-    let (cells, more) = cut(&plan, settings);
+    let (mut cells, more) = cut(&plan, settings);
     findings.extend(more);
     if cells.cells.is_empty() {
         return Err(BakeError::Empty(input.path.clone()));
     }
     progress(Stage::Pack);
     let contents = Contents::new(&plan, &cells);
-    let of_cell = |cell: usize| (Cow::Owned(contents.shell(cell)), Cow::Owned(contents.sheet(cell)));
-    let stats = write_city_with(out, &plan, &cells, &of_cell)?;
+    writer.cells(&plan, &cells, &|cell| (Cow::Owned(contents.shell(cell)), Cow::Owned(contents.sheet(cell))))?;
+    // The index of a large city takes as much again as its cells: these and the plan need not be there meanwhile.
+    drop(contents);
+    let (portals, skyline) = (core::mem::take(&mut cells.portals), core::mem::take(&mut cells.skyline));
+    drop((plan, cells));
+    let stats = writer.finish(portals, skyline)?;
     Ok(Baked { stats, findings })
 }

@@ -83,7 +83,9 @@ pub(crate) fn combine(
         overlay.add_path_iter(ring.into_iter().map(to_int), ShapeType::Clip);
     }
     let edges = overlay.build_separate_vectors(FillRule::NonZero);
-    connected_faces(edges.iter().filter_map(|edge| keep.border(edge)).collect(), keep_collinear)
+    let borders = edges.iter().filter_map(|edge| keep.border(edge)).collect();
+    drop((overlay, edges));
+    connected_faces(borders, keep_collinear)
 }
 
 fn to_int(p: GridPos) -> IntPoint {

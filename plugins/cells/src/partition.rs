@@ -70,9 +70,12 @@ pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     let patches = Patches::new(plan);
     let shapes = free::free_space(plan, &patches, settings, &mut findings);
     let mesh = triangulate::triangulate(&shapes, settings, &mut findings);
-    let (mesh, rest) = reach::reachable(&mesh, plan, &patches, settings, &mut findings);
-    let label = merge::merge(&mesh, &patches, settings);
-    let (outlines, portals) = outline::outlines(&mesh, &label, &plan.extent);
+    drop(shapes);
+    let (reached, rest) = reach::reachable(&mesh, plan, &patches, settings, &mut findings);
+    drop(mesh);
+    let label = merge::merge(&reached, &patches, settings);
+    let (outlines, portals) = outline::outlines(&reached, &label, &plan.extent);
+    drop((reached, label));
     let mut cells = Cells { portals, ..Cells::default() };
     cells.cells = outlines.into_iter().map(|outline| Cell { outline, ..Cell::default() }).collect();
     if cells.cells.is_empty() {
@@ -84,6 +87,7 @@ pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     name::name_cells(plan, &mut cells);
     assign::assign(plan, &mut cells, &mut findings);
     assign::yards(reach::spaces(&rest, &plan.extent), &mut cells);
+    drop(rest);
     assign::floors(&patches, &mut cells);
     cells.visible = visible::visible_sets(&cells, settings, &mut findings);
     cells.skyline = skyline::skyline(plan, &cells);

@@ -19,9 +19,9 @@ struct Edge {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Ring {
     /// The border of a face, outer ring or hole that is known to be its own.
-    Face(usize),
+    Face(u32),
     /// One of the holes in question.
-    Hole(usize),
+    Hole(u32),
 }
 
 /// Gives each hole to the face around it; holes outside of all faces are left out. Looks straight down from each hole's
@@ -36,11 +36,11 @@ pub(crate) fn adopt_all(faces: &mut [GridPolygon], holes: Vec<GridRing>) {
     holes.sort_by(|a, b| a.0.cmp(&b.0).then_with(|| 0.cmp(&turn(a.0, a.1, b.1))));
     let strips = Strips::new(faces, &holes);
     let mut home: Vec<Option<usize>> = Vec::with_capacity(holes.len());
-    for (h, &(tip, lower, _)) in holes.iter().enumerate() {
+    for (h, &(tip, lower, _)) in (0..).zip(&holes) {
         let below = strips.below(tip, lower, Ring::Hole(h));
         home.push(below.filter(|edge| edge.is_floor).and_then(|edge| match edge.ring {
-            Ring::Face(face) => Some(face),
-            Ring::Hole(other) => home.get(other).copied().flatten(),
+            Ring::Face(face) => Some(face as usize),
+            Ring::Hole(other) => home.get(other as usize).copied().flatten(),
         }));
     }
     for ((_, _, hole), home) in holes.into_iter().zip(home) {
@@ -61,46 +61,59 @@ fn tip(ring: &GridRing) -> Option<(GridPos, GridPos)> {
 struct Strips {
     west: i64,
     width: i64,
-    strips: Vec<Vec<Edge>>,
+    edges: Vec<Edge>,
+    /// Where each strip's entries begin, and where the last one's end.
+    starts: Vec<u32>,
+    /// Numbers of edges, strip by strip.
+    entries: Vec<u32>,
 }
 
 impl Strips {
     fn new(faces: &[GridPolygon], holes: &[(GridPos, GridPos, GridRing)]) -> Self {
-        let mut all: Vec<Edge> = Vec::new();
+        let rings = faces.iter().flat_map(GridPolygon::rings).chain(holes.iter().map(|hole| &hole.2));
+        let mut edges: Vec<Edge> = Vec::with_capacity(rings.map(Vec::len).sum());
         let mut add = |ring: &GridRing, of: Ring| {
             for (a, b) in ring_edges(ring).filter(|(a, b)| a.0 != b.0) {
                 let is_floor = a.0 < b.0;
                 let (west, east) = if is_floor { (a, b) } else { (b, a) };
-                all.push(Edge { west, east, is_floor, ring: of });
+                edges.push(Edge { west, east, is_floor, ring: of });
             }
         };
-        for (f, face) in faces.iter().enumerate() {
+        for (f, face) in (0..).zip(faces) {
             face.rings().for_each(|ring| add(ring, Ring::Face(f)));
         }
-        for (h, (_, _, hole)) in holes.iter().enumerate() {
+        for (h, (_, _, hole)) in (0..).zip(holes) {
             add(hole, Ring::Hole(h));
         }
-        let west = all.iter().map(|e| i64::from(e.west.0)).min().unwrap_or(0);
-        let east = all.iter().map(|e| i64::from(e.east.0)).max().unwrap_or(0);
-        let count = (all.len() / 8 + 1).min(MOST_STRIPS) as i64;
-        let width = (east - west) / count + 1;
-        let mut strips = vec![Vec::new(); count as usize];
-        for edge in all {
-            let strip = |x: i32| ((i64::from(x) - west) / width) as usize;
-            for strip in &mut strips[strip(edge.west.0)..=strip(edge.east.0)] {
-                strip.push(edge);
-            }
+        let west = edges.iter().map(|e| i64::from(e.west.0)).min().unwrap_or(0);
+        let east = edges.iter().map(|e| i64::from(e.east.0)).max().unwrap_or(0);
+        let count = (edges.len() / 8 + 1).min(MOST_STRIPS);
+        let width = (east - west) / count as i64 + 1;
+        let strip = |x: i32| ((i64::from(x) - west) / width) as usize;
+        let crossed = |edge: &Edge| strip(edge.west.0)..=strip(edge.east.0);
+        let mut starts = vec![0_u32; count + 1];
+        edges.iter().flat_map(crossed).for_each(|strip| starts[strip + 1] += 1);
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
         }
-        Self { west, width, strips }
+        let mut entries = vec![0; starts[count] as usize];
+        let mut next = starts.clone();
+        for (number, strip) in (0..).zip(&edges).flat_map(|(number, edge)| crossed(edge).map(move |strip| (number, strip))) {
+            entries[next[strip] as usize] = number;
+            next[strip] += 1;
+        }
+        Self { west, width, edges, starts, entries }
     }
 
     /// The first edge that is not of a ring straight below its westernmost vertex, just east of it; `lower` ends the ring's
     /// lower edge there, for others may begin at the same vertex and run below that.
     fn below(&self, tip: GridPos, lower: GridPos, but: Ring) -> Option<Edge> {
-        let strip = self.strips.get(usize::try_from((i64::from(tip.0) - self.west) / self.width).ok()?)?;
+        let strip = usize::try_from((i64::from(tip.0) - self.west) / self.width).ok()?;
+        let [from, to] = [*self.starts.get(strip)?, *self.starts.get(strip + 1)?];
+        let strip = self.entries.get(from as usize..to as usize)?.iter().map(|&number| &self.edges[number as usize]);
         let is_below = |e: &Edge| side(e, tip) > 0 || (e.west == tip && turn(tip, lower, e.east) < 0);
         let under = |e: &&Edge| e.ring != but && e.west.0 <= tip.0 && tip.0 < e.east.0 && is_below(e);
-        strip.iter().filter(under).copied().reduce(|best, e| if is_higher(&e, &best, tip.0) { e } else { best })
+        strip.filter(under).copied().reduce(|best, e| if is_higher(&e, &best, tip.0) { e } else { best })
     }
 }
 

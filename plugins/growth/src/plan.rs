@@ -81,7 +81,7 @@ use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, 
 pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 10;
+pub const GROWTH_VERSION: u32 = 11;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -158,7 +158,9 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let mut ground = ground::partition(&extent, &layers);
     ground::pave_verges(&mut ground, &extent, &facing::bodies(&drafts));
     let on_ground = ground::index(&ground);
-    drafts.extend(lots::grow_lots(graph, &areas, &layers, &ground, &extent, &drafts, &book, &mut findings));
+    let grown = lots::grow_lots(graph, &areas, &layers, &ground, &extent, &drafts, &book, &mut findings);
+    drafts.reserve_exact(grown.len());
+    drafts.extend(grown);
     let standing = facing::bodies(&drafts);
     let facing = facing::facing(&drafts, &standing, &on_ground);
     let terrain = terrain::terrain(graph, &bridges, &extent);
@@ -166,21 +168,20 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let floors = floors::floors(&drafts, &facing, &terrain);
     let masses = massing::masses(&drafts, &facing, &floors, &book, &mut findings);
     let looks = variety::looks(&drafts, &facing, &book);
-    let mut houses = walls::houses(&drafts, &facing, &masses, &looks, &book, &terrain);
+    let mut houses = walls::houses(drafts, &facing, &masses, &looks, &book, &terrain);
     let mut designs = monuments::Designs::new(monuments, models);
-    drop((drafts, facing, masses, looks));
+    drop((facing, masses, looks));
     designs.of_houses(graph, &mut houses, &mut findings);
     ornament::adorn(&mut houses, &standing, &terrain, &book, graph.seed);
     arcades::open(&mut houses, (&on_ground, &standing), &terrain);
     cellars::build(&mut houses, &terrain);
     designs.stand_in(graph, &mut houses, &mut findings);
 
-    let doors = walls::doorsteps(&houses).into_iter().map(|d| (GridPolygon::simple(vec![GridPos::from_metres(d)]), ()));
-    let doorsteps = index::Index::new(doors.collect());
+    let doorsteps = walls::doorsteps(&houses);
     let decks = spans::Decks::new(spans.iter().enumerate());
     let site = objects::Site { terrain: &terrain, ground: &on_ground, decks: &decks, standing: &standing, doorsteps: &doorsteps };
-    let (mut objects, grown) = objects::objects(graph, &areas, (&network, furniture), &site, &mut findings);
-    designs.of_objects(graph.objects.iter().chain(&grown), &mut objects, &mut findings);
+    let (mut objects, monumental) = objects::objects(graph, &areas, (&network, furniture), &site, &mut findings);
+    designs.of_objects(graph.objects.iter().chain(&monumental), &mut objects, &mut findings);
     let markings = markings::markings(graph, &network, &bridges, &site);
     let start = places::start(graph, &extent, &site, &mut findings);
     let plan = CityPlan {

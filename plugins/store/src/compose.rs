@@ -1,5 +1,4 @@
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
 use veduta_city::{BridgeSpan, Cell, CellShell, Cells, CityPlan, FacadeSheet, GRID_PER_METRE, GridPos, Level, Overview};
 
@@ -11,48 +10,20 @@ use crate::{
     sheet_fits, wall_count,
 };
 
-/// All files of a city.
-pub(crate) struct Composed {
-    /// Blobs by path.
-    pub(crate) blobs: BTreeMap<String, Vec<u8>>,
-    /// The index's file.
-    pub(crate) index: Vec<u8>,
-    /// Figures.
-    pub(crate) stats: CityStats,
-}
-
 const WHAT: &str = "the city to be written";
 
 pub(crate) fn invalid(reason: String) -> StoreError {
     StoreError::Invalid { what: WHAT, reason }
 }
 
-/// Makes all files of a city and reads each back, so that what is written can be read.
-pub(crate) fn compose<'a>(
-    plan: &CityPlan,
-    cells: &Cells,
-    contents: &(dyn Fn(usize) -> (Cow<'a, CellShell>, Cow<'a, FacadeSheet>) + Sync),
-) -> Result<Composed, StoreError> {
-    let count = cells.cells.len();
-    if cells.visible.len() != count {
-        return Err(invalid(format!("there are {count} cells but {} visible sets", cells.visible.len())));
-    }
-    let mut blobs = Blobs::default();
-    let mut stats = CityStats { houses: plan.houses.len() as u64, cells: count as u64, ..CityStats::default() };
-    let mut entries = Vec::with_capacity(count);
-    for (entry, packets) in side_by_side(count, &|i| {
-        let (shell, sheet) = contents(i);
-        let entry = entry(plan, &cells.cells[i], &cells.visible[i], &shell, &sheet);
-        entry.map_err(|error| invalid(format!("cell {i} ({}): {error}", cells.cells[i].id)))
-    })? {
-        packets.into_iter().for_each(|(blob, stored)| blobs.add(&blob, stored));
-        stats.walls += u64::from(entry.walls);
-        for (sum, packet) in stats.bytes_level.iter_mut().zip(&entry.packets) {
-            *sum += packet.map_or(0, |blob| u64::from(blob.bytes));
-        }
-        entries.push(entry);
-    }
-    let index = CityIndex {
+/// Where blobs go as they are made, from several threads.
+pub(crate) type Sink<'s> = dyn Fn(&BlobRef, &[u8]) -> Result<(), StoreError> + Sync + 's;
+
+/// The index of a plan, but for its cells, portals and skyline. Overview and styles go to the sink, each read back first, so that what is
+/// written can be read.
+pub(crate) fn head(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> Result<CityIndex, StoreError> {
+    stats.houses = plan.houses.len() as u64;
+    Ok(CityIndex {
         format: FORMAT_VERSION,
         name: plan.name.clone(),
         anchor: plan.anchor,
@@ -61,18 +32,51 @@ pub(crate) fn compose<'a>(
         growth_version: plan.growth_version,
         start: plan.start,
         extent: plan.extent.clone(),
-        cells: entries,
-        portals: cells.portals.clone(),
-        skyline: cells.skyline.clone(),
+        cells: Vec::new(),
+        portals: Vec::new(),
+        skyline: Vec::new(),
         places: plan.places.clone(),
-        overview: overview(plan, &mut blobs, &mut stats)?,
-        styles: styles(plan, &mut blobs, &mut stats)?,
-    };
-    let stored = encode_index(&index);
-    read_back(&index, &decode_index(&stored)?)?;
+        overview: overview(plan, stats, sink)?,
+        styles: styles(plan, stats, sink)?,
+    })
+}
+
+/// The index's entries of all cells; their packets go to the sink.
+pub(crate) fn entries<'a>(
+    plan: &CityPlan,
+    cells: &Cells,
+    contents: &(dyn Fn(usize) -> (Cow<'a, CellShell>, Cow<'a, FacadeSheet>) + Sync),
+    stats: &mut CityStats,
+    sink: &Sink<'_>,
+) -> Result<Vec<CellEntry>, StoreError> {
+    let count = cells.cells.len();
+    if cells.visible.len() != count {
+        return Err(invalid(format!("there are {count} cells but {} visible sets", cells.visible.len())));
+    }
+    let entries = side_by_side(count, &|i| {
+        let (shell, sheet) = contents(i);
+        let told = |error: StoreError| match error {
+            StoreError::Write { .. } => error,
+            error => invalid(format!("cell {i} ({}): {error}", cells.cells[i].id)),
+        };
+        entry(plan, &cells.cells[i], &cells.visible[i], (&shell, &sheet), sink).map_err(told)
+    })?;
+    stats.cells += count as u64;
+    for entry in &entries {
+        stats.walls += u64::from(entry.walls);
+        for (sum, packet) in stats.bytes_level.iter_mut().zip(&entry.packets) {
+            *sum += packet.map_or(0, |blob| u64::from(blob.bytes));
+        }
+    }
+    Ok(entries)
+}
+
+/// The file of an index, which was read back.
+pub(crate) fn index(index: &CityIndex, stats: &mut CityStats) -> Result<Vec<u8>, StoreError> {
+    let stored = encode_index(index);
+    read_back(index, &decode_index(&stored)?)?;
     stats.bytes_index = stored.len() as u64;
-    stats.blobs = blobs.0.len() as u64;
-    Ok(Composed { blobs: blobs.0, index: stored, stats })
+    Ok(stored)
 }
 
 /// Fewest things worth a thread.
@@ -94,31 +98,23 @@ fn side_by_side<T: Send>(count: usize, make: &(dyn Fn(usize) -> Result<T, StoreE
     Ok(parts.into_iter().flatten().collect())
 }
 
-#[derive(Default)]
-struct Blobs(BTreeMap<String, Vec<u8>>);
-
-impl Blobs {
-    fn add(&mut self, blob: &BlobRef, stored: Vec<u8>) {
-        self.0.insert(blob.path(), stored);
-    }
-}
-
 /// Fails if reading gives something other than what was written.
 fn read_back<T: PartialEq>(written: &T, read: &T) -> Result<(), StoreError> {
     if written == read { Ok(()) } else { Err(invalid("it reads back as something else".to_owned())) }
 }
 
-fn overview(plan: &CityPlan, blobs: &mut Blobs, stats: &mut CityStats) -> Result<BlobRef, StoreError> {
-    let overview = Overview::of(plan);
-    let stored = encode_overview(&overview);
+fn overview(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> Result<BlobRef, StoreError> {
+    // Made twice rather than kept while it is encoded and decoded: it is as large as all houses' outlines.
+    let stored = encode_overview(&Overview::of(plan));
     let blob = BlobRef::of(&stored);
-    read_back(&overview, &decode_overview(&stored, &blob)?)?;
+    let read = decode_overview(&stored, &blob)?;
+    read_back(&Overview::of(plan), &read)?;
     stats.bytes_overview = u64::from(blob.bytes);
-    blobs.add(&blob, stored);
+    sink(&blob, &stored)?;
     Ok(blob)
 }
 
-fn styles(plan: &CityPlan, blobs: &mut Blobs, stats: &mut CityStats) -> Result<Option<BlobRef>, StoreError> {
+fn styles(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> Result<Option<BlobRef>, StoreError> {
     if plan.styles.0.is_empty() {
         return Ok(None);
     }
@@ -129,18 +125,18 @@ fn styles(plan: &CityPlan, blobs: &mut Blobs, stats: &mut CityStats) -> Result<O
     let blob = BlobRef::of(&stored);
     read_back(&plan.styles, &decode_styles(&stored, &blob)?)?;
     stats.bytes_styles = u64::from(blob.bytes);
-    blobs.add(&blob, stored);
+    sink(&blob, &stored)?;
     Ok(Some(blob))
 }
 
-/// A cell's entry in the index, and its packets as stored.
+/// A cell's entry in the index; its packets go to the sink.
 fn entry(
     plan: &CityPlan,
     cell: &Cell,
     visible: &[u32],
-    shell: &CellShell,
-    sheet: &FacadeSheet,
-) -> Result<(CellEntry, Vec<(BlobRef, Vec<u8>)>), StoreError> {
+    (shell, sheet): (&CellShell, &FacadeSheet),
+    sink: &Sink<'_>,
+) -> Result<CellEntry, StoreError> {
     let walls = wall_count(shell);
     if walls != cell.walls.len() || !sheet_fits(shell, sheet) {
         let (has, sheet) = (cell.walls.len(), sheet.walls.len());
@@ -150,20 +146,20 @@ fn entry(
     if let Some(house) = shell.houses.iter().find(|house| styles > 0 && usize::from(house.style) >= styles) {
         return Err(invalid(format!("its house {} has style {} of {styles}", house.id, house.style)));
     }
-    let (mut packets, mut blobs) = ([None; 4], Vec::new());
+    let mut packets = [None; 4];
     let stored = encode_shell(shell);
     let blob = BlobRef::of(&stored);
     read_back(&Packet::Shell(Box::new(shell.clone())), &decode_packet(&stored, &blob, Level::One)?)?;
-    blobs.push((blob, stored));
+    sink(&blob, &stored)?;
     packets[Level::One.index()] = Some(blob);
     if walls > 0 {
         let stored = encode_sheet(sheet);
         let blob = BlobRef::of(&stored);
         read_back(&Packet::Facades(sheet.clone()), &decode_packet(&stored, &blob, Level::Two)?)?;
-        blobs.push((blob, stored));
+        sink(&blob, &stored)?;
         packets[Level::Two.index()] = Some(blob);
     }
-    let entry = CellEntry {
+    Ok(CellEntry {
         id: cell.id,
         name: cell.name.clone(),
         outline: cell.outline.clone(),
@@ -175,8 +171,7 @@ fn entry(
         houses: cell.houses.len() as u32,
         walls: walls as u32,
         packets,
-    };
-    Ok((entry, blobs))
+    })
 }
 
 /// Least and greatest corner in plan of all that is drawn with a cell. Called on a shell that was checked, so that sums

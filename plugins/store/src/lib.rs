@@ -8,7 +8,7 @@
 //!               streaming ── want(cell, level)… ──► Client ── Request            Client::deliver ──► ClientEvent
 //! ```
 //!
-//! Only these do I/O: [`write_city`], [`write_city_with`] and the two [`Reader`]s. The [`Client`] is a state machine: it says what to
+//! Only these do I/O: [`write_city`], [`CityWriter`] and the two [`Reader`]s. The [`Client`] is a state machine: it says what to
 //! read next and takes what was read, so that threads, a browser's fetch or a test may do the reading. It reads no clock.
 //!
 //! # Use
@@ -96,7 +96,7 @@ pub use packet::{Packet, decode_packet, decode_styles, encode_packet, sheet_fits
 pub use reader::{DirReader, Reader, open_reader};
 pub use request::{Payload, Request, RequestId, What};
 pub use stats::CityStats;
-pub use write::{write_city, write_city_with};
+pub use write::{CityWriter, write_city};
 
 /// Version of the format that this program writes and reads.
 pub const FORMAT_VERSION: u32 = 7;

@@ -1,13 +1,14 @@
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::HashSet;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
-use veduta_city::{CellShell, Cells, CityPlan, FacadeSheet};
+use veduta_city::{CellShell, Cells, CityPlan, FacadeSheet, Portal};
 
-use crate::compose::{Composed, compose, invalid};
-use crate::{CityStats, INDEX_NAME, StoreError};
+use crate::compose::{self, invalid};
+use crate::{BlobRef, CityIndex, CityStats, INDEX_NAME, StoreError};
 
 /// Writes a city into a directory: whole or not at all.
 ///
@@ -17,8 +18,8 @@ use crate::{CityStats, INDEX_NAME, StoreError};
 /// by the next. `shells` and `sheets` are by cell. The same arguments give the same bytes.
 ///
 /// # Errors
-/// [`StoreError::Invalid`] if the arguments contradict each other, before anything is touched; [`StoreError::Occupied`] if
-/// something else is in the directory; [`StoreError::Write`] if the disk fails.
+/// [`StoreError::Invalid`] if the arguments contradict each other; [`StoreError::Occupied`] if something else is in the
+/// directory; [`StoreError::Write`] if the disk fails. What stood there still stands then.
 pub fn write_city(
     dir: &Path,
     plan: &CityPlan,
@@ -32,31 +33,154 @@ pub fn write_city(
             return Err(invalid(format!("there are {count} cells but {found} {name}")));
         }
     }
-    write_city_with(dir, plan, cells, &|cell| (Cow::Borrowed(&shells[cell]), Cow::Borrowed(&sheets[cell])))
+    let mut writer = CityWriter::new(dir, plan)?;
+    writer.cells(plan, cells, &|cell| (Cow::Borrowed(&shells[cell]), Cow::Borrowed(&sheets[cell])))?;
+    writer.finish(cells.portals.clone(), cells.skyline.clone())
 }
 
-/// The same with shell and sheet of each cell made when they are wanted, on several threads: no more of them are in memory at once than
-/// there are threads.
-///
-/// # Errors
-/// As [`write_city`].
-pub fn write_city_with<'a>(
-    dir: &Path,
-    plan: &CityPlan,
-    cells: &Cells,
-    contents: &(dyn Fn(usize) -> (Cow<'a, CellShell>, Cow<'a, FacadeSheet>) + Sync),
-) -> Result<CityStats, StoreError> {
-    let composed = compose(plan, cells, contents)?;
-    let mut stats = composed.stats;
-    if !dir.exists() {
-        create(dir, &composed)?;
-        stats.blobs_written = stats.blobs;
-    } else if is_ours(dir)? {
-        (stats.blobs_written, stats.blobs_removed) = replace(dir, &composed)?;
-    } else {
-        return Err(StoreError::Occupied(dir.to_owned()));
+/// Writes a city piece by piece, as [`write_city`] does at once, so that no more of it need be in memory than is written just now: what
+/// leads to all cells, then the cells, then, when plan and cells are no longer needed, the index. Dropped before it is finished, it
+/// leaves what stood there as it was.
+pub struct CityWriter {
+    dir: PathBuf,
+    files: Files,
+    index: CityIndex,
+    stats: CityStats,
+}
+
+impl CityWriter {
+    /// Begins with what a plan tells of the city as a whole: overview and styles are written.
+    ///
+    /// # Errors
+    /// As [`write_city`].
+    pub fn new(dir: &Path, plan: &CityPlan) -> Result<Self, StoreError> {
+        let files = Files::new(dir)?;
+        let mut stats = CityStats::default();
+        let index = compose::head(plan, &mut stats, &|blob, stored| files.add(blob, stored))?;
+        Ok(Self { dir: dir.to_owned(), files, index, stats })
     }
-    Ok(stats)
+
+    /// Writes the packets of all cells. `contents` makes shell and sheet of each when they are wanted, on several threads: no more of
+    /// them are in memory at once than there are threads.
+    ///
+    /// # Errors
+    /// As [`write_city`].
+    pub fn cells<'a>(
+        &mut self,
+        plan: &CityPlan,
+        cells: &Cells,
+        contents: &(dyn Fn(usize) -> (Cow<'a, CellShell>, Cow<'a, FacadeSheet>) + Sync),
+    ) -> Result<(), StoreError> {
+        let files = &self.files;
+        let sink = |blob: &BlobRef, stored: &[u8]| files.add(blob, stored);
+        self.index.cells.extend(compose::entries(plan, cells, contents, &mut self.stats, &sink)?);
+        Ok(())
+    }
+
+    /// Writes the index, with the portals between the cells and those that are seen from everywhere: the city is there.
+    ///
+    /// # Errors
+    /// As [`write_city`].
+    pub fn finish(mut self, portals: Vec<Portal>, skyline: Vec<u32>) -> Result<CityStats, StoreError> {
+        (self.index.portals, self.index.skyline) = (portals, skyline);
+        let stored = compose::index(&self.index, &mut self.stats)?;
+        put(&self.files.site.join(INDEX_NAME), &stored)?;
+        if self.files.is_new {
+            fs::rename(&self.files.site, &self.dir).map_err(failed("move into place", &self.dir))?;
+        }
+        let (named, added) = self.files.finish();
+        (self.stats.blobs, self.stats.blobs_written) = (named.len() as u64, added);
+        self.stats.blobs_removed = sweep(&self.dir, &named)?;
+        Ok(self.stats)
+    }
+}
+
+/// The blobs of a city that is being written. Those that it brought go again if it is dropped before it is finished.
+struct Files {
+    /// Where they are written: a directory that nobody reads yet, or the city's own.
+    site: PathBuf,
+    is_new: bool,
+    written: Mutex<Written>,
+    is_finished: bool,
+}
+
+#[derive(Default)]
+struct Written {
+    /// All that the city names.
+    named: HashSet<BlobRef>,
+    /// Those that were not there.
+    added: Vec<BlobRef>,
+    /// How many were there, but damaged.
+    mended: u64,
+}
+
+impl Files {
+    fn new(dir: &Path) -> Result<Self, StoreError> {
+        let occupied = || StoreError::Occupied(dir.to_owned());
+        let is_new = !dir.exists();
+        let site = match is_new {
+            // What an interrupted run left behind goes.
+            true => dir.with_file_name(format!(".{}.part", dir.file_name().ok_or_else(occupied)?.to_string_lossy())),
+            false if is_ours(dir)? => dir.to_owned(),
+            false => return Err(occupied()),
+        };
+        if is_new {
+            remove_all(&site)?;
+        }
+        Ok(Self { site, is_new, written: Mutex::default(), is_finished: false })
+    }
+
+    /// Writes a blob, once, unless it is there.
+    fn add(&self, blob: &BlobRef, stored: &[u8]) -> Result<(), StoreError> {
+        let written = || self.written.lock().unwrap_or_else(PoisonError::into_inner);
+        if !written().named.insert(*blob) {
+            return Ok(());
+        }
+        let path = self.site.join(blob.path());
+        // A blob of that name with other bytes was damaged on the disk.
+        let was_there = !self.is_new && path.exists();
+        if was_there && fs::read(&path).ok().as_deref() == Some(stored) {
+            return Ok(());
+        }
+        if self.is_new {
+            lay(&path, stored)?
+        } else {
+            put(&path, stored)?
+        }
+        let mut written = written();
+        if was_there {
+            written.mended += 1
+        } else {
+            written.added.push(*blob)
+        }
+        Ok(())
+    }
+
+    /// Keeps all. Returns what the city names, and how many of them were written.
+    fn finish(mut self) -> (HashSet<BlobRef>, u64) {
+        self.is_finished = true;
+        let written = core::mem::take(self.written.get_mut().unwrap_or_else(PoisonError::into_inner));
+        (written.named, written.added.len() as u64 + written.mended)
+    }
+}
+
+impl Drop for Files {
+    fn drop(&mut self) {
+        if self.is_finished {
+            return;
+        }
+        // Whatever led here is the error to tell.
+        if self.is_new {
+            let _ = remove_all(&self.site);
+            return;
+        }
+        let written = self.written.get_mut().unwrap_or_else(PoisonError::into_inner);
+        for path in written.added.iter().map(|blob| self.site.join(blob.path())) {
+            let _ = fs::remove_file(&path);
+            // Folders that hold others stay.
+            let _ = path.parent().map(fs::remove_dir);
+        }
+    }
 }
 
 /// Whether a directory holds a city, nothing, or no more than an interrupted run leaves.
@@ -74,20 +198,6 @@ fn failed(doing: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> St
     move |error| StoreError::Write { doing, path, message: error.to_string() }
 }
 
-/// Builds a city beside its place and moves it there.
-fn create(dir: &Path, composed: &Composed) -> Result<(), StoreError> {
-    let Some(name) = dir.file_name() else { return Err(StoreError::Occupied(dir.to_owned())) };
-    let part = dir.with_file_name(format!(".{}.part", name.to_string_lossy()));
-    // What an interrupted run left behind.
-    remove_all(&part)?;
-    let built = fill(&part, composed).and_then(|()| fs::rename(&part, dir).map_err(failed("move into place", dir)));
-    if built.is_err() {
-        // The first error is the one to tell.
-        let _ = remove_all(&part);
-    }
-    built
-}
-
 fn remove_all(dir: &Path) -> Result<(), StoreError> {
     match fs::remove_dir_all(dir) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(failed("remove", dir)(error)),
@@ -95,19 +205,15 @@ fn remove_all(dir: &Path) -> Result<(), StoreError> {
     }
 }
 
-/// Fills a directory that nobody reads yet.
-fn fill(dir: &Path, composed: &Composed) -> Result<(), StoreError> {
-    fs::create_dir_all(dir).map_err(failed("create", dir))?;
-    let mut folder = PathBuf::new();
-    for (path, bytes) in &composed.blobs {
-        let path = dir.join(path);
-        if let Some(parent) = path.parent().filter(|parent| *parent != folder) {
-            fs::create_dir_all(parent).map_err(failed("create", parent))?;
-            folder = parent.to_owned();
+/// Writes a file where nobody reads yet.
+fn lay(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
+    let write = || match fs::write(path, bytes) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            path.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(path, bytes))
         }
-        fs::write(&path, bytes).map_err(failed("write", &path))?;
-    }
-    put(&dir.join(INDEX_NAME), &composed.index)
+        done => done,
+    };
+    write().map_err(failed("write", path))
 }
 
 /// Writes a file so that it is there whole or not at all.
@@ -129,31 +235,16 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
     write().map_err(failed("write", path))
 }
 
-/// Brings a city up to date. Returns how many blobs were written and removed.
-fn replace(dir: &Path, composed: &Composed) -> Result<(u64, u64), StoreError> {
-    let mut written = 0;
-    for (path, bytes) in &composed.blobs {
-        let path = dir.join(path);
-        // A blob of that name with other bytes was damaged on the disk.
-        if fs::read(&path).ok().as_deref() != Some(bytes.as_slice()) {
-            put(&path, bytes)?;
-            written += 1;
-        }
-    }
-    put(&dir.join(INDEX_NAME), &composed.index)?;
-    Ok((written, sweep(dir, &composed.blobs)?))
-}
-
 /// Removes blobs that nothing names, and what interrupted runs left of some. Other files are left alone.
-fn sweep(dir: &Path, named: &BTreeMap<String, Vec<u8>>) -> Result<u64, StoreError> {
+fn sweep(dir: &Path, named: &HashSet<BlobRef>) -> Result<u64, StoreError> {
+    let named: HashSet<PathBuf> = named.iter().map(|blob| dir.join(blob.path())).collect();
     let mut removed = 0;
     for folder in entries(&dir.join("blobs"))? {
         if !folder.is_dir() || folder.is_symlink() {
             continue;
         }
         for file in entries(&folder)? {
-            let relative = file.strip_prefix(dir).unwrap_or(&file).iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>();
-            if is_blob(&file) && !file.is_dir() && !named.contains_key(&relative.join("/")) {
+            if is_blob(&file) && !file.is_dir() && !named.contains(&file) {
                 fs::remove_file(&file).map_err(failed("remove", &file))?;
                 removed += 1;
             }

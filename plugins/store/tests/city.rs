@@ -2,6 +2,8 @@
 
 mod sample;
 
+use std::borrow::Cow;
+
 use sample::{City, TempDir, city, files};
 use veduta_city::{CityPlan, Gable, GridPos, Level, Overview, PortalSide, Stand, Style};
 use veduta_store::*;
@@ -165,6 +167,30 @@ fn an_interrupted_run_leaves_no_city_and_is_taken_up() {
     for blob in index.cells.iter().flat_map(|cell| cell.packets.iter().flatten()) {
         blob.verify("a blob", &blob_bytes(&dir, blob)).expect("the old city is whole");
     }
+}
+
+#[test]
+fn a_writer_that_is_not_finished_leaves_what_stood_there() {
+    let temp = TempDir::new("half");
+    let (fresh, old) = (temp.join("fresh"), temp.join("old"));
+    city(2, 2).write(&old).expect("written");
+    let before = files(&temp.0);
+    let other = city(3, 5);
+    for dir in [&fresh, &old] {
+        let mut writer = CityWriter::new(dir, &other.plan).expect("begun");
+        let contents = |cell: usize| (Cow::Borrowed(&other.shells[cell]), Cow::Borrowed(&other.sheets[cell]));
+        writer.cells(&other.plan, &other.cells, &contents).expect("its cells are written");
+        assert!(files(&temp.0).len() > before.len(), "blobs are on the disk");
+        drop(writer);
+        assert_eq!(files(&temp.0), before, "and gone");
+    }
+    // What the old city has stays, also where the new one would have brought the same.
+    let mut writer = CityWriter::new(&old, &city(2, 2).plan).expect("begun");
+    let same = city(2, 2);
+    let contents = |cell: usize| (Cow::Borrowed(&same.shells[cell]), Cow::Borrowed(&same.sheets[cell]));
+    writer.cells(&same.plan, &same.cells, &contents).expect("nothing to write");
+    drop(writer);
+    assert_eq!(files(&temp.0), before);
 }
 
 /// Writes a city with something wrong and returns the message.

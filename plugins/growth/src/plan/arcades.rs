@@ -38,7 +38,7 @@ const CLEAR_M: [f64; 4] = [1.0, 3.0, 5.0, 7.0];
 const BEFORE_M: f64 = 0.4;
 
 /// Opens the walks. In narrow streets houses that would have one have windows.
-pub(super) fn open(houses: &mut [House], (ground, standing): (&Ground, &Index<(BodyRef, f64)>), terrain: &PlanTerrain) {
+pub(super) fn open(houses: &mut [House], (ground, standing): (&Ground<'_>, &Index<(BodyRef, f64)>), terrain: &PlanTerrain) {
     houses.par_iter_mut().filter(|house| house.monument.is_none()).for_each(|house| {
         let floor = house.floor;
         for v in 0..house.volumes.len() {
@@ -91,7 +91,7 @@ struct Plot<'a> {
 
 impl<'a> Plot<'a> {
     /// `None` if no front has room for a walk.
-    fn new(volume: &'a Volume, others: &[&GridPolygon], ground: &Ground, terrain: &PlanTerrain) -> Option<Self> {
+    fn new(volume: &'a Volume, others: &[&GridPolygon], ground: &Ground<'_>, terrain: &PlanTerrain) -> Option<Self> {
         let n = volume.footprint.outer.len();
         if !volume.footprint.holes.is_empty() || volume.walls.len() != n {
             return None;
@@ -172,7 +172,7 @@ impl<'a> Plot<'a> {
     }
 
     /// Lowest and highest ground before an edge and under a walk there, metres; `None` where no street lies before it.
-    fn before(&self, i: usize, ground: &Ground, terrain: &PlanTerrain) -> Option<(f64, f64)> {
+    fn before(&self, i: usize, ground: &Ground<'_>, terrain: &PlanTerrain) -> Option<(f64, f64)> {
         let (a, b) = (self.corners[i], self.corners[self.before_and_after(i).1]);
         let out = -self.along(i).perp();
         let at = |share: f64| {

@@ -154,7 +154,7 @@ fn bodies_of(drafts: &[Draft]) -> impl Iterator<Item = (BodyRef, &Body)> {
 const AT_ONCE: usize = 64;
 
 /// Looks out of every wall.
-pub(super) fn facing(drafts: &[Draft], standing: &Index<(BodyRef, f64)>, ground: &Ground) -> Facing {
+pub(super) fn facing(drafts: &[Draft], standing: &Index<(BodyRef, f64)>, ground: &Ground<'_>) -> Facing {
     let walls = Edges::of(drafts);
     let public = ground.cells_of(|(surface, _)| is_faced(*surface));
     let before = Before { standing, ground, public };
@@ -166,8 +166,16 @@ pub(super) fn facing(drafts: &[Draft], standing: &Index<(BodyRef, f64)>, ground:
         view.seen
     };
     let parts = drafts.par_chunks(AT_ONCE).enumerate().map(|(i, some)| of_some(i * AT_ONCE, some));
-    let mut all = Facing::default();
-    parts.collect::<Vec<_>>().into_iter().for_each(|part| all.append(part));
+    let parts: Vec<Facing> = parts.collect();
+    let sum = |count: fn(&Facing) -> usize| parts.iter().map(count).sum();
+    let mut all = Facing {
+        edges: Vec::with_capacity(sum(|part| part.edges.len())),
+        parties: Vec::with_capacity(sum(|part| part.parties.len())),
+        neighbours: Vec::with_capacity(sum(|part| part.neighbours.len())),
+        body_ends: Vec::with_capacity(sum(|part| part.body_ends.len())),
+        house_ends: Vec::with_capacity(drafts.len()),
+    };
+    parts.into_iter().for_each(|part| all.append(part));
     all
 }
 
@@ -316,7 +324,7 @@ fn share(spans: &[(BodyRef, f64, f64)]) -> f64 {
 /// What lies and stands before walls.
 struct Before<'a> {
     standing: &'a Index<(BodyRef, f64)>,
-    ground: &'a Ground,
+    ground: &'a Ground<'a>,
     /// Where there may be public ground: most walls have none before them.
     public: CellSet,
 }

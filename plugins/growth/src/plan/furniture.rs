@@ -22,8 +22,8 @@ const PASSAGE_M: f64 = 0.5;
 const ASIDE_M: [f64; 3] = [0.0, 2.2, -2.2];
 /// … and so much nearer to the middle of the street.
 const INWARD_M: [f64; 4] = [0.0, 0.4, 0.8, 1.2];
-/// Most places that a rule has.
-pub(super) const MOST_PLACES: usize = 50_000;
+/// Most places that a rule has along one line or in one area.
+const MOST_PLACES: usize = 50_000;
 
 /// Something that a rule would put, and its heading.
 struct Wish {
@@ -42,31 +42,39 @@ pub(super) struct Furnisher<'a> {
 
 /// Discs that things stand on.
 #[derive(Default)]
-pub(super) struct Taken(FxHashMap<(i64, i64), Vec<(DVec2, f64)>>);
+pub(super) struct Taken {
+    /// Middle and radius of each, and the one before it in the same square.
+    discs: Vec<(DVec2, f64, Option<u32>)>,
+    /// The last one in each square.
+    last: FxHashMap<(i32, i32), u32>,
+}
 
 impl Taken {
     /// Side of the squares in which they are looked for: two of the widest reach no farther; metres.
     const SIDE_M: f64 = 6.0;
 
-    fn square(pos: DVec2) -> (i64, i64) {
+    fn square(pos: DVec2) -> (i32, i32) {
         let at = (pos / Self::SIDE_M).floor();
-        (at.x as i64, at.y as i64)
+        (at.x as i32, at.y as i32)
     }
 
     fn is_free(&self, pos: DVec2, radius_m: f64) -> bool {
         let (x, y) = Self::square(pos);
-        let near = (x - 1..=x + 1).flat_map(|x| (y - 1..=y + 1).filter_map(move |y| self.0.get(&(x, y)))).flatten();
-        near.into_iter().all(|(other, radius)| other.distance(pos) >= radius + radius_m)
+        let last = (x - 1..=x + 1).flat_map(|x| (y - 1..=y + 1).filter_map(move |y| self.last.get(&(x, y)).copied()));
+        let before = |&at: &u32| self.discs[at as usize].2;
+        let mut near = last.flat_map(|last| core::iter::successors(Some(last), before)).map(|at| self.discs[at as usize]);
+        near.all(|(other, radius, _)| other.distance(pos) >= radius + radius_m)
     }
 
     /// Takes a disc.
     pub fn add(&mut self, pos: DVec2, radius_m: f64) {
-        self.0.entry(Self::square(pos)).or_default().push((pos, radius_m));
+        let before = self.last.insert(Self::square(pos), self.discs.len() as u32);
+        self.discs.push((pos, radius_m, before));
     }
 }
 
 impl Furnisher<'_> {
-    /// All that a rule puts.
+    /// What a rule puts, in order, as far as there is room for it.
     pub fn furnish(&mut self, rule: &FurnitureRule) -> Vec<StandingObject> {
         if rule.put.is_empty() {
             return Vec::new();
@@ -188,11 +196,12 @@ impl Furnisher<'_> {
         for ring in outlines.iter().flat_map(GridPolygon::rings) {
             // How far round the ring the next place is from where an edge begins: rows and gaps run on round its corners.
             let (mut gone, mut next) = (0.0, every_m / 2.0);
+            let most = out.len() + MOST_PLACES;
             for (a, b) in ring_edges(ring) {
                 let (a, b) = (a.to_metres(), b.to_metres());
                 let Some(way) = (b - a).try_normalize() else { continue };
                 let (length, inward) = (a.distance(b), way.perp());
-                while next < length && out.len() < MOST_PLACES {
+                while next < length && out.len() < most {
                     let is_gap = rows_m.is_some_and(|(row, gap)| (gone + next) % (row + gap) > row);
                     let pos = a + way * next + inward * inset_m;
                     if !is_gap && self.chance(rule, pos) && self.is_of(of, pos, rule.clear_m) {
@@ -248,10 +257,7 @@ impl Furnisher<'_> {
         let surface = on_bridge().or_else(|| self.site.surface(pos).map(|(surface, _)| surface));
         let is_public = surface.is_some_and(SurfaceKind::is_public);
         let on_carriageway = || self.network.carriageways.at(here).next().is_some();
-        let in_doorway = || {
-            let doors = self.site.doorsteps.near(&GridPolygon::simple(vec![here]), DOOR_CLEAR_M + clear_m);
-            !doors.is_empty()
-        };
+        let in_doorway = || self.site.doorsteps.is_near(here, DOOR_CLEAR_M + clear_m);
         is_public && !on_carriageway() && !in_doorway() && self.site.is_free_about(pos, clear_m)
     }
 }
@@ -276,4 +282,28 @@ fn drawn(put: &[Furnishing], draw: Draw) -> Option<&Furnishing> {
 /// Degrees clockwise from north.
 fn heading_deg(way: DVec2) -> f64 {
     libm::atan2(way.x, way.y).to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disc_is_free_where_it_touches_no_other() {
+        let mut taken = Taken::default();
+        let mut discs: Vec<(DVec2, f64)> = Vec::new();
+        for i in 0..3000_u64 {
+            let draw = Draw::new(7, Id(i), "disc");
+            // Negative places and sides of squares among them.
+            let pos = DVec2::new(draw.between("x", -40.0, 40.0).round(), draw.between("y", -40.0, 40.0));
+            let radius = draw.between("radius", 0.1, 1.5);
+            let is_free = discs.iter().all(|&(other, r)| other.distance(pos) >= r + radius);
+            assert_eq!(taken.is_free(pos, radius), is_free, "{pos} {radius}");
+            if is_free || draw.chance("anyhow", 0.02) {
+                taken.add(pos, radius);
+                discs.push((pos, radius));
+            }
+        }
+        assert!(discs.len() > 200, "{}", discs.len());
+    }
 }

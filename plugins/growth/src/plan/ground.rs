@@ -86,11 +86,11 @@ pub(super) fn yards(ground: &[GroundPatch]) -> Vec<GridPolygon> {
 }
 
 /// What lies where on the ground.
-pub(super) type Ground = Index<(SurfaceKind, i32)>;
+pub(super) type Ground<'a> = Index<(SurfaceKind, i32), &'a GridPolygon>;
 
 /// An index of the ground's patches.
-pub(super) fn index(patches: &[GroundPatch]) -> Ground {
-    Index::new(patches.iter().map(|p| (p.outline.clone(), (p.surface, p.z))).collect())
+pub(super) fn index(patches: &[GroundPatch]) -> Ground<'_> {
+    Index::new(patches.iter().map(|p| (&p.outline, (p.surface, p.z))).collect())
 }
 
 #[cfg(test)]
@@ -174,7 +174,8 @@ mod tests {
                 GridPolygon::simple([(x, y), (x + w, y + skew), (x + w, y + skew + h), (x, y + h)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec())
             };
             let layers = [Layer::new(Rank::Lane, SurfaceKind::Cobbles, quads.iter().map(shape).collect())];
-            let ground = index(&partition(&extent, &layers));
+            let patches = partition(&extent, &layers);
+            let ground = index(&patches);
             for i in 0..400 {
                 for seam in [64, 128, 192] {
                     for p in [GridPos(seam * 1024, i * 512), GridPos(i * 512, seam * 1024)] {

@@ -5,6 +5,8 @@
 //! suits cells better than trees of boxes: an R-tree (`rstar`) in their place makes looking out of all walls three times as
 //! slow.
 
+use core::borrow::Borrow;
+
 use rayon::prelude::*;
 use veduta_city::{GridPolygon, GridPos};
 
@@ -175,11 +177,11 @@ impl Cells {
     }
 }
 
-/// Polygons that can be asked what lies at a position.
-pub(super) struct Index<T> {
+/// Polygons, or references to some, that can be asked what lies at a position.
+pub(super) struct Index<T, P = GridPolygon> {
     /// Of each polygon twice its number, and one more where it covers the whole cell.
     cells: Cells,
-    things: Vec<Thing<T>>,
+    things: Vec<Thing<T, P>>,
 }
 
 /// Some of an index's cells.
@@ -196,21 +198,21 @@ impl CellSet {
 }
 
 /// A polygon with something attached.
-struct Thing<T> {
-    polygon: GridPolygon,
+struct Thing<T, P> {
+    polygon: P,
     bounds: Bounds,
     of: T,
 }
 
-impl<T: Sync> Index<T> {
+impl<T: Sync, P: Borrow<GridPolygon> + Sync> Index<T, P> {
     /// An index over polygons with something attached.
-    pub fn new(things: Vec<(GridPolygon, T)>) -> Self {
-        let thing = |(polygon, of): (GridPolygon, T)| Thing { bounds: polygon.bounds().unwrap_or(NOWHERE), polygon, of };
-        let things: Vec<Thing<T>> = things.into_iter().map(thing).collect();
+    pub fn new(things: Vec<(P, T)>) -> Self {
+        let thing = |(polygon, of): (P, T)| Thing { bounds: polygon.borrow().bounds().unwrap_or(NOWHERE), polygon, of };
+        let things: Vec<Thing<T, P>> = things.into_iter().map(thing).collect();
         let all = things.iter().map(|thing| thing.bounds).filter(|&bounds| bounds != NOWHERE);
         let Some(bounds) = all.reduce(joined) else { return Self { cells: Cells::default(), things } };
         let gathering = Gathering::new(bounds, things.len());
-        let gathering = gathering.each(&things, |own, thing, i| draw(own, &thing.polygon, 2 * i as u32));
+        let gathering = gathering.each(&things, |own, thing, i| draw(own, thing.polygon.borrow(), 2 * i as u32));
         Self { cells: gathering.sorted(), things }
     }
 
@@ -226,8 +228,8 @@ impl<T: Sync> Index<T> {
     /// All of a kind that contain a position, in order of insertion: outlines of others are not looked at.
     pub fn of_kind_at(&self, pos: GridPos, is_of: impl Fn(&T) -> bool) -> impl Iterator<Item = &T> {
         let touching = self.cells.at(pos).iter().map(|note| (&self.things[*note as usize / 2], note % 2 == 1));
-        let holds = move |(thing, is_covered): &(&Thing<T>, bool)| {
-            is_of(&thing.of) && (*is_covered || do_meet((pos, pos), thing.bounds) && thing.polygon.contains(pos))
+        let holds = move |(thing, is_covered): &(&Thing<T, P>, bool)| {
+            is_of(&thing.of) && (*is_covered || do_meet((pos, pos), thing.bounds) && thing.polygon.borrow().contains(pos))
         };
         touching.filter(holds).map(|(thing, _)| &thing.of)
     }
@@ -247,7 +249,7 @@ impl<T: Sync> Index<T> {
         let mut found = Vec::new();
         self.cells.within(bounds.0, bounds.1, |note| note / 2, &mut found);
         let things = found.into_iter().map(|i| &self.things[i as usize]);
-        things.filter(|thing| do_meet(thing.bounds, bounds)).map(|thing| (&thing.polygon, &thing.of)).collect()
+        things.filter(|thing| do_meet(thing.bounds, bounds)).map(|thing| (thing.polygon.borrow(), &thing.of)).collect()
     }
 }
 

@@ -318,7 +318,8 @@ fn part_ways(plots: Vec<Vec<Draft>>, findings: &mut Vec<Finding>) -> Vec<Draft> 
         Some(*end)
     });
     let ranges: Vec<Range<usize>> = ends.zip(&plots).map(|(end, plot)| end - plot.len()..end).collect();
-    let mut drafts: Vec<Draft> = plots.into_iter().flatten().collect();
+    let mut drafts: Vec<Draft> = Vec::with_capacity(plots.iter().map(Vec::len).sum());
+    plots.into_iter().for_each(|plot| drafts.extend(plot));
     let boxes: Vec<Bounds> = drafts.iter().map(|draft| draft.bodies[0].footprint.bounds().unwrap_or_default()).collect();
     let about = |houses: &Range<usize>| {
         let (lo, hi) = boxes[houses.clone()].iter().copied().reduce(joined)?;

@@ -14,7 +14,8 @@ use super::ground::Ground;
 use super::index::Index;
 use super::network::Network;
 use super::spans::Decks;
-use super::{Area, furniture, streets};
+use super::walls::Doorsteps;
+use super::{Area, streets};
 
 /// Farthest that an object is moved out of a house; metres.
 const FARTHEST_MOVE_M: f64 = 3.0;
@@ -22,18 +23,18 @@ const FARTHEST_MOVE_M: f64 = 3.0;
 const FARTHEST_BANK_M: f64 = 8.0;
 /// A graph with fewer objects than one in so many metres of street is furnished.
 const SPARSE_M: f64 = 120.0;
-/// Most objects that are grown.
-const MOST_GROWN: usize = furniture::MOST_PLACES;
+/// Most objects that are grown: more than a city of 500 km² has.
+const MOST_GROWN: usize = 2_000_000;
 /// Tallest object that is meant; metres.
 const TALLEST_M: f64 = 200.0;
 
 /// What lies and stands, for questions about places.
 pub(super) struct Site<'a> {
     pub terrain: &'a PlanTerrain,
-    pub ground: &'a Ground,
+    pub ground: &'a Ground<'a>,
     pub decks: &'a Decks<'a>,
     pub standing: &'a Index<(BodyRef, f64)>,
-    pub doorsteps: &'a Index<()>,
+    pub doorsteps: &'a Doorsteps,
 }
 
 impl Site<'_> {
@@ -156,8 +157,8 @@ fn placed(object: &StandingObject, seed: u64, site: &Site<'_>) -> PlanObject {
     }
 }
 
-/// All objects of the city: the graph's in order, then what rules put, where it has few or where no map ever has; and these again as
-/// rules put them.
+/// All objects of the city: the graph's in order, then what rules put, where it has few or where no map ever has; and those of these
+/// that are monuments again, as rules put them.
 pub(super) fn objects(
     graph: &CityGraph,
     areas: &[Area<'_>],
@@ -196,17 +197,20 @@ pub(super) fn objects(
     let is_bare = (graph.objects.len() as f64) < length / SPARSE_M;
     let mut furnisher = Furnisher { graph, areas, network, site, taken: Taken::default() };
     out.iter().for_each(|object| furnisher.taken.add(object.pos.to_metres(), object.kind.radius_m()));
-    let mut grown: Vec<StandingObject> = Vec::new();
-    for rule in rules.iter().filter(|rule| is_bare || rule.always) {
-        grown.extend(furnisher.furnish(rule));
-    }
-    if grown.len() > MOST_GROWN {
-        let message = format!("{} pieces of furniture would be grown: {MOST_GROWN} are", grown.len());
-        findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
-        grown.truncate(MOST_GROWN);
-    }
     let mut seen: FxHashSet<Id> = out.iter().map(|o| o.id).collect();
-    grown.retain(|o| seen.insert(o.id));
-    out.par_extend(grown.par_iter().map(|o| placed(o, graph.seed, site)));
-    (out, grown)
+    let mut monuments: Vec<StandingObject> = Vec::new();
+    let most = out.len() + MOST_GROWN;
+    for rule in rules.iter().filter(|rule| is_bare || rule.always) {
+        let mut grown = furnisher.furnish(rule);
+        grown.retain(|o| seen.insert(o.id));
+        if out.len() + grown.len() > most {
+            let message = format!("more than {MOST_GROWN} pieces of furniture would be grown: `{}` puts no more", rule.name);
+            findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
+            grown.truncate(most - out.len());
+        }
+        out.par_extend(grown.par_iter().map(|o| placed(o, graph.seed, site)));
+        monuments.extend(grown.into_iter().filter(|o| !o.monument.is_empty()));
+    }
+    out.shrink_to_fit();
+    (out, monuments)
 }

@@ -1,8 +1,9 @@
 //! Walls: what each faces, its axes, storeys and openings.
 
 use rayon::prelude::*;
-use veduta_city::{House, Opening, PlanRoof, PlanTerrain, Storey, Style, Volume, Wall, WallKind, metres};
+use veduta_city::{GridPolygon, GridPos, House, Opening, PlanRoof, PlanTerrain, Storey, Style, Volume, Wall, WallKind, metres};
 
+use super::bounds::grown;
 use super::facing::{BodyRef, Edge, Facing, Party};
 use super::floors::{before_bay, threshold};
 use super::houses::{Body, Draft, StyleBook};
@@ -26,40 +27,44 @@ const DOOR_CHOICE_M: f64 = 0.12;
 /// Ground floors lower than this have no shops; metres.
 const LEAST_SHOP_M: f64 = 2.6;
 
-/// All houses, with walls. Houses come in the order of the drafts.
+/// All houses, with walls. Houses come in the order of the drafts, each of which goes when its house is there.
 pub(super) fn houses(
-    drafts: &[Draft],
+    drafts: Vec<Draft>,
     facing: &Facing,
     masses: &[Vec<Mass>],
     looks: &[Option<Look>],
     book: &StyleBook<'_>,
     terrain: &PlanTerrain,
 ) -> Vec<House> {
-    let of_house = |(h, draft): (usize, &Draft)| {
+    let of_house = |(h, mut draft): (usize, Draft)| {
         let (Some(look), Some(style)) = (&looks[h], book.style(draft.style)) else { return None };
         let mut volumes: Vec<Volume> = Vec::with_capacity(draft.bodies.len());
-        for (b, body) in draft.bodies.iter().enumerate() {
-            volumes.push(volume(draft, body, (h, b), facing, masses, look, style));
+        for b in 0..draft.bodies.len() {
+            let footprint = core::mem::take(&mut draft.bodies[b].footprint);
+            volumes.push(Volume { footprint, ..volume(&draft, &draft.bodies[b], (h, b), facing, masses, look, style) });
         }
         let mut floor = masses[h].first().map_or(0, |mass| mass.floor);
         let edges: Vec<&[Edge]> = facing.of_house(h).collect();
-        floor += add_ground_floor(&mut volumes, &edges, &masses[h], draft, look, style, &Slope { terrain, floor });
+        floor += add_ground_floor(&mut volumes, &edges, &masses[h], &draft, look, style, &Slope { terrain, floor });
         if !terrain.is_level() {
             suit_ground(&mut volumes, &edges, &masses[h], &Slope { terrain, floor });
         }
         Some(House {
             id: draft.id,
-            name: draft.name.clone(),
-            number: draft.number.clone(),
+            name: draft.name,
+            number: draft.number,
             style: draft.style as u16,
             floor,
             volumes,
             monument: None,
         })
     };
-    drafts.par_iter().enumerate().filter_map(of_house).collect()
+    // Collected as options first, whose number is known: a list of lists would take as much again.
+    let houses: Vec<Option<House>> = drafts.into_par_iter().enumerate().map(of_house).collect();
+    houses.into_iter().flatten().collect()
 }
 
+/// A volume without its footprint.
 fn volume(draft: &Draft, body: &Body, at: BodyRef, facing: &Facing, masses: &[Vec<Mass>], look: &Look, style: &Style) -> Volume {
     let mass = masses[at.0][at.1];
     let heights = storey_heights(body, &mass, style, draft, at.1);
@@ -77,7 +82,7 @@ fn volume(draft: &Draft, body: &Body, at: BodyRef, facing: &Facing, masses: &[Ve
     let colour = body.colour.map_or_else(|| look.painted(), bounded);
     let roof = body.roof.colour.map_or_else(|| bounded(look.roof.scaled(look.tint)), bounded);
     Volume {
-        footprint: body.footprint.clone(),
+        footprint: GridPolygon::default(),
         bottom: mass.bottom,
         eaves: mass.eaves,
         colour,
@@ -275,24 +280,54 @@ fn put_door(wall: &mut Wall, kind: WallKind, length_m: f64, draft: &Draft, look:
     }
 }
 
-/// Middles of all doors' thresholds, plan metres.
-pub(super) fn doorsteps(houses: &[House]) -> Vec<glam::DVec2> {
+/// The middles of all doors' thresholds.
+pub(super) fn doorsteps(houses: &[House]) -> Doorsteps {
     let mut out = Vec::new();
     for volume in houses.iter().flat_map(|h| &h.volumes) {
         let edges = volume.footprint.edges();
         for (wall, (a, b)) in volume.walls.iter().zip(edges) {
             if let Some(bay) = wall.ground_floor.door_bay {
                 let t = (f64::from(bay) + 0.5) / f64::from(wall.bays.max(1));
-                out.push(a.to_metres().lerp(b.to_metres(), t));
+                out.push(GridPos::from_metres(a.to_metres().lerp(b.to_metres(), t)));
             }
         }
     }
-    out
+    out.sort_unstable();
+    Doorsteps(out)
+}
+
+/// Where the doors are, from west to east.
+pub(super) struct Doorsteps(Vec<GridPos>);
+
+impl Doorsteps {
+    /// Whether one lies within a distance of a position along each axis.
+    pub fn is_near(&self, pos: GridPos, reach_m: f64) -> bool {
+        let (low, high) = grown((pos, pos), GridPos::steps(reach_m));
+        let first = self.0.partition_point(|door| door.0 < low.0);
+        self.0[first..].iter().take_while(|door| door.0 <= high.0).any(|door| (low.1..=high.1).contains(&door.1))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn doors_are_near_within_a_square() {
+        let at = |x: i32, y: i32| GridPos(x * 1024, y * 1024);
+        let doorsteps = Doorsteps(vec![at(0, 0), at(3, 50), at(3, 90), at(9, 0)]);
+        for (pos, reach_m, is_near) in [
+            (at(4, 1), 3.9, false),
+            (at(4, 1), 4.0, true),
+            (at(4, 52), 1.9, false),
+            (at(4, 52), 2.0, true),
+            (at(3, 70), 19.9, false),
+            (at(12, -2), 3.0, true),
+            (at(13, -2), 3.0, false),
+        ] {
+            assert_eq!(doorsteps.is_near(pos, reach_m), is_near, "{pos:?} {reach_m}");
+        }
+    }
 
     #[test]
     fn parts_fill_a_length_exactly() {

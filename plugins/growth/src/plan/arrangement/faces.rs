@@ -464,6 +464,7 @@ impl<'a> Faces<'a> {
             for mut outline in connected_faces(same.iter().map(|border| border.1).collect(), true) {
                 outline.outer.retain(|&p| !is_idle(p));
                 outline.holes.iter_mut().for_each(|hole| hole.retain(|&p| !is_idle(p)));
+                outline.outer.shrink_to_fit();
                 pieces.push(Piece { layer, outline });
             }
         }
