@@ -73,6 +73,7 @@ mod stock;
 mod streets;
 mod terrain;
 mod variety;
+mod walks;
 mod walls;
 mod water;
 

@@ -88,6 +88,12 @@ pub(super) fn stations(line: &[DVec2], link: &Link) -> Vec<Station> {
     out
 }
 
+/// The band along a line, as wide everywhere.
+pub(super) fn band_of(line: &[DVec2], half_m: f64) -> Option<GridPolygon> {
+    let stations: Vec<Station> = line.iter().map(|&pos| Station { pos, share: 0.0 }).collect();
+    band(&stations, |_| half_m)
+}
+
 /// The part of stations between two shares of their line's length.
 pub(super) fn part(stations: &[Station], shares: core::ops::Range<f64>) -> Vec<Station> {
     let mut out: Vec<Station> = Vec::new();

@@ -51,7 +51,12 @@ impl Eq for Square {}
 
 /// Radius of the largest disc within, at most 5 % less, or of one that is large enough; metres.
 pub(super) fn inradius_m(polygon: &GridPolygon, enough_m: f64) -> f64 {
-    let Some((low, high)) = polygon.bounds() else { return 0.0 };
+    largest_disc(polygon, enough_m).map_or(0.0, |(_, radius)| radius)
+}
+
+/// Middle and radius of that disc, plan metres; `None` where there is none.
+pub(super) fn largest_disc(polygon: &GridPolygon, enough_m: f64) -> Option<(DVec2, f64)> {
+    let (low, high) = polygon.bounds()?;
     let edges: Vec<Edge> = polygon
         .rings()
         .flat_map(|ring| outline::edges(ring))
@@ -60,15 +65,17 @@ pub(super) fn inradius_m(polygon: &GridPolygon, enough_m: f64) -> f64 {
     let size = (high - low).to_metres();
     let side = size.min_element().max(size.max_element() / MOST_ALONG);
     if side <= 0.0 {
-        return 0.0;
+        return None;
     }
-    let mut best = 0.0_f64;
+    let mut best = (DVec2::ZERO, 0.0_f64);
     let mut squares = BinaryHeap::new();
-    let search = |middle: DVec2, half: f64, best: &mut f64, squares: &mut BinaryHeap<Square>| {
+    let search = |middle: DVec2, half: f64, best: &mut (DVec2, f64), squares: &mut BinaryHeap<Square>| {
         let radius = signed_distance(&edges, middle);
-        *best = best.max(radius);
+        if radius > best.1 {
+            *best = (middle, radius);
+        }
         let most = radius + half * core::f64::consts::SQRT_2;
-        if most > *best * (1.0 + SHARE) {
+        if most > best.1 * (1.0 + SHARE) {
             squares.push(Square { middle, half, most });
         }
     };
@@ -80,7 +87,7 @@ pub(super) fn inradius_m(polygon: &GridPolygon, enough_m: f64) -> f64 {
         }
     }
     while let Some(square) = squares.pop() {
-        if square.most <= (best * (1.0 + SHARE)).max(LEAST_M) || best >= enough_m {
+        if square.most <= (best.1 * (1.0 + SHARE)).max(LEAST_M) || best.1 >= enough_m {
             break;
         }
         let half = square.half / 2.0;
@@ -88,7 +95,7 @@ pub(super) fn inradius_m(polygon: &GridPolygon, enough_m: f64) -> f64 {
             search(square.middle + DVec2::from(quarter) * half, half, &mut best, &mut squares);
         }
     }
-    best
+    (best.1 > 0.0).then(|| (low.to_metres() + best.0, best.1))
 }
 
 /// An edge of a polygon, metres.

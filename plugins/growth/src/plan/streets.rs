@@ -15,7 +15,7 @@ use super::bridges::Bridges;
 use super::courses::{self, Courses};
 use super::crossroads::{Arm, gaps, rounding, wedge};
 use super::water::Depths;
-use super::{Area, outline};
+use super::{Area, outline, walks};
 
 /// Kerb: how far pavements stand above the carriageway, metres.
 pub(super) const KERB_M: f64 = 0.12;
@@ -131,6 +131,10 @@ pub(super) fn layers(
             BlockKind::Water => (Rank::Water, depths.of_block(&area.polygons), SurfaceKind::Water, None),
         };
         shapes.entry(key).or_default().extend(area.polygons.iter().cloned());
+    }
+    let walks = walks::walks(graph, areas);
+    if !walks.is_empty() {
+        shapes.entry(key(Rank::Path, SurfaceKind::Gravel, None)).or_default().extend(walks);
     }
     shapes.into_iter().map(|((rank, z, surface, course), shapes)| Layer { rank, surface, z, course, shapes }).collect()
 }
