@@ -52,6 +52,7 @@ pub(super) fn is_within(polygon: &GridPolygon, other: &GridPolygon, tolerance_m2
     let is_near = |p: GridPos, q: GridPos| do_meet(about(p, q), (low, high));
     let near = other.edges().filter(|&(p, q)| is_near(p, q));
     let borders: Vec<Edge> = near.map(|(p, q)| Edge::new(local(p), local(q))).collect();
+    // Most are convex: where no border comes into the core, that is inside or outside as a whole, and the rest is but a rim.
     let perimeter: f64 = own.iter().map(|edge| edge.length).sum();
     if perimeter * NEAR < tolerance_m2 * steps * steps && is_convex(&polygon.outer) {
         let middle = own.iter().map(|edge| edge.from).sum::<DVec2>() / own.len() as f64;
