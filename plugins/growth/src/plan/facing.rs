@@ -349,7 +349,7 @@ impl Before<'_> {
         }
         let places = STEPS_M.map(place);
         let Some(last) = places.iter().rposition(|&pos| self.public.has(pos)) else { return false };
-        places[1..=last.max(1)].iter().find_map(|&pos| self.is_public_at(pos)).unwrap_or(false)
+        places[1..=last].iter().find_map(|&pos| self.is_public_at(pos)).unwrap_or(false)
     }
 
     /// Whether public ground lies at a place; `None` where neither that nor a house is.

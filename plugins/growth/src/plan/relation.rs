@@ -56,7 +56,8 @@ pub(super) fn is_within(polygon: &GridPolygon, other: &GridPolygon, tolerance_m2
     let perimeter: f64 = own.iter().map(|edge| edge.length).sum();
     if perimeter * NEAR < tolerance_m2 * steps * steps && is_convex(&polygon.outer) {
         let middle = own.iter().map(|edge| edge.from).sum::<DVec2>() / own.len() as f64;
-        if core_depth(&own, middle) > 0.0 && !borders.iter().any(|border| meets_core(&own, border)) {
+        // So deep that its position on the grid, which is up to √2 steps off, lies in the core as well.
+        if core_depth(&own, middle) > 1.5 && !borders.iter().any(|border| meets_core(&own, border)) {
             return other.contains(low + GridPos(middle.x as i32, middle.y as i32));
         }
     }

@@ -309,7 +309,8 @@ pub(super) fn link_surface(link: &Link) -> SurfaceKind {
     link.surfacing.map_or(own, surface)
 }
 
-fn in_park(graph: &CityGraph, at: &HashMap<Id, DVec2>, link: &Link, areas: &[Area<'_>]) -> bool {
+/// Whether the middle of a link lies in a park.
+pub(super) fn in_park(graph: &CityGraph, at: &HashMap<Id, DVec2>, link: &Link, areas: &[Area<'_>]) -> bool {
     let line = graph.polyline(link, at).unwrap_or_default();
     let Some((middle, _)) = middle_of(&line) else { return false };
     let pos = GridPos::from_metres(middle);

@@ -9,6 +9,7 @@ use veduta_city::{BlockKind, CityGraph, GridPolygon, GridPos, LinkKind, StreetCl
 
 use super::band::band_of;
 use super::inradius::largest_disc;
+use super::streets::in_park;
 use super::{Area, boolean, outline, relation};
 
 /// Half the width of a walk, metres.
@@ -43,9 +44,7 @@ pub(super) fn walks(graph: &CityGraph, areas: &[Area<'_>]) -> Vec<GridPolygon> {
     let parks: Vec<&Area<'_>> = areas.iter().filter(|area| area.block.kind == BlockKind::Park).collect();
     let at = graph.node_positions();
     let is_footway = |kind: LinkKind| matches!(kind, LinkKind::Street(StreetClass::Path | StreetClass::Steps));
-    let footways = graph.links.iter().filter(|link| is_footway(link.kind)).filter_map(|link| graph.polyline(link, &at));
-    let mut places = footways.flat_map(|line| super::streets::middle_of(&line)).map(|(middle, _)| GridPos::from_metres(middle));
-    if places.any(|place| parks.iter().any(|park| park.holds(place))) {
+    if graph.links.iter().any(|link| is_footway(link.kind) && in_park(graph, &at, link, areas)) {
         return Vec::new();
     }
     let of_park = |park: &&Area<'_>| {
