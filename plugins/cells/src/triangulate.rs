@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use rstar::{PointDistance, RTree, primitives::Line};
 use spade::handles::{FixedDirectedEdgeHandle, FixedVertexHandle};
-use spade::{ConstrainedDelaunayTriangulation, Point2, PositionInTriangulation, Triangulation};
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use veduta_city::{Finding, GRID_PER_METRE, GridPolygon, GridPos, Id, Severity};
 
 use crate::overlay::edges;
@@ -43,45 +43,53 @@ fn point(p: GridPos) -> Point2<f64> {
 
 /// Triangles of all shapes.
 pub(crate) fn triangulate(shapes: &[GridPolygon], settings: &PartitionSettings, findings: &mut Vec<Finding>) -> Vec<Triangle> {
-    let mut borders: Vec<Vec<GridPos>> = shapes
-        .iter()
-        .flat_map(GridPolygon::rings)
-        .flat_map(|ring| edges(ring))
-        .filter(|(a, b)| a != b)
-        .map(|(a, b)| cut_up(a, b, settings.max_diameter_m))
-        .collect();
+    let rings = shapes.iter().flat_map(GridPolygon::rings);
+    let mut borders: Vec<(GridPos, GridPos)> = rings.flat_map(|ring| edges(ring)).filter(|(a, b)| a != b).collect();
     // Those that stay straight first: a cut one that would cross them stays straight as well.
-    borders.sort_by_key(Vec::len);
-    let mut positions: Vec<GridPos> = borders.iter().flatten().copied().collect();
+    borders.sort_by_key(|&(a, b)| pieces(a, b, settings.max_diameter_m));
+    let mut positions = lattice(shapes, &borders, settings);
+    positions.extend(borders.iter().flat_map(|&(a, b)| cut_up(a, b, settings.max_diameter_m)));
     positions.sort_unstable();
     positions.dedup();
     let Ok(mut cdt) = Cdt::bulk_load(positions.into_iter().map(point).collect()) else { return Vec::new() };
-    let borders = add_borders(&mut cdt, &borders, findings);
-    add_lattice(&mut cdt, shapes, &borders, settings);
+    let borders = add_borders(&mut cdt, borders, settings, findings);
     triangles(&cdt, &inside_faces(&cdt, &borders))
 }
 
-/// An edge, cut where it is longer than most cells may be, so that no triangle is as long as a long wall. Cuts lie on the grid,
-/// less than a step off the line and on its right, the solid side: ground reaches under the wall rather than stopping short.
-fn cut_up(a: GridPos, b: GridPos, max_diameter_m: f64) -> Vec<GridPos> {
+/// How many pieces an edge is cut into: more than one where it is longer than most cells may be, so that no triangle is as long as
+/// a long wall.
+fn pieces(a: GridPos, b: GridPos, max_diameter_m: f64) -> i64 {
     let length_m = libm::sqrt((b.to_metres() - a.to_metres()).length_squared());
     let step_m = (max_diameter_m / 2.0).max(1.0);
-    let pieces = if length_m > 1.5 * step_m { libm::ceil(length_m / step_m).min(10_000.0) as i64 } else { 1 };
-    let cut = |i: i64| {
+    if length_m > 1.5 * step_m { libm::ceil(length_m / step_m).min(10_000.0) as i64 } else { 1 }
+}
+
+/// The ends of an edge's pieces. Cuts lie on the grid, less than a step off the line and on its right, the solid side: ground
+/// reaches under the wall rather than stopping short.
+fn cut_up(a: GridPos, b: GridPos, max_diameter_m: f64) -> impl Iterator<Item = GridPos> + Clone {
+    let pieces = pieces(a, b, max_diameter_m);
+    let cut = move |i: i64| {
         let floor = |from: i32, to: i32| from + ((i64::from(to) - i64::from(from)) * i).div_euclid(pieces) as i32;
         let (x, y) = (floor(a.0, b.0), floor(a.1, b.1));
         let around = [GridPos(x, y), GridPos(x + 1, y), GridPos(x, y + 1), GridPos(x + 1, y + 1)];
         around.into_iter().filter(|&p| a.cross(b, p) <= 0).max_by_key(|&p| (a.cross(b, p), p)).unwrap_or(a)
     };
-    core::iter::once(a).chain((1..pieces).map(cut)).chain([b]).collect()
+    core::iter::once(a).chain((1..pieces).map(cut)).chain([b])
 }
 
 /// Adds borders as constraints; returns their pieces, free space on the left.
-fn add_borders(cdt: &mut Cdt, borders: &[Vec<GridPos>], findings: &mut Vec<Finding>) -> Vec<FixedDirectedEdgeHandle> {
+fn add_borders(
+    cdt: &mut Cdt,
+    borders: Vec<(GridPos, GridPos)>,
+    settings: &PartitionSettings,
+    findings: &mut Vec<Finding>,
+) -> Vec<FixedDirectedEdgeHandle> {
     let handle: HashMap<GridPos, FixedVertexHandle> = cdt.vertices().map(|v| (grid(v.position()), v.fix())).collect();
-    let mut added = Vec::new();
-    for border in borders {
-        let ends: Vec<FixedVertexHandle> = border.iter().filter_map(|p| handle.get(p).copied()).collect();
+    let mut added = Vec::with_capacity(borders.len());
+    let mut ends: Vec<FixedVertexHandle> = Vec::new();
+    for (a, b) in borders {
+        ends.clear();
+        ends.extend(cut_up(a, b, settings.max_diameter_m).filter_map(|p| handle.get(&p).copied()));
         let (Some(&first), Some(&last)) = (ends.first(), ends.last()) else { continue };
         let can_be_cut = ends.windows(2).all(|pair| pair[0] != pair[1] && cdt.can_add_constraint(pair[0], pair[1]));
         let straight = [first, last];
@@ -90,7 +98,7 @@ fn add_borders(cdt: &mut Cdt, borders: &[Vec<GridPos>], findings: &mut Vec<Findi
             let pieces = cdt.try_add_constraint(pair[0], pair[1]);
             if pieces.is_empty() {
                 let message = "two borders of free space cross; one was left out of the cut";
-                findings.push(Finding::new(Severity::Repaired, Id::NONE, border.first().map(|p| p.to_metres()), message));
+                findings.push(Finding::new(Severity::Repaired, Id::NONE, Some(a.to_metres()), message));
             }
             added.extend(pieces);
         }
@@ -121,54 +129,86 @@ fn inside_faces(cdt: &Cdt, borders: &[FixedDirectedEdgeHandle]) -> Vec<bool> {
     inside
 }
 
-/// Adds points in the open so that no triangle there exceeds the limits: a lattice that is fixed to the plan's zero.
-fn add_lattice(cdt: &mut Cdt, shapes: &[GridPolygon], borders: &[FixedDirectedEdgeHandle], settings: &PartitionSettings) {
+/// Points in the open so that no triangle there exceeds the limits: a lattice that is fixed to the plan's zero and keeps clear of
+/// borders.
+fn lattice(shapes: &[GridPolygon], borders: &[(GridPos, GridPos)], settings: &PartitionSettings) -> Vec<GridPos> {
     let side_m = libm::sqrt(settings.max_area_m2.max(1.0)).min(settings.max_diameter_m.max(1.0) / core::f64::consts::SQRT_2);
-    let pitch = (0.9 * side_m * f64::from(GRID_PER_METRE)) as i32;
-    let clear = f64::from(pitch) / 4.0;
-    let inside = inside_faces(cdt, borders);
-    let walls = borders.iter().map(|&e| {
-        let [a, b] = cdt.directed_edge(e).positions();
-        Line::new([a.x, a.y], [b.x, b.y])
-    });
-    let walls = RTree::bulk_load(walls.collect());
+    let pitch = i64::from((0.9 * side_m * f64::from(GRID_PER_METRE)) as i32);
+    let clear = pitch as f64 / 4.0;
+    let xy = |p: GridPos| [f64::from(p.0), f64::from(p.1)];
+    let walls = RTree::bulk_load(borders.iter().map(|&(a, b)| Line::new(xy(a), xy(b))).collect());
+    let is_clear = |p: &GridPos| walls.nearest_neighbor(&xy(*p)).is_none_or(|wall| wall.distance_2(&xy(*p)) > clear * clear);
     let mut points = Vec::new();
-    for (lo, hi) in shapes.iter().filter_map(GridPolygon::bounds) {
+    for shape in shapes {
+        let Some((lo, hi)) = shape.bounds() else { continue };
         // Very wide shapes get a coarser lattice rather than a million points.
         let widest = (i64::from(hi.0) - i64::from(lo.0)).max(i64::from(hi.1) - i64::from(lo.1));
-        let step = i64::from(pitch) * (1 + widest / (i64::from(pitch) * 1000));
-        let range = |lo: i32, hi: i32| (i64::from(lo).div_euclid(step) + 1..=i64::from(hi).div_euclid(step)).map(move |i| i * step);
-        for y in range(lo.1, hi.1) {
-            for x in range(lo.0, hi.0) {
-                let p = [x as f64, y as f64];
-                let is_free = matches!(cdt.locate(Point2::new(p[0], p[1])),
-                    PositionInTriangulation::OnFace(face) if inside[face.index()])
-                    || matches!(cdt.locate(Point2::new(p[0], p[1])),
-                    PositionInTriangulation::OnEdge(edge)
-                        if cdt.directed_edge(edge).face().as_inner().is_some_and(|f| inside[f.index()]));
-                if is_free && walls.nearest_neighbor(&p).is_none_or(|wall| wall.distance_2(&p) > clear * clear) {
-                    points.push(p);
-                }
-            }
-        }
+        points.extend(lattice_within(shape, pitch * (1 + widest / (pitch * 1000))).into_iter().filter(is_clear));
     }
-    points.sort_by(|a, b| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));
-    points.dedup();
-    for [x, y] in points {
-        // Only fails for numbers that are none; those of the grid are fine.
-        let _ = cdt.insert(Point2::new(x, y));
+    points
+}
+
+/// The points of a lattice within a shape, row by row.
+fn lattice_within(shape: &GridPolygon, step: i64) -> Vec<GridPos> {
+    let within = |lo: i64, hi: i64| (lo.div_euclid(step) + 1..=hi.div_euclid(step)).map(move |i| i * step);
+    // Where the shape's edges cross the lattice's rows.
+    let mut crossings: Vec<(i64, i64)> = Vec::new();
+    for (a, b) in shape.rings().flat_map(|ring| edges(ring)) {
+        let (low, high) = if a.1 <= b.1 { (a, b) } else { (b, a) };
+        let [x, y, end_x, end_y] = [low.0, low.1, high.0, high.1].map(i64::from);
+        crossings.extend(within(y, end_y).map(|row| (row, x + ((end_x - x) * (row - y)).div_euclid(end_y - y))));
     }
+    crossings.sort_unstable();
+    let pairs = crossings.chunk_by(|p, q| p.0 == q.0).flat_map(|row| row.chunks_exact(2));
+    pairs.flat_map(|pair| within(pair[0].1, pair[1].1).map(|x| GridPos(x as i32, pair[0].0 as i32))).collect()
 }
 
 fn triangles(cdt: &Cdt, inside: &[bool]) -> Vec<Triangle> {
+    let faces = || cdt.inner_faces().filter(|face| inside[face.index()]);
     let mut index: Vec<Option<u32>> = vec![None; inside.len()];
-    let faces: Vec<_> = cdt.inner_faces().filter(|face| inside[face.index()]).collect();
-    for (i, face) in (0..).zip(&faces) {
-        index[face.index()] = Some(i);
+    let mut count = 0;
+    for face in faces() {
+        index[face.index()] = Some(count);
+        count += 1;
     }
-    let triangle = |face: &spade::handles::FaceHandle<'_, spade::handles::InnerTag, _, _, _, _>| {
+    let mut triangles = Vec::with_capacity(count as usize);
+    triangles.extend(faces().map(|face| {
         let edges = face.adjacent_edges();
         Triangle { corners: edges.map(|e| grid(e.from().position())), beyond: edges.map(|e| index[e.rev().face().index()]) }
-    };
-    faces.iter().map(triangle).collect()
+    }));
+    triangles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lattice_fills_a_shape_and_spares_its_holes() {
+        let ring = |corners: &[(i32, i32)]| corners.iter().map(|&(x, y)| GridPos(x, y)).collect::<Vec<_>>();
+        let outer = ring(&[(0, 0), (100, 0), (100, 60), (50, 60), (0, 100)]);
+        let shape = GridPolygon { outer, holes: vec![ring(&[(35, 15), (35, 45), (65, 45), (65, 15)])] };
+        let mut found = lattice_within(&shape, 20);
+        found.sort_unstable();
+        let all = (-1..=6).flat_map(|x| (-1..=6).map(move |y| GridPos(20 * x, 20 * y)));
+        let (inside, outside): (Vec<_>, Vec<_>) = all.filter(|p| !is_on(&shape, *p)).partition(|&p| shape.contains(p));
+        assert!(inside.len() == 7 && inside.iter().all(|p| found.contains(p)), "{found:?}");
+        assert!(outside.iter().all(|p| !found.contains(p)), "{found:?}");
+    }
+
+    /// Whether a position lies on a shape's edge.
+    fn is_on(shape: &GridPolygon, p: GridPos) -> bool {
+        let along = |v: i32, a: i32, b: i32| (a.min(b)..=a.max(b)).contains(&v);
+        shape.rings().flat_map(|ring| edges(ring)).any(|(a, b)| a.cross(b, p) == 0 && along(p.0, a.0, b.0) && along(p.1, a.1, b.1))
+    }
+
+    #[test]
+    fn long_edges_are_cut_on_the_grid_and_never_into_the_open() {
+        let (a, b) = (GridPos(0, 0), GridPos(200_001, 70_003));
+        let ends: Vec<GridPos> = cut_up(a, b, 70.0).collect();
+        assert_eq!(ends.len() as i64, pieces(a, b, 70.0) + 1);
+        assert!(ends.len() > 4 && ends.first() == Some(&a) && ends.last() == Some(&b));
+        assert!(ends.iter().all(|&p| a.cross(b, p) <= 0), "on the line or on its right");
+        assert_eq!(cut_up(a, GridPos(30_000, 0), 70.0).count(), 2, "a short one stays whole");
+    }
 }

@@ -425,6 +425,16 @@ impl CityGraph {
         30.0
     }
 
+    /// Whether everything has an id, so that [`fill_ids`](Self::fill_ids) has nothing to do.
+    #[must_use]
+    pub fn has_ids(&self) -> bool {
+        let Self { links, squares, blocks, buildings, objects, places, .. } = self;
+        let of_buildings = buildings.iter().flat_map(|b| b.parts.iter().map(|part| part.id).chain([b.id]));
+        let of_ground = links.iter().map(|l| l.id).chain(squares.iter().map(|s| s.id)).chain(blocks.iter().map(|b| b.id));
+        let of_rest = objects.iter().map(|o| o.id).chain(places.iter().map(|p| p.id));
+        of_ground.chain(of_buildings).chain(of_rest).all(|id| id.is_given())
+    }
+
     /// Gives every thing that has no id one from its kind and place, moving on where two would share one. Call after
     /// reading a file written by hand; idempotent.
     pub fn fill_ids(&mut self) {

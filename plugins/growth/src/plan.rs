@@ -77,6 +77,8 @@ mod walks;
 mod walls;
 mod water;
 
+use std::borrow::Cow;
+
 use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, GridPos, StyleError};
 
 pub use stock::{Stock, StockError};
@@ -130,9 +132,11 @@ impl Area<'_> {
 /// [`GrowthError`] if the graph or the styles do not pass their own validation. A monument that cannot be built is a finding.
 pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let Stock { styles, monuments, furniture, models } = stock;
-    let mut graph = graph.clone();
-    graph.fill_ids();
-    let graph = &graph;
+    let mut graph = Cow::Borrowed(graph);
+    if !graph.has_ids() {
+        graph.to_mut().fill_ids();
+    }
+    let graph: &CityGraph = &graph;
     let mistakes = graph.validate();
     if !mistakes.is_empty() {
         return Err(GrowthError::Graph(mistakes));
@@ -162,6 +166,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let grown = lots::grow_lots(graph, &areas, &layers, &ground, &extent, &drafts, &book, &mut findings);
     drafts.reserve_exact(grown.len());
     drafts.extend(grown);
+    drop(layers);
     let standing = facing::bodies(&drafts);
     let facing = facing::facing(&drafts, &standing, &on_ground);
     let terrain = terrain::terrain(graph, &bridges, &extent);

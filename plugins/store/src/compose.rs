@@ -3,8 +3,9 @@ use std::borrow::Cow;
 use veduta_city::{BridgeSpan, Cell, CellShell, Cells, CityPlan, FacadeSheet, GRID_PER_METRE, GridPos, Level, Overview};
 
 use crate::index::encode_index;
-use crate::overview::{decode_overview, encode_overview};
+use crate::overview::{decode_overview, press};
 use crate::packet::{encode_sheet, encode_shell, encode_styles};
+use crate::wire::WireOverview;
 use crate::{
     BlobRef, CellEntry, CityIndex, CityStats, FORMAT_VERSION, Packet, StoreError, decode_index, decode_packet, decode_styles,
     sheet_fits, wall_count,
@@ -105,7 +106,8 @@ fn read_back<T: PartialEq>(written: &T, read: &T) -> Result<(), StoreError> {
 
 fn overview(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> Result<BlobRef, StoreError> {
     // Made twice rather than kept while it is encoded and decoded: it is as large as all houses' outlines.
-    let stored = encode_overview(&Overview::of(plan));
+    let columns = WireOverview::from(&Overview::of(plan));
+    let stored = press(columns);
     let blob = BlobRef::of(&stored);
     let read = decode_overview(&stored, &blob)?;
     read_back(&Overview::of(plan), &read)?;

@@ -7,7 +7,14 @@ use crate::{BlobRef, StoreError, valid};
 /// Stored form of an overview.
 #[must_use]
 pub fn encode_overview(overview: &Overview) -> Vec<u8> {
-    pack(BlobKind::Overview, &to_bytes(&WireOverview::from(overview)))
+    press(WireOverview::from(overview))
+}
+
+/// Stored form of an overview's columns, which go as soon as they are written.
+pub(crate) fn press(wire: WireOverview) -> Vec<u8> {
+    let content = to_bytes(&wire);
+    drop(wire);
+    pack(BlobKind::Overview, &content)
 }
 
 /// The overview of stored bytes that the reference stands for.

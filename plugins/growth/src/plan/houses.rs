@@ -96,9 +96,9 @@ impl<'a> StyleBook<'a> {
         self.styles.find(name).unwrap_or(0)
     }
 
-    /// The style itself.
-    pub fn style(&self, index: usize) -> Option<&'a Style> {
-        self.styles.0.get(index)
+    /// The style that this book chose.
+    pub fn style(&self, index: usize) -> &'a Style {
+        &self.styles.0[index]
     }
 }
 

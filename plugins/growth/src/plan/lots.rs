@@ -209,7 +209,7 @@ fn grow_plot(
                 continue;
             }
             let style = book.of_district(&plot.district);
-            let Some(look) = book.style(style) else { continue };
+            let look = book.style(style);
             let width_m = 2.0 * inradius_m(&site, perimeter::enough_m(look).max(NARROWEST_SITE_M));
             if width_m < NARROWEST_SITE_M {
                 narrow.push(site.centroid());

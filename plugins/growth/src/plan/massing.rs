@@ -61,7 +61,7 @@ pub(super) fn masses(
     let grown = grown_eaves(drafts, facing, floors);
     let of_house = |(h, draft): (usize, &Draft)| {
         let mut findings = Vec::new();
-        let Some(style) = book.style(draft.style) else { return (Vec::new(), findings) };
+        let style = book.style(draft.style);
         let mass = |(b, body): (usize, &Body)| {
             let edges = (facing.of_body((h, b)), facing);
             mass(draft, body, b, edges, style, grown[h], &mut findings).raised(floors[h])

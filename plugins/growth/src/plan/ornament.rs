@@ -45,7 +45,7 @@ pub(super) fn adorn(
     seed: u64,
 ) {
     houses.par_iter_mut().filter(|house| house.monument.is_none()).for_each(|house| {
-        let Some(style) = book.style(usize::from(house.style)) else { return };
+        let style = book.style(usize::from(house.style));
         let draw = Draw::new(seed, house.id, "ornament");
         let floor = house.floor;
         let on_ground = house.volumes.iter_mut().filter(|volume| volume.bottom.saturating_sub(floor) <= DOORSTEP);

@@ -98,19 +98,19 @@ pub(super) fn alike(a: Rgb, b: Rgb) -> bool {
 
 /// Looks of all houses. Those with given colours come first, then the others by id; each takes the first colour of its palette,
 /// from the one drawn onwards, that no settled neighbour wears; where the palette is spent, it differs in its windows.
-pub(super) fn looks(drafts: &[Draft], facing: &Facing, book: &StyleBook<'_>) -> Vec<Option<Look>> {
-    let mut drawn: Vec<Option<Look>> = drafts.par_iter().map(|d| book.style(d.style).map(|s| Look::draw(d, s))).collect();
+pub(super) fn looks(drafts: &[Draft], facing: &Facing, book: &StyleBook<'_>) -> Vec<Look> {
+    let mut looks: Vec<Look> = drafts.par_iter().map(|draft| Look::draw(draft, book.style(draft.style))).collect();
     let widths: Vec<f64> = (0..drafts.len()).into_par_iter().map(|h| main_edge(facing, h).map_or(0.0, Edge::length_m)).collect();
     let mut order: Vec<usize> = (0..drafts.len()).collect();
-    order.sort_by_key(|&h| (drawn[h].as_ref().is_some_and(|l| !l.is_given), drafts[h].id, h));
-    let mut settled: Vec<Option<Look>> = vec![None; drafts.len()];
+    order.sort_by_key(|&h| (!looks[h].is_given, drafts[h].id, h));
+    let mut is_settled = vec![false; drafts.len()];
     for h in order {
-        let (Some(look), Some(style)) = (drawn[h].take(), book.style(drafts[h].style)) else { continue };
-        let near = facing.neighbours(h).filter_map(|n| Some((settled[n].as_ref()?, widths[n])));
+        let near = facing.neighbours(h).filter(|&n| is_settled[n]).map(|n| (&looks[n], widths[n]));
         let near: Vec<(&Look, f64)> = near.collect();
-        settled[h] = Some(set_apart(look, widths[h], &near, &drafts[h], style));
+        looks[h] = set_apart(looks[h].clone(), widths[h], &near, &drafts[h], book.style(drafts[h].style));
+        is_settled[h] = true;
     }
-    settled
+    looks
 }
 
 fn set_apart(mut look: Look, width: f64, near: &[(&Look, f64)], draft: &Draft, style: &Style) -> Look {

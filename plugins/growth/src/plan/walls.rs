@@ -32,12 +32,12 @@ pub(super) fn houses(
     drafts: Vec<Draft>,
     facing: &Facing,
     masses: &[Vec<Mass>],
-    looks: &[Option<Look>],
+    looks: &[Look],
     book: &StyleBook<'_>,
     terrain: &PlanTerrain,
 ) -> Vec<House> {
     let of_house = |(h, mut draft): (usize, Draft)| {
-        let (Some(look), Some(style)) = (&looks[h], book.style(draft.style)) else { return None };
+        let (look, style) = (&looks[h], book.style(draft.style));
         let mut volumes: Vec<Volume> = Vec::with_capacity(draft.bodies.len());
         for b in 0..draft.bodies.len() {
             let footprint = core::mem::take(&mut draft.bodies[b].footprint);
@@ -49,19 +49,9 @@ pub(super) fn houses(
         if !terrain.is_level() {
             suit_ground(&mut volumes, &edges, &masses[h], &Slope { terrain, floor });
         }
-        Some(House {
-            id: draft.id,
-            name: draft.name,
-            number: draft.number,
-            style: draft.style as u16,
-            floor,
-            volumes,
-            monument: None,
-        })
+        House { id: draft.id, name: draft.name, number: draft.number, style: draft.style as u16, floor, volumes, monument: None }
     };
-    // Collected as options first, whose number is known: a list of lists would take as much again.
-    let houses: Vec<Option<House>> = drafts.into_par_iter().enumerate().map(of_house).collect();
-    houses.into_iter().flatten().collect()
+    drafts.into_par_iter().enumerate().map(of_house).collect()
 }
 
 /// A volume without its footprint.

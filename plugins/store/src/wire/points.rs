@@ -17,7 +17,7 @@ pub(crate) struct Points {
     /// For a polygon: number of holes, then of vertices of each ring; for a line: number of vertices.
     counts: Vec<u32>,
     /// 0: a new vertex; else one more than the zig-zagged step from the number of the vertex before.
-    names: Vec<u64>,
+    names: Vec<u32>,
     east: Vec<i32>,
     north: Vec<i32>,
 }
@@ -42,7 +42,7 @@ fn guess(ring: &[GridPos], last: GridPos) -> GridPos {
 #[derive(Default)]
 pub(crate) struct PointWriter {
     out: Points,
-    known: HashMap<GridPos, i64>,
+    known: HashMap<GridPos, u32>,
     last: (GridPos, i64),
 }
 
@@ -74,18 +74,18 @@ impl PointWriter {
     fn vertex(&mut self, pos: GridPos, guessed: GridPos) {
         let number = match self.known.get(&pos) {
             Some(&number) => {
-                let step = number - self.last.1;
-                self.out.names.push(((step << 1) ^ (step >> 63)) as u64 + 1);
-                number
+                let step = i64::from(number) - self.last.1;
+                self.out.names.push(((step << 1) ^ (step >> 63)) as u32 + 1);
+                i64::from(number)
             }
             None => {
                 let off = sub(pos, guessed);
                 self.out.names.push(0);
                 self.out.east.push(off.0);
                 self.out.north.push(off.1);
-                let number = self.known.len() as i64;
+                let number = self.known.len() as u32;
                 self.known.insert(pos, number);
-                number
+                i64::from(number)
             }
         };
         self.last = (pos, number);
@@ -108,7 +108,7 @@ impl Points {
 /// Takes rings and lines off [`Points`].
 pub(crate) struct PullPoints {
     counts: Pull<u32>,
-    names: Pull<u64>,
+    names: Pull<u32>,
     east: Pull<i32>,
     north: Pull<i32>,
     known: Vec<GridPos>,
@@ -157,7 +157,7 @@ impl PullPoints {
                 (pos, self.known.len() as i64 - 1)
             }
             Some(folded) => {
-                let step = (folded >> 1) as i64 ^ -((folded & 1) as i64);
+                let step = i64::from(folded >> 1) ^ -i64::from(folded & 1);
                 let number = self.last.1.wrapping_add(step);
                 let pos = usize::try_from(number).ok().and_then(|n| self.known.get(n));
                 (*pos.ok_or(Malformed::Reason("a vertex is named that was never told"))?, number)
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn a_vertex_never_told_is_an_error() {
-        for name in [1, 2, 3, u64::MAX] {
+        for name in [1, 2, 3, u32::MAX] {
             let points = Points { counts: vec![1], names: vec![name], ..Points::default() };
             assert_eq!(points.pull().line(), Err(Malformed::Reason("a vertex is named that was never told")), "{name}");
         }
