@@ -529,6 +529,7 @@ mod tests {
         assert_eq!(first.iter().collect::<HashSet<_>>().len(), 3, "{first:?}");
         graph.fill_ids();
         assert_eq!(first, graph.links.iter().map(|l| l.id).collect::<Vec<_>>());
+        assert!(graph.has_ids());
         assert_eq!(graph.node_kinds()[&Id(2)], NodeKind::Crossroads);
     }
 }

@@ -276,3 +276,25 @@ fn tours_name_places_that_are_there_and_keep_their_pace() {
         assert!(matches!(tour.steps.first(), Some(Step::Start { .. })), "{name} starts somewhere");
     }
 }
+
+#[test]
+fn whatever_has_no_id_is_noticed() {
+    let whole = city();
+    assert!(whole.has_ids());
+    let ids: [fn(&mut CityGraph) -> Option<&mut Id>; 7] = [
+        |graph| graph.links.last_mut().map(|link| &mut link.id),
+        |graph| graph.squares.last_mut().map(|square| &mut square.id),
+        |graph| graph.blocks.last_mut().map(|block| &mut block.id),
+        |graph| graph.buildings.last_mut().map(|building| &mut building.id),
+        |graph| graph.buildings.iter_mut().find_map(|building| building.parts.last_mut()).map(|part| &mut part.id),
+        |graph| graph.objects.last_mut().map(|object| &mut object.id),
+        |graph| graph.places.last_mut().map(|place| &mut place.id),
+    ];
+    for (kind, id) in ids.iter().enumerate() {
+        let mut graph = whole.clone();
+        *id(&mut graph).unwrap_or_else(|| panic!("there is nothing of kind {kind}")) = Id::NONE;
+        assert!(!graph.has_ids(), "kind {kind}");
+        graph.fill_ids();
+        assert!(graph.has_ids(), "kind {kind}");
+    }
+}
