@@ -171,6 +171,7 @@ fn triangles(cdt: &Cdt, inside: &[bool]) -> Vec<Triangle> {
         index[face.index()] = Some(count);
         count += 1;
     }
+    // Of a known size: a list that grows takes half as much again.
     let mut triangles = Vec::with_capacity(count as usize);
     triangles.extend(faces().map(|face| {
         let edges = face.adjacent_edges();

@@ -107,6 +107,7 @@ fn read_back<T: PartialEq>(written: &T, read: &T) -> Result<(), StoreError> {
 fn overview(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> Result<BlobRef, StoreError> {
     // Made twice rather than kept while it is encoded and decoded: it is as large as all houses' outlines.
     let columns = WireOverview::from(&Overview::of(plan));
+    // A statement of its own: the overview is gone by now.
     let stored = press(columns);
     let blob = BlobRef::of(&stored);
     let read = decode_overview(&stored, &blob)?;

@@ -167,6 +167,7 @@ pub(super) fn facing(drafts: &[Draft], standing: &Index<(BodyRef, f64)>, ground:
     };
     let parts = drafts.par_chunks(AT_ONCE).enumerate().map(|(i, some)| of_some(i * AT_ONCE, some));
     let parts: Vec<Facing> = parts.collect();
+    // What was looked through is as large as what was seen, which is about to be there twice.
     drop((walls, before));
     let sum = |count: fn(&Facing) -> usize| parts.iter().map(count).sum();
     let mut all = Facing {
