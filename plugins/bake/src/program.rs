@@ -230,6 +230,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
             println!("{}: {} houses", output.display(), planned.plan.houses.len());
         }
         Command::Bake { source, output, seed, json, findings } => {
+            crate::allocator::keep_no_memory();
             bake_city(&source, output, seed, quiet, json, findings)?;
         }
         Command::Inspect { city, json } => inspect::inspect(&city, json)?,

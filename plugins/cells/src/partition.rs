@@ -69,8 +69,7 @@ pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     let mut findings = Vec::new();
     let patches = Patches::new(plan);
     let shapes = free::free_space(plan, &patches, settings, &mut findings);
-    let mesh = triangulate::triangulate(&shapes, settings, &mut findings);
-    drop(shapes);
+    let mesh = triangulate::triangulate(shapes, settings, &mut findings);
     let (reached, rest) = reach::reachable(&mesh, plan, &patches, settings, &mut findings);
     drop(mesh);
     let label = merge::merge(&reached, &patches, settings);
@@ -89,6 +88,7 @@ pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     assign::yards(reach::spaces(&rest, &plan.extent), &mut cells);
     drop(rest);
     assign::floors(&patches, &mut cells);
+    drop(patches);
     cells.visible = visible::visible_sets(&cells, settings, &mut findings);
     cells.skyline = skyline::skyline(plan, &cells);
     Partition { cells, findings }

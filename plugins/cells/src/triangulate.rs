@@ -1,7 +1,5 @@
 //! Constrained Delaunay triangulation of free space.
 
-use std::collections::HashMap;
-
 use rstar::{PointDistance, RTree, primitives::Line};
 use spade::handles::{FixedDirectedEdgeHandle, FixedVertexHandle};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
@@ -41,13 +39,14 @@ fn point(p: GridPos) -> Point2<f64> {
     Point2::new(f64::from(p.0), f64::from(p.1))
 }
 
-/// Triangles of all shapes.
-pub(crate) fn triangulate(shapes: &[GridPolygon], settings: &PartitionSettings, findings: &mut Vec<Finding>) -> Vec<Triangle> {
+/// Triangles of all shapes, which go as soon as their borders are known.
+pub(crate) fn triangulate(shapes: Vec<GridPolygon>, settings: &PartitionSettings, findings: &mut Vec<Finding>) -> Vec<Triangle> {
     let rings = shapes.iter().flat_map(GridPolygon::rings);
     let mut borders: Vec<(GridPos, GridPos)> = rings.flat_map(|ring| edges(ring)).filter(|(a, b)| a != b).collect();
     // Those that stay straight first: a cut one that would cross them stays straight as well.
     borders.sort_by_key(|&(a, b)| pieces(a, b, settings.max_diameter_m));
-    let mut positions = lattice(shapes, &borders, settings);
+    let mut positions = lattice(&shapes, &borders, settings);
+    drop(shapes);
     positions.extend(borders.iter().flat_map(|&(a, b)| cut_up(a, b, settings.max_diameter_m)));
     positions.sort_unstable();
     positions.dedup();
@@ -84,12 +83,15 @@ fn add_borders(
     settings: &PartitionSettings,
     findings: &mut Vec<Finding>,
 ) -> Vec<FixedDirectedEdgeHandle> {
-    let handle: HashMap<GridPos, FixedVertexHandle> = cdt.vertices().map(|v| (grid(v.position()), v.fix())).collect();
+    // A sorted list is half as large as a map.
+    let mut handles: Vec<(GridPos, FixedVertexHandle)> = cdt.vertices().map(|v| (grid(v.position()), v.fix())).collect();
+    handles.sort_unstable_by_key(|&(pos, _)| pos);
+    let handle = |pos: GridPos| handles.binary_search_by_key(&pos, |&(pos, _)| pos).ok().map(|at| handles[at].1);
     let mut added = Vec::with_capacity(borders.len());
     let mut ends: Vec<FixedVertexHandle> = Vec::new();
     for (a, b) in borders {
         ends.clear();
-        ends.extend(cut_up(a, b, settings.max_diameter_m).filter_map(|p| handle.get(&p).copied()));
+        ends.extend(cut_up(a, b, settings.max_diameter_m).filter_map(handle));
         let (Some(&first), Some(&last)) = (ends.first(), ends.last()) else { continue };
         let can_be_cut = ends.windows(2).all(|pair| pair[0] != pair[1] && cdt.can_add_constraint(pair[0], pair[1]));
         let straight = [first, last];

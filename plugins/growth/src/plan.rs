@@ -167,8 +167,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     drafts.reserve_exact(grown.len());
     drafts.extend(grown);
     drop(layers);
-    let standing = facing::bodies(&drafts);
-    let facing = facing::facing(&drafts, &standing, &on_ground);
+    let facing = facing::facing(&drafts, &on_ground);
     let terrain = terrain::terrain(graph, &bridges, &extent);
     let spans = spans::spans(graph, &bridges, &terrain);
     let floors = floors::floors(&drafts, &facing, &terrain);
@@ -177,6 +176,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let mut houses = walls::houses(drafts, &facing, &masses, &looks, &book, &terrain);
     let mut designs = monuments::Designs::new(monuments, models);
     drop((facing, masses, looks));
+    let standing = walls::standing(&houses);
     designs.of_houses(graph, &mut houses, &mut findings);
     ornament::adorn(&mut houses, &standing, &terrain, &book, graph.seed);
     arcades::open(&mut houses, (&on_ground, &standing), &terrain);
@@ -187,7 +187,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let decks = spans::Decks::new(spans.iter().enumerate());
     let site = objects::Site { terrain: &terrain, ground: &on_ground, decks: &decks, standing: &standing, doorsteps: &doorsteps };
     let (mut objects, monumental) = objects::objects(graph, &areas, (&network, furniture), &site, &mut findings);
-    designs.of_objects(graph.objects.iter().chain(&monumental), &mut objects, &mut findings);
+    designs.of_objects(&monumental, &mut objects, &mut findings);
     let markings = markings::markings(graph, &network, &bridges, &site);
     let start = places::start(graph, &extent, &site, &mut findings);
     let plan = CityPlan {

@@ -11,10 +11,8 @@ use veduta_city::{
 };
 
 use super::boolean;
-use super::facing::BodyRef;
 use super::ground::Ground;
-use super::index::Index;
-use super::walls::DOORSTEP;
+use super::walls::{DOORSTEP, Standing};
 
 /// Depth of a walk, wall included; least ground floor that is left behind it; metres.
 const DEPTH_M: f64 = 3.6;
@@ -38,7 +36,7 @@ const CLEAR_M: [f64; 4] = [1.0, 3.0, 5.0, 7.0];
 const BEFORE_M: f64 = 0.4;
 
 /// Opens the walks. In narrow streets houses that would have one have windows.
-pub(super) fn open(houses: &mut [House], (ground, standing): (&Ground<'_>, &Index<(BodyRef, f64)>), terrain: &PlanTerrain) {
+pub(super) fn open(houses: &mut [House], (ground, standing): (&Ground<'_>, &Standing), terrain: &PlanTerrain) {
     houses.par_iter_mut().filter(|house| house.monument.is_none()).for_each(|house| {
         let floor = house.floor;
         for v in 0..house.volumes.len() {
@@ -64,7 +62,7 @@ fn is_arcaded(wall: &Wall) -> bool {
 }
 
 /// Puts windows in place of the arches that other houses stand close before.
-fn keep_to_broad_streets(volume: &mut Volume, standing: &Index<(BodyRef, f64)>) {
+fn keep_to_broad_streets(volume: &mut Volume, standing: &Standing) {
     for (wall, (a, b)) in volume.walls.iter_mut().zip(volume.footprint.edges()) {
         let Some(storey) = wall.storeys.first_mut().filter(|storey| storey.opening == Opening::Arcade) else { continue };
         let (a, b) = (a.to_metres(), b.to_metres());

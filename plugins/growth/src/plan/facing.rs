@@ -23,13 +23,13 @@ pub(super) const HEADROOM_M: f64 = 2.5;
 pub(super) type BodyRef = (usize, usize);
 
 /// One edge of a footprint and what it faces.
-#[derive(Debug, Clone)]
-pub(super) struct Edge {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edge<'a> {
     ends: (GridPos, GridPos),
     /// Whether a street, square, park or water lies before it.
     pub is_public: bool,
-    /// Where its parties lie among all.
-    parties: (u32, u32),
+    /// Bodies along it, by body.
+    pub parties: &'a [Party],
 }
 
 /// A body along an edge.
@@ -47,7 +47,7 @@ impl Party {
     }
 }
 
-impl Edge {
+impl Edge<'_> {
     pub fn a(&self) -> DVec2 {
         self.ends.0.to_metres()
     }
@@ -67,11 +67,19 @@ fn outward(a: DVec2, b: DVec2) -> DVec2 {
     -(b - a).normalize_or_zero().perp()
 }
 
+/// What an edge faces, without what its footprint and the edge before it tell.
+#[derive(Debug, Clone, Copy)]
+struct Outlook {
+    is_public: bool,
+    /// Where its parties end among all: they follow those of the edge before.
+    parties_end: u32,
+}
+
 /// What all the houses face: lists of a house, or of a body, one after another.
 #[derive(Default)]
 pub(super) struct Facing {
     /// In the order of houses, bodies, their outer rings, then of the holes.
-    edges: Vec<Edge>,
+    outlooks: Vec<Outlook>,
     parties: Vec<Party>,
     neighbours: Vec<u32>,
     /// Where the edges of each body end, …
@@ -81,27 +89,28 @@ pub(super) struct Facing {
 }
 
 impl Facing {
-    /// Edges of a body.
-    pub fn of_body(&self, (house, body): BodyRef) -> &[Edge] {
+    /// Edges of a body, which has this footprint.
+    pub fn of_body<'a>(&'a self, (house, body): BodyRef, footprint: &GridPolygon) -> impl Iterator<Item = Edge<'a>> {
         let first = self.before(house).0 as usize + body;
         let from = first.checked_sub(1).map_or(0, |before| self.body_ends[before] as usize);
-        &self.edges[from..self.body_ends[first] as usize]
+        let outlooks = &self.outlooks[from..self.body_ends[first] as usize];
+        let mut start = from.checked_sub(1).map_or(0, |before| self.outlooks[before].parties_end);
+        outlooks.iter().zip(footprint.edges()).map(move |(&Outlook { is_public, parties_end }, ends)| {
+            let parties = &self.parties[start as usize..parties_end as usize];
+            start = parties_end;
+            Edge { ends, is_public, parties }
+        })
     }
 
-    /// Edges of each body of a house.
-    pub fn of_house(&self, house: usize) -> impl Iterator<Item = &[Edge]> {
-        (0..(self.house_ends[house].0 - self.before(house).0) as usize).map(move |body| self.of_body((house, body)))
+    /// Edges of a house, body by body.
+    pub fn of_house<'a>(&'a self, house: usize, draft: &'a Draft) -> impl Iterator<Item = Edge<'a>> {
+        draft.bodies.iter().enumerate().flat_map(move |(body, of)| self.of_body((house, body), &of.footprint))
     }
 
     /// Houses within 3 m of a house, ascending.
     pub fn neighbours(&self, house: usize) -> impl Iterator<Item = usize> {
         let range = self.before(house).1 as usize..self.house_ends[house].1 as usize;
         self.neighbours[range].iter().map(|&near| near as usize)
-    }
-
-    /// Bodies along an edge, by body.
-    pub fn parties(&self, edge: &Edge) -> &[Party] {
-        &self.parties[edge.parties.0 as usize..edge.parties.1 as usize]
     }
 
     fn before(&self, house: usize) -> (u32, u32) {
@@ -111,9 +120,9 @@ impl Facing {
     /// Adds what the houses after its own face.
     fn append(&mut self, next: Self) {
         let [edges, parties, bodies, neighbours] =
-            [self.edges.len(), self.parties.len(), self.body_ends.len(), self.neighbours.len()].map(|n| n as u32);
-        let moved = |edge: Edge| Edge { parties: (edge.parties.0 + parties, edge.parties.1 + parties), ..edge };
-        self.edges.extend(next.edges.into_iter().map(moved));
+            [self.outlooks.len(), self.parties.len(), self.body_ends.len(), self.neighbours.len()].map(|n| n as u32);
+        let moved = |outlook: Outlook| Outlook { parties_end: outlook.parties_end + parties, ..outlook };
+        self.outlooks.extend(next.outlooks.into_iter().map(moved));
         self.parties.extend(next.parties);
         self.neighbours.extend(next.neighbours);
         self.body_ends.extend(next.body_ends.into_iter().map(|end| end + edges));
@@ -140,9 +149,12 @@ impl Edges {
     }
 }
 
-/// An index of the bodies that stand on the ground, for questions about places.
-pub(super) fn bodies(drafts: &[Draft]) -> Index<(BodyRef, f64)> {
-    Index::new(bodies_of(drafts).map(|(at, body)| (body.footprint.clone(), (at, body.bottom_m))).collect())
+/// Bodies, each with how far its foot hangs above the ground, metres.
+type Bodies<'a> = Index<(BodyRef, f64), &'a GridPolygon>;
+
+/// An index of all bodies, for questions about places.
+pub(super) fn bodies(drafts: &[Draft]) -> Bodies<'_> {
+    Index::new(bodies_of(drafts).map(|(at, body)| (&body.footprint, (at, body.bottom_m))).collect())
 }
 
 /// All bodies of all houses.
@@ -154,10 +166,10 @@ fn bodies_of(drafts: &[Draft]) -> impl Iterator<Item = (BodyRef, &Body)> {
 const AT_ONCE: usize = 64;
 
 /// Looks out of every wall.
-pub(super) fn facing(drafts: &[Draft], standing: &Index<(BodyRef, f64)>, ground: &Ground<'_>) -> Facing {
+pub(super) fn facing(drafts: &[Draft], ground: &Ground<'_>) -> Facing {
     let walls = Edges::of(drafts);
     let public = ground.cells_of(|(surface, _)| is_faced(*surface));
-    let before = Before { standing, ground, public };
+    let before = Before { standing: bodies(drafts), ground, public };
     let of_some = |first: usize, some: &[Draft]| {
         let (around, spans, near) = (Vec::new(), Vec::new(), Vec::new());
         let seen = Facing::default();
@@ -171,7 +183,7 @@ pub(super) fn facing(drafts: &[Draft], standing: &Index<(BodyRef, f64)>, ground:
     drop((walls, before));
     let sum = |count: fn(&Facing) -> usize| parts.iter().map(count).sum();
     let mut all = Facing {
-        edges: Vec::with_capacity(sum(|part| part.edges.len())),
+        outlooks: Vec::with_capacity(sum(|part| part.outlooks.len())),
         parties: Vec::with_capacity(sum(|part| part.parties.len())),
         neighbours: Vec::with_capacity(sum(|part| part.neighbours.len())),
         body_ends: Vec::with_capacity(sum(|part| part.body_ends.len())),
@@ -216,10 +228,10 @@ impl View<'_> {
         for (b, body) in draft.bodies.iter().enumerate() {
             self.look_around((house, b), &body.footprint);
             for (p, q) in body.footprint.edges() {
-                let edge = self.edge((house, b), p, q);
-                self.seen.edges.push(edge);
+                let outlook = self.look_out((house, b), p, q);
+                self.seen.outlooks.push(outlook);
             }
-            self.seen.body_ends.push(self.seen.edges.len() as u32);
+            self.seen.body_ends.push(self.seen.outlooks.len() as u32);
         }
         self.near.sort_unstable();
         self.seen.neighbours.extend(self.near.iter().map(|&near| near as u32));
@@ -236,7 +248,8 @@ impl View<'_> {
         self.around.extend(near.filter(|near| do_meet(near.bounds, bounds)));
     }
 
-    fn edge(&mut self, me: BodyRef, grid_a: GridPos, grid_b: GridPos) -> Edge {
+    /// Looks out of an edge of a body.
+    fn look_out(&mut self, me: BodyRef, grid_a: GridPos, grid_b: GridPos) -> Outlook {
         let bounds = reach(about(grid_a, grid_b));
         let mut twin = None;
         let (a, b) = (grid_a.to_metres(), grid_b.to_metres());
@@ -285,7 +298,7 @@ impl View<'_> {
         }
         self.seen.parties.truncate(kept);
         let is_public = !is_hidden && self.before.is_public(a, b);
-        Edge { ends: (grid_a, grid_b), is_public, parties: (first as u32, kept as u32) }
+        Outlook { is_public, parties_end: kept as u32 }
     }
 }
 
@@ -325,7 +338,7 @@ fn share(spans: &[(BodyRef, f64, f64)]) -> f64 {
 
 /// What lies and stands before walls.
 struct Before<'a> {
-    standing: &'a Index<(BodyRef, f64)>,
+    standing: Bodies<'a>,
     ground: &'a Ground<'a>,
     /// Where there may be public ground: most walls have none before them.
     public: CellSet,

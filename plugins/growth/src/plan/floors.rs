@@ -23,14 +23,13 @@ pub(super) fn floors(drafts: &[Draft], facing: &Facing, terrain: &PlanTerrain) -
         return vec![0; drafts.len()];
     }
     let floor = |(house, draft): (usize, &Draft)| {
-        let on_ground =
-            draft.bodies.iter().zip(facing.of_house(house)).filter(|(body, _)| GridPos::steps(body.bottom_m) <= DOORSTEP);
-        let mut all: Vec<&Edge> = on_ground.flat_map(|(_, edges)| edges).collect();
+        let on_ground = draft.bodies.iter().enumerate().filter(|(_, body)| GridPos::steps(body.bottom_m) <= DOORSTEP);
+        let mut all: Vec<Edge> = on_ground.flat_map(|(b, body)| facing.of_body((house, b), &body.footprint)).collect();
         if all.is_empty() {
             // A house that hangs: what it hangs over.
-            all = facing.of_house(house).flatten().collect();
+            all = facing.of_house(house, draft).collect();
         }
-        let fronts: Vec<&Edge> = all.iter().copied().filter(|edge| edge.is_public).collect();
+        let fronts: Vec<Edge> = all.iter().copied().filter(|edge| edge.is_public).collect();
         let fronts = if fronts.is_empty() { all } else { fronts };
         let longest = fronts.iter().max_by(|e, f| e.length_m().total_cmp(&f.length_m()));
         let Some(door) = longest.map(|edge| terrain.height_m((edge.a() + edge.b()) / 2.0)) else { return 0 };

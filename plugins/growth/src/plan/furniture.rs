@@ -6,8 +6,8 @@ use rustc_hash::FxHashMap;
 use veduta_city::draw::Draw;
 use veduta_city::furniture::{AreaKind, Control, Offset, Placement, Side};
 use veduta_city::{
-    BlockKind, CityGraph, Furnishing, FurnitureRule, GridPolygon, GridPos, Id, Link, LinkKind, ObjectKind, Range, StandingObject,
-    StreetClass, SurfaceKind, ring_edges,
+    BlockKind, CityGraph, Furnishing, FurnitureRule, GridPolygon, GridPos, Id, Link, LinkKind, ObjectKind, Range, StreetClass,
+    SurfaceKind, ring_edges,
 };
 
 use super::network::Network;
@@ -26,9 +26,22 @@ const INWARD_M: [f64; 4] = [0.0, 0.4, 0.8, 1.2];
 const MOST_PLACES: usize = 50_000;
 
 /// Something that a rule would put, and its heading.
-struct Wish {
+pub(super) struct Wish {
     pos: DVec2,
     heading_deg: f64,
+}
+
+/// Something that is to stand at a place.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Piece<'a> {
+    pub id: Id,
+    pub kind: ObjectKind,
+    pub pos: DVec2,
+    pub heading_deg: f64,
+    /// 0: its own, metres.
+    pub height_m: f64,
+    /// Name of what is built there; may be empty.
+    pub monument: &'a str,
 }
 
 /// What rules put, in their order, clear of what stands already.
@@ -40,13 +53,20 @@ pub(super) struct Furnisher<'a> {
     pub taken: Taken,
 }
 
-/// Discs that things stand on.
+/// The ground that things stand on: a disc each.
 #[derive(Default)]
 pub(super) struct Taken {
-    /// Middle and radius of each, and the one before it in the same square.
-    discs: Vec<(DVec2, f64, Option<u32>)>,
+    discs: Vec<Disc>,
     /// The last one in each square.
     last: FxHashMap<(i32, i32), u32>,
+}
+
+struct Disc {
+    middle: DVec2,
+    /// The one before it in the same square; itself if there is none.
+    before: u32,
+    /// What stands there, which tells its radius.
+    kind: ObjectKind,
 }
 
 impl Taken {
@@ -61,30 +81,34 @@ impl Taken {
     fn is_free(&self, pos: DVec2, radius_m: f64) -> bool {
         let (x, y) = Self::square(pos);
         let last = (x - 1..=x + 1).flat_map(|x| (y - 1..=y + 1).filter_map(move |y| self.last.get(&(x, y)).copied()));
-        let before = |&at: &u32| self.discs[at as usize].2;
-        let mut near = last.flat_map(|last| core::iter::successors(Some(last), before)).map(|at| self.discs[at as usize]);
-        near.all(|(other, radius, _)| other.distance(pos) >= radius + radius_m)
+        let before = |&at: &u32| Some(self.discs[at as usize].before).filter(|&before| before != at);
+        let mut near = last.flat_map(|last| core::iter::successors(Some(last), before)).map(|at| &self.discs[at as usize]);
+        near.all(|other| other.middle.distance(pos) >= other.kind.radius_m() + radius_m)
     }
 
-    /// Takes a disc.
-    pub fn add(&mut self, pos: DVec2, radius_m: f64) {
-        let before = self.last.insert(Self::square(pos), self.discs.len() as u32);
-        self.discs.push((pos, radius_m, before));
+    /// Takes what something of a kind stands on.
+    pub fn add(&mut self, middle: DVec2, kind: ObjectKind) {
+        let own = self.discs.len() as u32;
+        let before = self.last.insert(Self::square(middle), own).unwrap_or(own);
+        self.discs.push(Disc { middle, before, kind });
     }
 }
 
 impl Furnisher<'_> {
-    /// What a rule puts, in order, as far as there is room for it.
-    pub fn furnish(&mut self, rule: &FurnitureRule) -> Vec<StandingObject> {
-        if rule.put.is_empty() {
-            return Vec::new();
-        }
+    /// What a rule would put, in order.
+    pub fn wishes(&self, rule: &FurnitureRule) -> impl Iterator<Item = Wish> + use<> {
         let wishes = match &rule.place {
+            _ if rule.put.is_empty() => Vec::new(),
             Placement::Along { streets, every_m, side, at } => self.along(rule, streets, *every_m, *side, *at),
-            Placement::Crossings { control, inset_m } => self.crossings(rule, *control, *inset_m),
-            Placement::Rim { of, every_m, inset_m, rows_m } => self.rim(rule, *of, *every_m, *inset_m, *rows_m),
+            Placement::Crossings { control, inset_m } => vec![self.crossings(rule, *control, *inset_m)],
+            Placement::Rim { of, every_m, inset_m, rows_m } => vec![self.rim(rule, *of, *every_m, *inset_m, *rows_m)],
             Placement::Scatter { of, every_m } => self.scatter(rule, *of, *every_m),
         };
+        wishes.into_iter().flatten()
+    }
+
+    /// What a rule puts, as far as there is room for it.
+    pub fn granted<'a>(&mut self, rule: &'a FurnitureRule, wishes: impl Iterator<Item = Wish>) -> Vec<Piece<'a>> {
         let mut out = Vec::new();
         for wish in wishes {
             let id = Id::from_place(&format!("grown {}", rule.name), wish.pos);
@@ -97,15 +121,14 @@ impl Furnisher<'_> {
             if !self.taken.is_free(wish.pos, radius + PASSAGE_M * f64::from(!is_row(&rule.place))) {
                 continue;
             }
-            self.taken.add(wish.pos, radius);
-            out.push(StandingObject {
+            self.taken.add(wish.pos, furnishing.kind);
+            out.push(Piece {
                 id,
                 kind: furnishing.kind,
                 pos: wish.pos,
                 heading_deg: wish.heading_deg,
                 height_m: furnishing.height_m.map_or(0.0, |Range(low, high)| draw.between("height", low, high)),
-                name: String::new(),
-                monument: furnishing.monument.clone(),
+                monument: &furnishing.monument,
             });
         }
         out
@@ -120,7 +143,8 @@ impl Furnisher<'_> {
         Draw::new(self.graph.seed, Id::from_place(&rule.name, place), "furniture rule")
     }
 
-    fn along(&self, rule: &FurnitureRule, classes: &[StreetClass], every_m: f64, side: Side, at: Offset) -> Vec<Wish> {
+    /// What a rule wishes for along each link.
+    fn along(&self, rule: &FurnitureRule, classes: &[StreetClass], every_m: f64, side: Side, at: Offset) -> Vec<Vec<Wish>> {
         let nodes = self.graph.node_positions();
         let taken: FxHashMap<Id, [f64; 2]> = self.network.streets.iter().map(|street| (street.link.id, street.taken_m)).collect();
         let of_link = |link: &Link| -> Vec<Wish> {
@@ -159,7 +183,7 @@ impl Furnisher<'_> {
             }
             out
         };
-        self.graph.links.par_iter().flat_map_iter(of_link).collect()
+        self.graph.links.par_iter().map(of_link).collect()
     }
 
     fn crossings(&self, rule: &FurnitureRule, control: Control, inset_m: f64) -> Vec<Wish> {
@@ -216,7 +240,8 @@ impl Furnisher<'_> {
         out
     }
 
-    fn scatter(&self, rule: &FurnitureRule, of: AreaKind, every_m: f64) -> Vec<Wish> {
+    /// What a rule wishes for in each area.
+    fn scatter(&self, rule: &FurnitureRule, of: AreaKind, every_m: f64) -> Vec<Vec<Wish>> {
         let of_polygon = |polygon: &GridPolygon| {
             let mut out = Vec::new();
             let Some((lo, hi)) = polygon.bounds() else { return out };
@@ -237,7 +262,7 @@ impl Furnisher<'_> {
             }
             out
         };
-        self.outlines(of).par_iter().flat_map_iter(of_polygon).collect()
+        self.outlines(of).par_iter().map(of_polygon).collect()
     }
 
     /// Whether something may stand at a place of an area, by what lies there.
@@ -291,17 +316,19 @@ mod tests {
     #[test]
     fn a_disc_is_free_where_it_touches_no_other() {
         let mut taken = Taken::default();
-        let mut discs: Vec<(DVec2, f64)> = Vec::new();
+        let mut discs: Vec<(DVec2, ObjectKind)> = Vec::new();
+        let kinds = [ObjectKind::Bin, ObjectKind::Tree, ObjectKind::Kiosk, ObjectKind::Fountain];
         for i in 0..3000_u64 {
             let draw = Draw::new(7, Id(i), "disc");
             // Negative places and sides of squares among them.
             let pos = DVec2::new(draw.between("x", -40.0, 40.0).round(), draw.between("y", -40.0, 40.0));
-            let radius = draw.between("radius", 0.1, 1.5);
-            let is_free = discs.iter().all(|&(other, r)| other.distance(pos) >= r + radius);
+            let kind = *draw.pick("kind", &kinds).expect("kinds");
+            let radius = kind.radius_m();
+            let is_free = discs.iter().all(|&(other, kind)| other.distance(pos) >= kind.radius_m() + radius);
             assert_eq!(taken.is_free(pos, radius), is_free, "{pos} {radius}");
             if is_free || draw.chance("anyhow", 0.02) {
-                taken.add(pos, radius);
-                discs.push((pos, radius));
+                taken.add(pos, kind);
+                discs.push((pos, kind));
             }
         }
         assert!(discs.len() > 200, "{}", discs.len());

@@ -29,7 +29,7 @@ pub(super) fn partition(extent: &Extent, layers: &[Layer]) -> Vec<GroundPatch> {
 
 /// Paves the yards that are mere verges: too narrow to be built on, within the extent, without a given house on them. Maps draw
 /// carriageways and footways as lines, and what is left between them is a part of the street.
-pub(super) fn pave_verges<T: Sync>(ground: &mut [GroundPatch], extent: &Extent, houses: &Index<T>) {
+pub(super) fn pave_verges<T: Sync>(ground: &mut [GroundPatch], extent: &Extent, houses: &Index<T, &GridPolygon>) {
     let is_yard = |patch: &GroundPatch| patch.surface == SurfaceKind::Yard;
     let mut edges: Vec<(GridPos, GridPos, bool, u32)> = Vec::new();
     for (patch, i) in ground.iter().zip(0..).filter(|(patch, _)| is_yard(patch)) {
@@ -135,7 +135,7 @@ mod tests {
         let layers =
             [Layer::new(Rank::Lane, SurfaceKind::Cobbles, shapes), Layer::new(Rank::Path, SurfaceKind::Gravel, vec![frame])];
         let mut ground = partition(&extent, &layers);
-        pave_verges(&mut ground, &extent, &Index::new(vec![(rectangle(100, 111, 3, 2), ())]));
+        pave_verges(&mut ground, &extent, &Index::new(vec![(&rectangle(100, 111, 3, 2), ())]));
         let paved: Vec<&GroundPatch> = ground.iter().filter(|p| p.surface == SurfaceKind::Mosaic).collect();
         assert!((paved.iter().map(|p| p.outline.area_m2()).sum::<f64>() - 280.0 * 4.0).abs() < 1e-6);
         assert!(paved.iter().all(|p| p.outline.bounds().is_some_and(|(lo, hi)| lo.1 >= 96 * 1024 && hi.1 <= 100 * 1024)));

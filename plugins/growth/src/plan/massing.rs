@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use veduta_city::draw::Draw;
 use veduta_city::{Finding, GridPos, PlanRoof, RoofShape, Severity, Style, metres};
 
-use super::facing::{Edge, Facing};
+use super::facing::{BodyRef, Facing};
 use super::houses::{Body, Draft, StyleBook};
 use super::outline::{self, Box2};
 use super::walls::DOORSTEP;
@@ -62,10 +62,7 @@ pub(super) fn masses(
     let of_house = |(h, draft): (usize, &Draft)| {
         let mut findings = Vec::new();
         let style = book.style(draft.style);
-        let mass = |(b, body): (usize, &Body)| {
-            let edges = (facing.of_body((h, b)), facing);
-            mass(draft, body, b, edges, style, grown[h], &mut findings).raised(floors[h])
-        };
+        let mass = |(b, body): (usize, &Body)| mass(draft, body, (h, b), facing, style, grown[h], &mut findings).raised(floors[h]);
         (draft.bodies.iter().enumerate().map(mass).collect(), findings)
     };
     let (masses, told): (Vec<Vec<Mass>>, Vec<Vec<Finding>>) = drafts.par_iter().enumerate().map(of_house).unzip();
@@ -98,16 +95,16 @@ fn grown_eaves(drafts: &[Draft], facing: &Facing, floors: &[i32]) -> Vec<Option<
 fn mass(
     draft: &Draft,
     body: &Body,
-    index: usize,
-    edges: (&[Edge], &Facing),
+    at: BodyRef,
+    facing: &Facing,
     style: &Style,
     grown: Option<f64>,
     findings: &mut Vec<Finding>,
 ) -> Mass {
-    let draw = draft.draw.part(index as u64);
+    let draw = draft.draw.part(at.1 as u64);
     let bounds = outline::smallest_box(&body.footprint.outer);
     let shape = shape(body, style, draw);
-    let ridge = ridge(body, shape, edges, &bounds, draft, style.gable_fronts, draw);
+    let ridge = ridge(body, shape, (at, facing), &bounds, draft, style.gable_fronts, draw);
     let span = span_m(body, ridge, &bounds, shape);
     let natural = roof_height_m(shape, span, draw.between("pitch", style.pitch_deg.0, style.pitch_deg.1));
     let least = if body.bottom_m > 0.0 { LEAST_HANGING_WALL_M } else { LEAST_WALL_M };
@@ -210,7 +207,7 @@ fn shape(body: &Body, style: &Style, draw: Draw) -> RoofShape {
 fn ridge(
     body: &Body,
     shape: RoofShape,
-    (edges, facing): (&[Edge], &Facing),
+    (at, facing): (BodyRef, &Facing),
     bounds: &Box2,
     draft: &Draft,
     gable_fronts: f64,
@@ -229,8 +226,9 @@ fn ridge(
         return bounds.along.perp();
     }
     // In a row, ridges run along the street, unless a house shows it its gable.
-    let in_row = edges.iter().any(|e| facing.parties(e).iter().any(|party| party.share > 0.5));
-    let street = edges.iter().filter(|e| e.is_public).max_by(|a, b| a.length_m().total_cmp(&b.length_m()));
+    let edges = || facing.of_body(at, &body.footprint);
+    let in_row = edges().any(|e| e.parties.iter().any(|party| party.share > 0.5));
+    let street = edges().filter(|e| e.is_public).max_by(|a, b| a.length_m().total_cmp(&b.length_m()));
     if let (true, Some(street)) = (in_row || draft.grown.is_some(), street) {
         let along = (street.b() - street.a()).normalize_or(DVec2::X);
         let is_narrow = street.length_m() < if gable_fronts > 0.3 { WIDEST_GABLE_M } else { 9.5 };

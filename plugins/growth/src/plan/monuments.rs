@@ -5,8 +5,10 @@ use std::collections::{BTreeMap, HashMap};
 use glam::DVec2;
 use veduta_city::{
     CityGraph, Design, Finding, GridPolygon, GridPos, House, Id, MonumentTag, Monuments, PlacedMonument, PlanObject, Ring,
-    Severity, StandIn, StandingObject,
+    Severity, StandIn,
 };
+
+use super::furniture::Piece;
 
 /// The designs of a city, each once, in the order in which they are first needed.
 pub(super) struct Designs<'a> {
@@ -78,19 +80,13 @@ impl<'a> Designs<'a> {
     }
 
     /// The same for objects. A height that is given is the monument's, if it has a parameter of that name.
-    pub fn of_objects<'b>(
-        &mut self,
-        given: impl Iterator<Item = &'b StandingObject>,
-        objects: &mut [PlanObject],
-        findings: &mut Vec<Finding>,
-    ) {
-        let named: HashMap<Id, &StandingObject> =
-            given.filter(|object| !object.monument.is_empty()).map(|object| (object.id, object)).collect();
+    pub fn of_objects(&mut self, given: &[Piece<'_>], objects: &mut [PlanObject], findings: &mut Vec<Finding>) {
+        let named: HashMap<Id, &Piece<'_>> = given.iter().map(|piece| (piece.id, piece)).collect();
         for object in objects {
             let Some(given) = named.get(&object.id) else { continue };
-            let has_height = self.stock.find(&given.monument).is_some_and(|m| m.parameters.contains_key("height"));
+            let has_height = self.stock.find(given.monument).is_some_and(|m| m.parameters.contains_key("height"));
             let height = (given.height_m > 0.0 && has_height).then(|| ("height".to_owned(), given.height_m));
-            match self.number(&given.monument, &height.into_iter().collect()) {
+            match self.number(given.monument, &height.into_iter().collect()) {
                 Ok(design) => object.monument = Some(design),
                 Err(why) => findings.push(without(object.id, given.pos, "object", &why)),
             }

@@ -8,13 +8,12 @@ use veduta_city::{
     CityGraph, Finding, FurnitureRule, GridPos, Id, ObjectKind, PlanObject, PlanTerrain, Severity, StandingObject, SurfaceKind,
 };
 
-use super::facing::{BodyRef, HEADROOM_M};
-use super::furniture::{Furnisher, Taken};
+use super::facing::HEADROOM_M;
+use super::furniture::{Furnisher, Piece, Taken};
 use super::ground::Ground;
-use super::index::Index;
 use super::network::Network;
 use super::spans::Decks;
-use super::walls::Doorsteps;
+use super::walls::{Doorsteps, Standing};
 use super::{Area, streets};
 
 /// Farthest that an object is moved out of a house; metres.
@@ -25,6 +24,8 @@ const FARTHEST_BANK_M: f64 = 8.0;
 const SPARSE_M: f64 = 120.0;
 /// Most objects that are grown: more than a city of 500 km² has.
 const MOST_GROWN: usize = 2_000_000;
+/// Most of a rule's wishes that are looked at before what they gave is placed.
+const AT_ONCE: usize = 1 << 14;
 /// Tallest object that is meant; metres.
 const TALLEST_M: f64 = 200.0;
 
@@ -33,14 +34,14 @@ pub(super) struct Site<'a> {
     pub terrain: &'a PlanTerrain,
     pub ground: &'a Ground<'a>,
     pub decks: &'a Decks<'a>,
-    pub standing: &'a Index<(BodyRef, f64)>,
+    pub standing: &'a Standing,
     pub doorsteps: &'a Doorsteps,
 }
 
 impl Site<'_> {
     /// Whether a position is outside of all houses.
     pub fn is_free(&self, pos: DVec2) -> bool {
-        self.standing.at(GridPos::from_metres(pos)).all(|(_, bottom)| *bottom >= HEADROOM_M)
+        self.standing.at(GridPos::from_metres(pos)).all(|&hangs_m| hangs_m >= HEADROOM_M)
     }
 
     /// Whether a disc about a position is outside of all houses, by its rim.
@@ -141,7 +142,13 @@ fn own_height_m(kind: ObjectKind, draw: Draw) -> f64 {
     }
 }
 
-fn placed(object: &StandingObject, seed: u64, site: &Site<'_>) -> PlanObject {
+/// What a map tells of an object, at a place.
+fn piece(object: &StandingObject, pos: DVec2) -> Piece<'_> {
+    let &StandingObject { id, kind, heading_deg, height_m, ref monument, .. } = object;
+    Piece { id, kind, pos, heading_deg, height_m, monument }
+}
+
+fn placed(object: &Piece<'_>, seed: u64, site: &Site<'_>) -> PlanObject {
     let draw = Draw::new(seed, object.id, "object");
     let height =
         if object.height_m > 0.0 && object.height_m <= TALLEST_M { object.height_m } else { own_height_m(object.kind, draw) };
@@ -157,15 +164,15 @@ fn placed(object: &StandingObject, seed: u64, site: &Site<'_>) -> PlanObject {
     }
 }
 
-/// All objects of the city: the graph's in order, then what rules put, where it has few or where no map ever has; and those of these
-/// that are monuments again, as rules put them.
-pub(super) fn objects(
-    graph: &CityGraph,
+/// All objects of the city: the graph's in order, then what rules put, where it has few or where no map ever has; and what is to stand
+/// as a monument again, as the graph and the rules have it.
+pub(super) fn objects<'a>(
+    graph: &'a CityGraph,
     areas: &[Area<'_>],
-    (network, rules): (&Network<'_>, &[FurnitureRule]),
+    (network, rules): (&Network<'_>, &'a [FurnitureRule]),
     site: &Site<'_>,
     findings: &mut Vec<Finding>,
-) -> (Vec<PlanObject>, Vec<StandingObject>) {
+) -> (Vec<PlanObject>, Vec<Piece<'a>>) {
     let mut out = Vec::new();
     for object in &graph.objects {
         if site.surface(object.pos).is_none() {
@@ -176,15 +183,15 @@ pub(super) fn objects(
         if let Some(pos) = site.bank(object) {
             let message = format!("object: it stood in water and was moved by {:.1} m", pos.distance(object.pos));
             findings.push(Finding::new(Severity::Repaired, object.id, Some(object.pos), message));
-            out.push(placed(&StandingObject { pos, ..object.clone() }, graph.seed, site));
+            out.push(placed(&piece(object, pos), graph.seed, site));
             continue;
         }
         match site.nearest_free(object.pos, FARTHEST_MOVE_M) {
-            Some(pos) if pos == object.pos => out.push(placed(object, graph.seed, site)),
+            Some(pos) if pos == object.pos => out.push(placed(&piece(object, pos), graph.seed, site)),
             Some(pos) => {
                 let message = format!("object: it stood inside a house and was moved by {:.1} m", pos.distance(object.pos));
                 findings.push(Finding::new(Severity::Repaired, object.id, Some(object.pos), message));
-                out.push(placed(&StandingObject { pos, ..object.clone() }, graph.seed, site));
+                out.push(placed(&piece(object, pos), graph.seed, site));
             }
             None => {
                 let message = "object: it stands inside a house, farther than 3 m from free ground";
@@ -196,20 +203,28 @@ pub(super) fn objects(
     let length: f64 = graph.links.iter().filter_map(|l| graph.polyline(l, &at)).map(|l| streets::length_m(&l)).sum();
     let is_bare = (graph.objects.len() as f64) < length / SPARSE_M;
     let mut furnisher = Furnisher { graph, areas, network, site, taken: Taken::default() };
-    out.iter().for_each(|object| furnisher.taken.add(object.pos.to_metres(), object.kind.radius_m()));
-    let mut seen: FxHashSet<Id> = out.iter().map(|o| o.id).collect();
-    let mut monuments: Vec<StandingObject> = Vec::new();
+    out.iter().for_each(|object| furnisher.taken.add(object.pos.to_metres(), object.kind));
+    let given: FxHashSet<Id> = out.iter().map(|o| o.id).collect();
+    let mut monuments: Vec<Piece<'a>> =
+        graph.objects.iter().map(|object| piece(object, object.pos)).filter(|piece| !piece.monument.is_empty()).collect();
     let most = out.len() + MOST_GROWN;
     for rule in rules.iter().filter(|rule| is_bare || rule.always) {
-        let mut grown = furnisher.furnish(rule);
-        grown.retain(|o| seen.insert(o.id));
-        if out.len() + grown.len() > most {
-            let message = format!("more than {MOST_GROWN} pieces of furniture would be grown: `{}` puts no more", rule.name);
-            findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
-            grown.truncate(most - out.len());
+        let mut wishes = furnisher.wishes(rule).peekable();
+        while wishes.peek().is_some() {
+            let mut grown = furnisher.granted(rule, wishes.by_ref().take(AT_ONCE));
+            grown.retain(|o| !given.contains(&o.id));
+            let is_too_much = out.len() + grown.len() > most;
+            if is_too_much {
+                let message = format!("more than {MOST_GROWN} pieces of furniture would be grown: `{}` puts no more", rule.name);
+                findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
+                grown.truncate(most - out.len());
+            }
+            out.par_extend(grown.par_iter().map(|o| placed(o, graph.seed, site)));
+            monuments.extend(grown.into_iter().filter(|piece| !piece.monument.is_empty()));
+            if is_too_much {
+                break;
+            }
         }
-        out.par_extend(grown.par_iter().map(|o| placed(o, graph.seed, site)));
-        monuments.extend(grown.into_iter().filter(|o| !o.monument.is_empty()));
     }
     out.shrink_to_fit();
     (out, monuments)

@@ -12,10 +12,8 @@ use veduta_city::{
     Wall, WallKind, metres,
 };
 
-use super::facing::BodyRef;
 use super::houses::StyleBook;
-use super::index::Index;
-use super::walls::DOORSTEP;
+use super::walls::{DOORSTEP, Standing};
 
 /// Narrower bays have no pilasters between them; metres.
 const LEAST_PILASTER_BAY_M: f64 = 2.1;
@@ -37,13 +35,7 @@ const ATTIC_M: f64 = 2.6;
 const MOST_BAYS: u8 = 32;
 
 /// Gives houses their ornaments.
-pub(super) fn adorn(
-    houses: &mut [House],
-    standing: &Index<(BodyRef, f64)>,
-    terrain: &PlanTerrain,
-    book: &StyleBook<'_>,
-    seed: u64,
-) {
+pub(super) fn adorn(houses: &mut [House], standing: &Standing, terrain: &PlanTerrain, book: &StyleBook<'_>, seed: u64) {
     houses.par_iter_mut().filter(|house| house.monument.is_none()).for_each(|house| {
         let style = book.style(usize::from(house.style));
         let draw = Draw::new(seed, house.id, "ornament");
@@ -99,7 +91,7 @@ impl Front<'_> {
     }
 
     /// What stands out of the front of the door: a bay window or balconies; and a statue.
-    fn stand_out(&self, ornament: &mut Ornament, style: &Style, draw: Draw, standing: &Index<(BodyRef, f64)>) {
+    fn stand_out(&self, ornament: &mut Ornament, style: &Style, draw: Draw, standing: &Standing) {
         let wall = self.wall;
         // The highest storey with whole windows, all of them from the first on.
         let is_whole = |storey: &&Storey| is_window(storey.opening) && storey.opening != Opening::AtticWindow;
@@ -173,7 +165,7 @@ impl Front<'_> {
     }
 
     /// Whether the street before it is broad enough.
-    fn is_clear(&self, standing: &Index<(BodyRef, f64)>) -> bool {
+    fn is_clear(&self, standing: &Standing) -> bool {
         let out = -(self.b - self.a).normalize_or_zero().perp();
         let is_free = |p: DVec2| standing.at(GridPos::from_metres(p)).next().is_none();
         [0.03, 0.25, 0.5, 0.75, 0.97]

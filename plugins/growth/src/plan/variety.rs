@@ -84,10 +84,9 @@ pub(super) fn bays(length_m: f64, bay_m: f64) -> u8 {
 }
 
 /// The wall that a house is known by: its longest that faces a street, else its longest.
-pub(super) fn main_edge(facing: &Facing, house: usize) -> Option<&Edge> {
+pub(super) fn main_edge<'a>(facing: &'a Facing, (house, draft): (usize, &'a Draft)) -> Option<Edge<'a>> {
     facing
-        .of_house(house)
-        .flatten()
+        .of_house(house, draft)
         .max_by(|a, b| (a.is_public, a.length_m()).partial_cmp(&(b.is_public, b.length_m())).unwrap_or(core::cmp::Ordering::Equal))
 }
 
@@ -100,7 +99,8 @@ pub(super) fn alike(a: Rgb, b: Rgb) -> bool {
 /// from the one drawn onwards, that no settled neighbour wears; where the palette is spent, it differs in its windows.
 pub(super) fn looks(drafts: &[Draft], facing: &Facing, book: &StyleBook<'_>) -> Vec<Look> {
     let mut looks: Vec<Look> = drafts.par_iter().map(|draft| Look::draw(draft, book.style(draft.style))).collect();
-    let widths: Vec<f64> = (0..drafts.len()).into_par_iter().map(|h| main_edge(facing, h).map_or(0.0, Edge::length_m)).collect();
+    let width = |house: (usize, &Draft)| main_edge(facing, house).map_or(0.0, |edge| edge.length_m());
+    let widths: Vec<f64> = drafts.par_iter().enumerate().map(width).collect();
     let mut order: Vec<usize> = (0..drafts.len()).collect();
     order.sort_by_key(|&h| (!looks[h].is_given, drafts[h].id, h));
     let mut is_settled = vec![false; drafts.len()];

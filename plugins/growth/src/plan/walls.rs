@@ -7,6 +7,7 @@ use super::bounds::grown;
 use super::facing::{BodyRef, Edge, Facing, Party};
 use super::floors::{before_bay, threshold};
 use super::houses::{Body, Draft, StyleBook};
+use super::index::Index;
 use super::massing::{self, Mass};
 use super::variety::{Look, bays, bounded};
 
@@ -27,7 +28,10 @@ const DOOR_CHOICE_M: f64 = 0.12;
 /// Ground floors lower than this have no shops; metres.
 const LEAST_SHOP_M: f64 = 2.6;
 
-/// All houses, with walls. Houses come in the order of the drafts, each of which goes when its house is there.
+/// Drafts that become houses together.
+const AT_ONCE: usize = 8192;
+
+/// All houses, with walls, in the order of the drafts, which go piece by piece as their houses come: there is room for either.
 pub(super) fn houses(
     drafts: Vec<Draft>,
     facing: &Facing,
@@ -39,27 +43,34 @@ pub(super) fn houses(
     let of_house = |(h, mut draft): (usize, Draft)| {
         let (look, style) = (&looks[h], book.style(draft.style));
         let mut volumes: Vec<Volume> = Vec::with_capacity(draft.bodies.len());
+        let mut edges: Vec<Vec<Edge>> = Vec::with_capacity(draft.bodies.len());
         for b in 0..draft.bodies.len() {
             let footprint = core::mem::take(&mut draft.bodies[b].footprint);
-            volumes.push(Volume { footprint, ..volume(&draft, &draft.bodies[b], (h, b), facing, masses, look, style) });
+            edges.push(facing.of_body((h, b), &footprint).collect());
+            volumes.push(Volume { footprint, ..volume(&draft, (h, b), &edges[b], masses, look, style) });
         }
         let mut floor = masses[h].first().map_or(0, |mass| mass.floor);
-        let edges: Vec<&[Edge]> = facing.of_house(h).collect();
         floor += add_ground_floor(&mut volumes, &edges, &masses[h], &draft, look, style, &Slope { terrain, floor });
         if !terrain.is_level() {
             suit_ground(&mut volumes, &edges, &masses[h], &Slope { terrain, floor });
         }
         House { id: draft.id, name: draft.name, number: draft.number, style: draft.style as u16, floor, volumes, monument: None }
     };
-    drafts.into_par_iter().enumerate().map(of_house).collect()
+    let count = drafts.len();
+    let mut drafts = drafts.into_iter().enumerate();
+    let pieces: Vec<Vec<(usize, Draft)>> = (0..count.div_ceil(AT_ONCE)).map(|_| drafts.by_ref().take(AT_ONCE).collect()).collect();
+    drop(drafts);
+    let mut houses = Vec::with_capacity(count);
+    pieces.into_iter().for_each(|piece| houses.par_extend(piece.into_par_iter().map(of_house)));
+    houses
 }
 
 /// A volume without its footprint.
-fn volume(draft: &Draft, body: &Body, at: BodyRef, facing: &Facing, masses: &[Vec<Mass>], look: &Look, style: &Style) -> Volume {
-    let mass = masses[at.0][at.1];
+fn volume(draft: &Draft, at: BodyRef, edges: &[Edge], masses: &[Vec<Mass>], look: &Look, style: &Style) -> Volume {
+    let (body, mass) = (&draft.bodies[at.1], masses[at.0][at.1]);
     let heights = storey_heights(body, &mass, style, draft, at.1);
     let wall = |edge: &Edge| {
-        let kind = kind((edge, facing), &mass, masses);
+        let kind = kind(edge, &mass, masses);
         if kind == WallKind::Party {
             return Wall { kind, ..Wall::default() };
         }
@@ -79,13 +90,13 @@ fn volume(draft: &Draft, body: &Body, at: BodyRef, facing: &Facing, masses: &[Ve
         trim: bounded(colour.scaled(style.trim)),
         roof: PlanRoof { colour: roof, ..mass.roof },
         gable: look.gable,
-        walls: facing.of_body(at).iter().map(wall).collect(),
+        walls: edges.iter().map(wall).collect(),
         arcades: Vec::new(),
     }
 }
 
 /// What a wall faces: a neighbour if others cover most of it, in length and in height.
-fn kind((edge, facing): (&Edge, &Facing), mine: &Mass, masses: &[Vec<Mass>]) -> WallKind {
+fn kind(edge: &Edge, mine: &Mass, masses: &[Vec<Mass>]) -> WallKind {
     let height = massing::wall_m(mine).max(0.1);
     let share = |party: &Party| {
         let (house, body) = party.body();
@@ -93,7 +104,7 @@ fn kind((edge, facing): (&Edge, &Facing), mine: &Mass, masses: &[Vec<Mass>]) -> 
         let common = metres(mine.eaves.min(other.eaves) - mine.bottom.max(other.bottom)).max(0.0);
         Some(party.share * (common / height).min(1.0))
     };
-    let covered: f64 = facing.parties(edge).iter().filter_map(share).sum();
+    let covered: f64 = edge.parties.iter().filter_map(share).sum();
     match (covered > PARTY_SHARE, edge.is_public) {
         (true, _) => WallKind::Party,
         (false, true) => WallKind::Street,
@@ -165,7 +176,7 @@ fn storeys(heights: &[i32], kind: WallKind, mass: &Mass, body: &Body, look: &Loo
 /// its door opens onto the ground before it, and tells by how much.
 fn add_ground_floor(
     volumes: &mut [Volume],
-    edges: &[&[Edge]],
+    edges: &[Vec<Edge>],
     masses: &[Mass],
     draft: &Draft,
     look: &Look,
@@ -222,9 +233,9 @@ impl Slope<'_> {
 
 /// Leaves out windows and shops where the ground before them is too high (above the ground floor in a whole storey of a wall), and shops
 /// where it is too low.
-fn suit_ground(volumes: &mut [Volume], edges: &[&[Edge]], masses: &[Mass], slope: &Slope<'_>) {
+fn suit_ground(volumes: &mut [Volume], edges: &[Vec<Edge>], masses: &[Mass], slope: &Slope<'_>) {
     let on_ground = volumes.iter_mut().zip(edges).zip(masses).filter(|(_, mass)| !mass.hangs());
-    for (wall, edge) in on_ground.flat_map(|((volume, edges), _)| volume.walls.iter_mut().zip(*edges)) {
+    for (wall, edge) in on_ground.flat_map(|((volume, edges), _)| volume.walls.iter_mut().zip(edges)) {
         let highest = slope.terrain.range_along(edge.a(), edge.b()).1 - metres(slope.floor);
         let mut base = wall.storeys.first().map_or(0, |storey| storey.height);
         for storey in wall.storeys.iter_mut().skip(1) {
@@ -268,6 +279,16 @@ fn put_door(wall: &mut Wall, kind: WallKind, length_m: f64, draft: &Draft, look:
     if bay < 32 {
         wall.ground_floor.shops &= !(1 << bay);
     }
+}
+
+/// Volumes, each with how far its foot hangs above its house's floor, metres: for questions about places.
+pub(super) type Standing = Index<f64>;
+
+/// An index of all volumes.
+pub(super) fn standing(houses: &[House]) -> Standing {
+    let volumes = houses.iter().flat_map(|house| house.volumes.iter().map(move |volume| (volume, house.floor)));
+    let hangs_m = |(volume, floor): (&Volume, i32)| (volume.footprint.clone(), metres(volume.bottom.saturating_sub(floor)));
+    Index::new(volumes.map(hangs_m).collect())
 }
 
 /// The middles of all doors' thresholds.
