@@ -79,6 +79,9 @@ enum Command {
         /// Hour of the day.
         #[arg(long, default_value_t = 10.0, value_parser = |text: &str| within(text, 0.0, 24.0))]
         hour: f64,
+        /// Day of the year: the sun's height and the season.
+        #[arg(long, default_value_t = 160, value_parser = clap::value_parser!(u16).range(1..=366))]
+        day: u16,
         /// Vertical field of view, degrees.
         #[arg(long, default_value_t = 55.0, value_parser = |text: &str| within(text, 5.0, 150.0))]
         fov: f64,
@@ -164,8 +167,8 @@ fn command(command: Option<Command>) -> Result<(), Failure> {
             let out = out.unwrap_or_else(|| film::default_out(&tour));
             film::film(&FilmOrder { tour, out, size, fps, profile, from_s: from, to_s: to, json })
         }
-        Some(Command::Shot { city, at, out, size, hour, fov, profile }) => {
-            shot::shot(&ShotOrder { city: cities::open(city.as_deref())?, at, out, size, hour, fov_deg: fov, profile })
+        Some(Command::Shot { city, at, out, size, hour, day, fov, profile }) => {
+            shot::shot(&ShotOrder { city: cities::open(city.as_deref())?, at, out, size, hour, day, fov_deg: fov, profile })
         }
         Some(Command::Gallery { out, sheets, only, size, profile }) => {
             gallery::gallery(&GalleryOrder { out, sheets, only, size, profile })
@@ -189,6 +192,8 @@ mod tests {
             "shot --out x.png --fov NaN",
             "shot --out x.png --fov 500",
             "shot --out x.png --hour 99",
+            "shot --out x.png --day 0",
+            "shot --out x.png --day 367",
             "shot --out x.png --at=1e300,0,1.65,0,0",
         ] {
             let words = core::iter::once("veduta").chain(wrong.split(' '));

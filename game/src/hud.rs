@@ -26,7 +26,7 @@ struct Hud {
 /// Seconds that a message stays.
 const STAY_S: f64 = 8.0;
 
-const HELP: [(&str, &str); 12] = [
+const HELP: [(&str, &str); 13] = [
     ("W A S D", "walk"),
     ("right mouse button", "look around (or arrow left, right)"),
     ("Shift", "run"),
@@ -38,8 +38,12 @@ const HELP: [(&str, &str); 12] = [
     ("M", "map; click to go there"),
     ("N   + −", "map: north up; zoom"),
     ("H   J", "hour of the day: earlier, later"),
+    ("K", "the next season"),
     ("F1", "this help"),
 ];
+
+/// A quarter of a year, days.
+const DAYS_A_SEASON: u16 = 92;
 
 fn keep(
     time: Res<Time>,
@@ -60,6 +64,9 @@ fn keep(
     let turn = f64::from(keys.pressed(KeyCode::KeyJ)) - f64::from(keys.pressed(KeyCode::KeyH));
     if turn != 0.0 {
         clock.hour = (clock.hour + turn * time.delta_secs_f64() * 1.5).rem_euclid(24.0);
+    }
+    if keys.just_pressed(KeyCode::KeyK) {
+        clock.day = (clock.day + DAYS_A_SEASON - 1) % 366 + 1;
     }
     for failure in failures.read() {
         if !hud.messages.iter().any(|(text, _)| *text == failure.message) {

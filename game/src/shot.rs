@@ -54,6 +54,8 @@ pub struct ShotOrder {
     pub size: Size,
     /// Hour of the day.
     pub hour: f64,
+    /// Day of the year, 1 to 366.
+    pub day: u16,
     /// Vertical field of view, degrees.
     pub fov_deg: f64,
     /// Quality.
@@ -95,7 +97,8 @@ pub fn picture(order: &ShotOrder) -> Result<Picture, Failure> {
         None => Eye::at(studio.world().resource::<City>().start),
     };
     studio.set_eye(Eye { fov_deg: order.fov_deg, ..eye });
-    studio.world().resource_mut::<CityClock>().hour = order.hour;
+    let mut clock = studio.world().resource_mut::<CityClock>();
+    (clock.hour, clock.day) = (order.hour, order.day);
     // A picture has no before: levels stand at once.
     studio.world().resource_mut::<FadeSettings>().seconds = 0.0;
     studio.advance(core::time::Duration::ZERO);

@@ -23,7 +23,7 @@ use serde_json::{Value, json};
 use veduta_cells::Contents;
 use veduta_city::{
     Cell, CellShell, Cells, CityPlan, Design, FacadeSheet, GridPos, House, HouseShell, ObjectKind, PlacedMonument, PlanObject,
-    Volume, VolumeShell, WallKind,
+    Season, Volume, VolumeShell, WallKind,
 };
 use veduta_growth::mesh::{self, MeshData, MeshError, MonumentDetail};
 
@@ -317,7 +317,7 @@ fn export_object(
                     let placed = PlacedMonument { design: 0, pos: GridPos(0, 0), z: 0, heading: 0 };
                     mesh::monument(design, &placed, MonumentDetail::FINE, &mut made);
                 }
-                None => made = mesh::objects(&CellShell { objects: vec![at_origin], ..CellShell::default() }),
+                None => made = mesh::objects(&CellShell { objects: vec![at_origin], ..CellShell::default() }, Season::Summer),
             }
             *shapes.entry(key).or_insert(glb.mesh(&made)?)
         }

@@ -3,11 +3,12 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
-use veduta_city::{CellShell, FacadeSheet, Level};
+use veduta_city::{CellShell, FacadeSheet, Level, Season};
 use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellStands, Eye, MaterialsProvided, StandingCells, Viewer};
 use veduta_growth::mesh::{self, MeshData};
 
 use crate::convert::mesh_from;
+use crate::season::CitySeason;
 
 /// Where meshes are made.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -49,6 +50,7 @@ impl BuildSettings {
 struct Made {
     order: Order,
     meshes: Vec<(CellMeshKind, Mesh, usize)>,
+    season: Season,
     error: Option<String>,
 }
 
@@ -58,6 +60,37 @@ struct Order {
     ready: CellReady,
     shell: Arc<CellShell>,
     sheet: Option<Arc<FacadeSheet>>,
+    /// Whether the cell stands already and the season has turned.
+    is_turned: bool,
+}
+
+impl Order {
+    fn new(ready: CellReady, content: &CellContent) -> Self {
+        Self { ready, shell: Arc::clone(&content.shell), sheet: content.sheet.clone(), is_turned: false }
+    }
+}
+
+/// The season that a cell's base was made for.
+#[derive(Component, Debug, Clone, Copy)]
+pub(crate) struct MadeFor(Season);
+
+/// Orders what stands anew where it was made for another season.
+pub(crate) fn turn_season(
+    season: Res<CitySeason>,
+    bases: Query<(&CellMesh, &MadeFor, &ChildOf)>,
+    contents: Query<&CellContent>,
+    mut queue: ResMut<Queue>,
+) {
+    let mut old: Vec<(u32, Entity)> =
+        bases.iter().filter(|(_, made, _)| made.0 != season.0).map(|(mesh, _, cell)| (mesh.cell, cell.parent())).collect();
+    old.sort_unstable();
+    for (cell, entity) in old {
+        let ready = CellReady { entity, cell, level: Level::One };
+        if let (false, Ok(content)) = (queue.turning.contains(&entity), contents.get(entity)) {
+            queue.turning.push(entity);
+            queue.waiting.push_back(Order { is_turned: true, ..Order::new(ready, content) });
+        }
+    }
 }
 
 /// Work in the making, in the order of arrival: results are taken in that order, so that every run spawns alike.
@@ -65,6 +98,8 @@ struct Order {
 pub(crate) struct Queue {
     waiting: VecDeque<Order>,
     making: VecDeque<Work>,
+    /// Cells that are being made anew for another season.
+    turning: Vec<Entity>,
 }
 
 enum Work {
@@ -78,29 +113,31 @@ pub(crate) fn start(
     contents: Query<&CellContent>,
     building: Res<Building>,
     settings: Res<BuildSettings>,
+    season: Res<CitySeason>,
     viewers: Query<&Eye, With<Viewer>>,
     mut queue: ResMut<Queue>,
 ) {
-    let settings = settings.in_frame(&viewers);
+    let (settings, season) = (settings.in_frame(&viewers), season.0);
     for &ready in ready.read() {
         let Ok(content) = contents.get(ready.entity) else { continue };
-        queue.waiting.push_back(Order { ready, shell: Arc::clone(&content.shell), sheet: content.sheet.clone() });
+        queue.waiting.push_back(Order::new(ready, content));
     }
     while queue.making.len() < settings.in_the_making.max(1) {
         let Some(order) = queue.waiting.pop_front() else { break };
         if !contents.contains(order.ready.entity) {
+            queue.turning.retain(|&entity| entity != order.ready.entity);
             continue;
         }
         let work = match *building {
-            Building::Inline => Work::Done(Box::new(make(order))),
-            Building::Pool => Work::Task(AsyncComputeTaskPool::get().spawn(async move { make(order) })),
+            Building::Inline => Work::Done(Box::new(make(order, season))),
+            Building::Pool => Work::Task(AsyncComputeTaskPool::get().spawn(async move { make(order, season) })),
         };
         queue.making.push_back(work);
     }
 }
 
-/// Makes the meshes of one level of one cell. Pure.
-fn make(order: Order) -> Made {
+/// Makes the meshes of one level of one cell; of a cell that stands, for another season, those that know seasons. Pure.
+fn make(order: Order, season: Season) -> Made {
     let shell = &order.shell;
     let mut parts: Vec<(CellMeshKind, MeshData)> = Vec::new();
     let mut error = None;
@@ -110,9 +147,11 @@ fn make(order: Order) -> Made {
             base.append(&mesh::markings(shell));
             base.append(&mesh::bridges(shell));
             base.append(&mesh::roofs(shell));
-            base.append(&mesh::objects(shell));
+            base.append(&mesh::objects(shell, season));
             parts.push((CellMeshKind::Base, base));
-            parts.push((CellMeshKind::Walls(Level::One), mesh::level1(shell)));
+            if !order.is_turned {
+                parts.push((CellMeshKind::Walls(Level::One), mesh::level1(shell)));
+            }
         }
         Level::Two => match order.sheet.as_ref().map(|sheet| mesh::level2(shell, sheet)) {
             Some(Ok(data)) => parts.push((CellMeshKind::Walls(Level::Two), data)),
@@ -125,7 +164,7 @@ fn make(order: Order) -> Made {
         let vertices = data.positions.len();
         (kind, mesh_from(data), vertices)
     });
-    Made { meshes: meshes.collect(), order, error }
+    Made { meshes: meshes.collect(), order, season, error }
 }
 
 /// Spawns what is made, within the frame's budget.
@@ -139,6 +178,7 @@ pub(crate) fn finish(
     mut materials: Option<ResMut<Assets<StandardMaterial>>>,
     mut plain: Local<Option<Handle<StandardMaterial>>>,
     cells: Query<(&Cell, &CellContent)>,
+    bases: Query<(Entity, &ChildOf), With<MadeFor>>,
     mut standing: ResMut<StandingCells>,
     mut stands: MessageWriter<CellStands>,
 ) {
@@ -157,6 +197,9 @@ pub(crate) fn finish(
             },
         };
         let CellReady { entity, cell, level } = made.order.ready;
+        if made.order.is_turned {
+            queue.turning.retain(|&turned| turned != entity);
+        }
         let Ok((_, content)) = cells.get(entity) else { continue }; // released meanwhile
         let same_sheet = || match (&content.sheet, &made.order.sheet) {
             (Some(now), Some(then)) => Arc::ptr_eq(now, then),
@@ -169,15 +212,24 @@ pub(crate) fn finish(
             error!("cell {cell}, {level}: {error}; the level before it stays");
             continue;
         }
+        if made.order.is_turned {
+            bases.iter().filter(|(_, cell)| cell.parent() == entity).for_each(|(base, _)| commands.entity(base).despawn());
+        }
         for (kind, mesh, count) in made.meshes {
             vertices += count;
             let mut child = commands.spawn((CellMesh { cell, kind }, Mesh3d(assets.add(mesh)), ChildOf(entity)));
+            if kind == CellMeshKind::Base {
+                child.insert(MadeFor(made.season));
+            }
             if provided.is_none()
                 && let Some(materials) = materials.as_mut()
             {
                 let handle = plain.get_or_insert_with(|| materials.add(StandardMaterial::default()));
                 child.insert(MeshMaterial3d(handle.clone()));
             }
+        }
+        if made.order.is_turned {
+            continue;
         }
         standing.add(cell, level, &made.order.shell);
         stands.write(CellStands { entity, cell, level });

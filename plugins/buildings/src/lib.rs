@@ -5,7 +5,8 @@
 //! ```
 //!
 //! Packets carry plans, not meshes: walls, roofs and ground are made on the walker's machine, off the main thread, and
-//! spawned as one mesh per cell and level.
+//! spawned as one mesh per cell and level. Trees are made for the season that the clock and the city's latitude tell; when it
+//! turns, what stands is made anew and takes the place of what stood.
 //!
 //! # Use
 //! ```no_run
@@ -26,11 +27,13 @@
 
 mod build;
 mod convert;
+mod season;
 
 use bevy::prelude::*;
 use veduta_ecs::{MaterialsProvided, VedutaSystems};
 
 pub use build::{BuildSettings, Building};
+pub use season::CitySeason;
 
 /// Makes meshes of arriving cells.
 #[derive(Debug, Clone, Copy, Default)]
@@ -45,8 +48,12 @@ impl Plugin for BuildingsPlugin {
         app.insert_resource(self.building)
             .init_resource::<BuildSettings>()
             .register_type::<BuildSettings>()
+            .init_resource::<CitySeason>()
             .init_resource::<build::Queue>()
-            .add_systems(Update, (build::start, build::finish).chain().in_set(VedutaSystems::Build))
+            .add_systems(
+                Update,
+                (season::find_season, build::turn_season, build::start, build::finish).chain().in_set(VedutaSystems::Build),
+            )
             .add_systems(
                 Update,
                 build::retire_coarser.in_set(VedutaSystems::Show).run_if(not(resource_exists::<MaterialsProvided>)),

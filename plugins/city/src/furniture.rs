@@ -58,6 +58,9 @@ pub struct Furnishing {
     /// How often it is drawn against the others.
     #[serde(default = "one")]
     pub share: f64,
+    /// Latitudes where it is put, north or south, degrees; everywhere if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lat_deg: Option<Range>,
 }
 
 /// Where a rule puts things.
@@ -93,6 +96,17 @@ pub enum Placement {
         /// Length of rows and of the gaps between them, metres; no gaps if not given.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         rows_m: Option<(f64, f64)>,
+    },
+    /// In the middle of areas, about which there is most room: one thing, which looks where the compass has it, or several in a ring about it
+    /// that look at it, but in nobody's way to it.
+    Middle {
+        /// Of these areas.
+        of: AreaKind,
+        /// Least room about the middle, metres.
+        least_m: f64,
+        /// How many in the ring, and its radius in metres.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        ring: Option<(u8, f64)>,
     },
     /// Anywhere in an area, one in a square of a side at most.
     Scatter {
@@ -207,6 +221,10 @@ pub fn validate(rules: &[FurnitureRule]) -> Vec<FurnitureError> {
                 within("height_m", low, 0.1, high.min(200.0));
                 within("height_m", high, low.max(0.1), 200.0);
             }
+            if let Some(Range(low, high)) = furnishing.lat_deg {
+                within("lat_deg", low, 0.0, high.min(90.0));
+                within("lat_deg", high, low.max(0.0), 90.0);
+            }
         }
         match &rule.place {
             Placement::Along { every_m, at: Offset::Edge(m) | Offset::Kerb(m), .. } => {
@@ -222,6 +240,13 @@ pub fn validate(rules: &[FurnitureRule]) -> Vec<FurnitureError> {
                 within("rows_m", gap, 0.0, 10_000.0);
             }
             Placement::Scatter { every_m, .. } => within("every_m", *every_m, 1.0, 10_000.0),
+            Placement::Middle { least_m, ring, .. } => {
+                within("least_m", *least_m, 0.5, 10_000.0);
+                if let Some((count, radius_m)) = *ring {
+                    within("ring", f64::from(count), 1.0, 64.0);
+                    within("ring", radius_m, 0.5, least_m.max(0.5));
+                }
+            }
         }
     }
     errors
@@ -250,6 +275,9 @@ mod tests {
             ("place: Along(streets: [Main], every_m: 0.1, side: Both, at: Edge(1))", "every_m"),
             ("place: Along(streets: [Main], every_m: 9, side: Both, at: Kerb(-1))", "at"),
             ("place: Crossings(control: Stop, inset_m: 99)", "inset_m"),
+            ("place: Middle(of: Parks, least_m: 0)", "least_m"),
+            ("place: Middle(of: Parks, least_m: 5, ring: (6, 7))", "ring"),
+            ("place: Middle(of: Parks, least_m: 5, ring: (0, 4))", "ring"),
             ("place: Rim(of: Squares, every_m: 9, inset_m: 1, rows_m: (0, 4))", "rows_m"),
         ] {
             let found = told(&format!("[{}]", rule(more)));
@@ -257,5 +285,7 @@ mod tests {
         }
         let tall = "[(name: \"r\", put: [(kind: Tree, height_m: (9, 3))], place: Scatter(of: Yards, every_m: 9))]";
         assert!(told(tall).iter().all(|t| t.contains("`height_m`")) && !told(tall).is_empty());
+        let polar = "[(name: \"r\", put: [(kind: Palm, lat_deg: (-36, 36))], place: Scatter(of: Yards, every_m: 9))]";
+        assert!(told(polar).iter().all(|t| t.contains("`lat_deg`")) && !told(polar).is_empty());
     }
 }

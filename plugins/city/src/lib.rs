@@ -45,6 +45,7 @@ mod overview;
 mod packet;
 mod place;
 mod plan;
+mod season;
 mod style;
 mod terrain;
 #[cfg(test)]
@@ -81,6 +82,7 @@ pub use plan::{
     CityPlan, GroundFloor, GroundPatch, House, Marking, MarkingKind, Opening, PlanObject, PlanRoof, PlanStreet, Storey,
     SurfaceKind, Volume, Wall, WallKind,
 };
+pub use season::Season;
 pub use style::{Gable, Range, Stand, Style, StyleDraft, StyleError, Styles};
 pub use terrain::{PlanTerrain, Terrain};
 pub use tile::Tile;

@@ -8,7 +8,7 @@ use crate::Id;
 pub enum ObjectKind {
     /// Street lamp.
     Lamp,
-    /// Broad-leaved tree.
+    /// Broad-leaved tree: linden, maple, plane, chestnut.
     Tree,
     /// Conifer.
     Conifer,
@@ -40,11 +40,21 @@ pub enum ObjectKind {
     Planter,
     /// Shrub.
     Shrub,
+    /// Columnar tree: Lombardy poplar, hornbeam, cypress oak.
+    Poplar,
+    /// Birch.
+    Birch,
+    /// Weeping willow.
+    Willow,
+    /// Small tree that blossoms: cherry, apple, hawthorn.
+    FruitTree,
+    /// Palm.
+    Palm,
 }
 
 impl ObjectKind {
     /// All of them.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 22] = [
         Self::Lamp,
         Self::Tree,
         Self::Conifer,
@@ -62,14 +72,28 @@ impl ObjectKind {
         Self::Hedge,
         Self::Planter,
         Self::Shrub,
+        Self::Poplar,
+        Self::Birch,
+        Self::Willow,
+        Self::FruitTree,
+        Self::Palm,
     ];
+
+    /// Whether it is a tree.
+    #[must_use]
+    pub const fn is_tree(self) -> bool {
+        matches!(self, Self::Tree | Self::Conifer | Self::Poplar | Self::Birch | Self::Willow | Self::FruitTree | Self::Palm)
+    }
 
     /// Radius of the ground on which one of its usual size stands, metres.
     #[must_use]
     pub const fn radius_m(self) -> f64 {
         match self {
             Self::Lamp | Self::Signals => 0.18,
-            Self::Tree | Self::Conifer => 0.3,
+            Self::Tree | Self::Conifer | Self::Poplar => 0.3,
+            Self::Birch | Self::Palm => 0.22,
+            Self::FruitTree => 0.18,
+            Self::Willow => 0.4,
             Self::Bench | Self::Hedge | Self::Planter => 0.5,
             Self::Fountain => 1.9,
             Self::Statue => 0.95,

@@ -97,7 +97,15 @@ impl Tile {
     #[must_use]
     pub const fn of_object(kind: ObjectKind) -> Self {
         match kind {
-            ObjectKind::Tree | ObjectKind::Conifer | ObjectKind::Hedge | ObjectKind::Shrub => Self::Leaves,
+            ObjectKind::Tree
+            | ObjectKind::Conifer
+            | ObjectKind::Poplar
+            | ObjectKind::Birch
+            | ObjectKind::Willow
+            | ObjectKind::FruitTree
+            | ObjectKind::Palm
+            | ObjectKind::Hedge
+            | ObjectKind::Shrub => Self::Leaves,
             ObjectKind::Bench | ObjectKind::Kiosk | ObjectKind::Planter => Self::Wood,
             ObjectKind::Fountain | ObjectKind::Statue | ObjectKind::Well | ObjectKind::Bollard => Self::Stone,
             ObjectKind::Lamp

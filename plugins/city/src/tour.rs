@@ -21,6 +21,9 @@ pub struct Tour {
     /// Hour of the day at the start, 0 to 24.
     #[serde(default = "Tour::default_hour")]
     pub hour: f64,
+    /// Day of the year, 1 to 366: it tells the sun's height and the season.
+    #[serde(default = "Tour::default_day")]
+    pub day: u16,
     /// What happens.
     pub steps: Vec<Step>,
 }
@@ -37,6 +40,9 @@ impl Tour {
     }
     const fn default_hour() -> f64 {
         10.0
+    }
+    const fn default_day() -> u16 {
+        160
     }
 }
 

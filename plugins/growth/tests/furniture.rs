@@ -161,6 +161,46 @@ fn hedges_run_in_rows_with_gaps_along_a_park() {
 }
 
 #[test]
+fn a_park_has_a_middle_that_benches_look_at_between_the_walks() {
+    let mut graph = crossroads(["Street"; 4]);
+    let blocks = parsed(
+        "(name: \"T\", anchor: (lat: 50, lon: 14), blocks: [(kind: Park, outline: [(10, 10), (90, 10), (90, 90), (10, 90)]),
+            (kind: Park, outline: [(-90, 10), (-10, 10), (-10, 24), (-90, 24)])])",
+    );
+    graph.blocks = blocks.blocks;
+    let plan = grown(&graph, "[]");
+    let middles: Vec<&PlanObject> = of(&plan, ObjectKind::Fountain).into_iter().chain(of(&plan, ObjectKind::Statue)).collect();
+    let middle = DVec2::new(50.0, 50.0);
+    assert!(
+        middles.len() == 1 && middles[0].pos.to_metres().distance(middle) < 0.1,
+        "one, in the park with room for it: {middles:?}"
+    );
+    let ring: Vec<&PlanObject> = of(&plan, ObjectKind::Bench)
+        .into_iter()
+        .filter(|bench| (bench.pos.to_metres().distance(middle) - 5.0).abs() < 0.01)
+        .collect();
+    assert!((4..=10).contains(&ring.len()), "{}", ring.len());
+    for bench in ring {
+        let (pos, heading) = (bench.pos.to_metres(), f64::from(bench.heading).to_radians());
+        assert!(DVec2::new(heading.sin(), heading.cos()).dot((middle - pos).normalize()) > 0.99, "{pos}");
+        let behind = veduta_city::GridPos::from_metres(middle + (pos - middle) * 1.6);
+        let surface = plan.ground.iter().find(|patch| patch.outline.contains(behind)).map(|patch| patch.surface);
+        assert_eq!(surface, Some(SurfaceKind::Grass), "no walk leads through {pos}");
+    }
+}
+
+#[test]
+fn palms_grow_in_the_south_alone() {
+    for (lat, has_palms) in [(50.0, false), (17.7, true), (-33.0, true), (-45.0, false)] {
+        let mut graph = crossroads(["Main"; 4]);
+        graph.anchor.lat = lat;
+        let plan = grown(&graph, "[]");
+        let (palms, trees) = (of(&plan, ObjectKind::Palm).len(), of(&plan, ObjectKind::Tree).len());
+        assert_eq!((palms > 10, trees > 10), (has_palms, !has_palms), "{lat}: {palms} palms, {trees} other trees");
+    }
+}
+
+#[test]
 fn rows_run_on_round_the_corners_of_a_curved_park() {
     let mut graph = crossroads(["Street"; 4]);
     // A circle of sides shorter than a piece of hedge.

@@ -34,6 +34,7 @@ pub struct CompiledTour {
     timeline: Timeline,
     fov: Dial,
     hour: Dial,
+    day: u16,
     fades: Vec<Fade>,
     captions: Vec<Caption>,
     spans: Vec<StepSpan>,
@@ -113,6 +114,7 @@ fn compile_plotter(plotter: &Plotter<'_>) -> Result<CompiledTour, TourError> {
     setting("eye height in metres", tour.eye_m, 0.2, 2000.0)?;
     setting("field of view in degrees", tour.fov_deg, FOV.0, FOV.1)?;
     setting("hour", tour.hour, 0.0, 24.0)?;
+    setting("day", f64::from(tour.day), 1.0, 366.0)?;
     let acts = plotter.plot()?;
     let Some((at, facing)) = acts.iter().enumerate().find_map(|(i, act)| opening(act, &acts[i + 1..], terrain)) else {
         return Err(TourError::Empty);
@@ -348,6 +350,7 @@ impl Score<'_> {
             timeline: self.draft.finish(self.end_s),
             fov: self.fov,
             hour: self.hour,
+            day: self.tour.day,
             fades: self.fades,
             captions: self.captions,
             spans: self.spans,
@@ -400,6 +403,12 @@ impl CompiledTour {
     #[must_use]
     pub fn title(&self) -> &str {
         &self.title
+    }
+
+    /// Day of the year, 1 to 366.
+    #[must_use]
+    pub const fn day(&self) -> u16 {
+        self.day
     }
 
     /// When each step plays, by the steps' order within joined movements; one entry a step.

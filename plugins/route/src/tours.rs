@@ -211,7 +211,7 @@ fn captions_hours_and_fields_of_view_go_on_beside() {
     assert_eq!(tour.caption(f64::NAN), None);
     let turned = tour.steps()[4];
     assert_eq!(turned.end_s - turned.start_s, 20.0);
-    assert_eq!(tour.pose(turned.start_s).hour, 9.0);
+    assert_eq!((tour.pose(turned.start_s).hour, tour.day()), (9.0, 160));
     assert_eq!(tour.pose(turned.start_s + 10.0).hour, 13.5);
     assert_eq!((tour.pose(turned.end_s).hour, tour.pose(turned.end_s).fov_deg), (18.0, 40.0));
     assert_eq!(tour.caption(tour.duration_s() - 0.01), Some("That was it"), "the tour ends when it has been read");

@@ -67,10 +67,10 @@ fn what_is_wrong_with_a_file_is_told_with_its_name_and_what_to_do() {
 #[test]
 fn a_newer_city_asks_for_a_newer_program() {
     let mut bytes = index();
-    bytes[8..12].copy_from_slice(&8_u32.to_le_bytes());
+    bytes[8..12].copy_from_slice(&9_u32.to_le_bytes());
     let error = decode_index(&bytes).expect_err("newer");
-    assert_eq!(error, StoreError::Newer { found: 8 });
-    assert_eq!(error.to_string(), "the city has format 8, this program reads format 7: update the program");
+    assert_eq!(error, StoreError::Newer { found: 9 });
+    assert_eq!(error.to_string(), "the city has format 9, this program reads format 8: update the program");
     bytes[8..12].copy_from_slice(&0_u32.to_le_bytes());
     assert_eq!(decode_index(&bytes), Err(StoreError::Older { found: 0 }));
     assert_eq!(decode_index(b"<!DOCTYPE html>"), Err(StoreError::NotACity));

@@ -18,10 +18,8 @@ const STOP_ASIDE_M: f64 = 2.8;
 
 /// What tags describe as standing there.
 pub(crate) fn kind_of(tags: &Tags) -> Option<ObjectKind> {
-    let is_conifer = tags.is("leaf_type", "needleleaved") || tags.is("type", "conifer");
     Some(match () {
-        () if tags.is("natural", "tree") && is_conifer => ObjectKind::Conifer,
-        () if tags.is("natural", "tree") => ObjectKind::Tree,
+        () if tags.is("natural", "tree") => tree_kind(tags),
         () if tags.is("highway", "street_lamp") || tags.is("man_made", "street_lamp") => ObjectKind::Lamp,
         () if tags.is("amenity", "bench") => ObjectKind::Bench,
         () if tags.is("amenity", "fountain") => ObjectKind::Fountain,
@@ -34,6 +32,65 @@ pub(crate) fn kind_of(tags: &Tags) -> Option<ObjectKind> {
         () if is_statue(tags) => ObjectKind::Statue,
         () => return None,
     })
+}
+
+/// Genera of trees that are not just broad-leaved, as they begin in species' Latin names.
+const GENERA: [(ObjectKind, &[&str]); 6] = [
+    (
+        ObjectKind::Conifer,
+        &[
+            "abies",
+            "araucaria",
+            "cedrus",
+            "chamaecyparis",
+            "cryptomeria",
+            "juniperus",
+            "larix",
+            "metasequoia",
+            "picea",
+            "pinus",
+            "pseudotsuga",
+            "sequoia",
+            "sequoiadendron",
+            "taxodium",
+            "taxus",
+            "thuja",
+            "tsuga",
+        ],
+    ),
+    (ObjectKind::Poplar, &["cupressus"]),
+    (ObjectKind::Birch, &["betula"]),
+    (ObjectKind::Willow, &["salix"]),
+    (
+        ObjectKind::FruitTree,
+        &["amelanchier", "citrus", "cornus", "crataegus", "magnolia", "malus", "olea", "prunus", "punica", "pyrus", "sorbus"],
+    ),
+    (
+        ObjectKind::Palm,
+        &["arecaceae", "butia", "chamaerops", "cocos", "phoenix", "roystonea", "sabal", "syagrus", "trachycarpus", "washingtonia"],
+    ),
+];
+/// Cultivars that grow as columns.
+const COLUMNAR: [&str; 4] = ["fastigiat", "italica", "columnar", "pyramidalis"];
+
+/// What a tree looks like, by its species or genus, else by its leaves.
+fn tree_kind(tags: &Tags) -> ObjectKind {
+    let named = ["species", "taxon", "genus"].iter().find_map(|key| tags.get(key)).unwrap_or_default().to_lowercase();
+    let cultivar = tags.get("taxon:cultivar").or_else(|| tags.get("cultivar")).unwrap_or_default().to_lowercase();
+    if COLUMNAR.iter().any(|form| named.contains(form) || cultivar.contains(form)) {
+        return ObjectKind::Poplar;
+    }
+    let genus = named.split_whitespace().next().unwrap_or_default();
+    if let Some((kind, _)) = GENERA.iter().find(|(_, genera)| genera.contains(&genus)) {
+        return *kind;
+    }
+    if tags.is("leaf_type", "needleleaved") || tags.is("type", "conifer") {
+        ObjectKind::Conifer
+    } else if tags.is("type", "palm") || tags.is("leaf_type", "palm") {
+        ObjectKind::Palm
+    } else {
+        ObjectKind::Tree
+    }
 }
 
 /// Memorials that stand free: plaques and stumbling stones do not.
@@ -110,7 +167,7 @@ pub(crate) fn objects(
     }
     for (&number, way) in data.ways.iter().filter(|(_, w)| w.tags.is("natural", "tree_row")) {
         let points: Vec<DVec2> = way.nodes.iter().filter_map(|id| data.nodes.get(id)).map(|n| extent.plan_pos(n)).collect();
-        let kind = if way.tags.is("leaf_type", "needleleaved") { ObjectKind::Conifer } else { ObjectKind::Tree };
+        let kind = tree_kind(&way.tags);
         for (i, pos) in stations(&points, ROW_STEP_M).into_iter().enumerate() {
             let id = if i == 0 { way_id(number) } else { Id::NONE };
             out.add(id, kind, pos, DVec2::Y, &way.tags, log);
@@ -169,6 +226,20 @@ mod tests {
     #[test]
     fn things_are_told_by_their_tags() {
         assert_eq!(kind(&[("natural", "tree"), ("leaf_type", "needleleaved")]), Some(ObjectKind::Conifer));
+        for (key, value, want) in [
+            ("species", "Tilia cordata", ObjectKind::Tree),
+            ("genus", "Betula", ObjectKind::Birch),
+            ("species", "Salix babylonica", ObjectKind::Willow),
+            ("species", "Prunus avium", ObjectKind::FruitTree),
+            ("species", "Populus nigra 'Italica'", ObjectKind::Poplar),
+            ("species", "Populus tremula", ObjectKind::Tree),
+            ("taxon", "Phoenix dactylifera", ObjectKind::Palm),
+            ("species", "Pinus sylvestris", ObjectKind::Conifer),
+            ("genus", "Larix", ObjectKind::Conifer),
+            ("type", "palm", ObjectKind::Palm),
+        ] {
+            assert_eq!(kind(&[("natural", "tree"), (key, value)]), Some(want), "{key}={value}");
+        }
         assert_eq!(kind(&[("highway", "street_lamp")]), Some(ObjectKind::Lamp));
         assert_eq!(kind(&[("historic", "memorial")]), Some(ObjectKind::Statue));
         assert_eq!(kind(&[("historic", "memorial"), ("memorial", "stolperstein")]), None);

@@ -358,6 +358,9 @@ pub(crate) fn play(
         TourState::Idle | TourState::Waiting | TourState::Wandering => None,
     };
     let Some(pose) = pose else { return };
+    if let Some(day) = player.compiled.as_ref().map(CompiledTour::day).filter(|day| *day != clock.day) {
+        clock.day = day;
+    }
     if clock.hour != pose.hour {
         clock.hour = pose.hour;
     }

@@ -1,12 +1,15 @@
 //! Standing objects, recognisable at a glance and cheap: 50 to 400 triangles each.
 
+mod tree;
+
 use glam::{DVec2, DVec3};
 use veduta_city::draw::Draw;
-use veduta_city::{CellShell, ObjectKind, PlanObject, Rgb, SurfaceKind, Tile, metres};
+use veduta_city::{CellShell, ObjectKind, PlanObject, Rgb, Season, SurfaceKind, Tile, metres};
 
 use super::data::{MeshData, Paint};
 use super::outline::{centre_of, engine};
 use super::shape::{Ball, Sculptor};
+use tree::EVERGREEN;
 
 const IRON: Rgb = Rgb(0x33, 0x38, 0x36);
 const LANTERN: Rgb = Rgb(0xFF, 0xEB, 0xBE);
@@ -18,8 +21,6 @@ const TIMBER: Rgb = Rgb(0x8A, 0x69, 0x47);
 const GLASS: Rgb = Rgb(0xB4, 0xC4, 0xC8);
 const TRAM_RED: Rgb = Rgb(0xA8, 0x2F, 0x2A);
 const PAPER: Rgb = Rgb(0xD8, 0xCF, 0xBC);
-const FOLIAGE: [Rgb; 4] = [Rgb(0x6C, 0x86, 0x4A), Rgb(0x5D, 0x7A, 0x45), Rgb(0x7E, 0x93, 0x52), Rgb(0x55, 0x71, 0x48)];
-const NEEDLES: Rgb = Rgb(0x3E, 0x58, 0x43);
 /// Red, amber, green.
 const LIGHTS: [Rgb; 3] = [Rgb(0xD8, 0x3A, 0x2E), Rgb(0x6E, 0x5A, 0x2C), Rgb(0x24, 0x52, 0x3A)];
 const SIGNAL_YELLOW: Rgb = Rgb(0xD9, 0xA9, 0x2E);
@@ -30,9 +31,10 @@ const AWNINGS: [Rgb; 3] = [Rgb(0x8C, 0x3E, 0x2C), Rgb(0x4E, 0x6A, 0x4C), Rgb(0xC
 /// Height of a lamp's light above its foot at nominal size; metres.
 const LIGHT_M: f64 = 3.7;
 
-/// All standing objects of a cell but those that are seen as monuments. Centres are the objects' positions.
+/// All standing objects of a cell but those that are seen as monuments, trees as they are in a season. Centres are the objects'
+/// positions.
 #[must_use]
-pub fn objects(shell: &CellShell) -> MeshData {
+pub fn objects(shell: &CellShell, season: Season) -> MeshData {
     let mut mesh = MeshData::default();
     let ball = Ball::new();
     for object in shell.objects.iter().filter(|object| object.monument.is_none()) {
@@ -48,6 +50,7 @@ pub fn objects(shell: &CellShell) -> MeshData {
             ball: &ball,
             centre: centre_of(plan),
             draw: Draw::new(0, object.id, "object"),
+            season,
         };
         maker.make(object.kind);
     }
@@ -67,6 +70,11 @@ const fn nominal_m(kind: ObjectKind) -> f64 {
         ObjectKind::Lamp => 4.2,
         ObjectKind::Tree => 9.0,
         ObjectKind::Conifer => 11.0,
+        ObjectKind::Poplar => 11.8,
+        ObjectKind::Birch => 9.6,
+        ObjectKind::Willow => 7.2,
+        ObjectKind::FruitTree => 4.6,
+        ObjectKind::Palm => 8.2,
         ObjectKind::Bench => 0.85,
         ObjectKind::Fountain => 3.2,
         ObjectKind::Statue => 4.2,
@@ -93,14 +101,20 @@ struct Maker<'a> {
     ball: &'a Ball,
     centre: [f32; 2],
     draw: Draw,
+    season: Season,
 }
 
 impl Maker<'_> {
     fn make(&mut self, kind: ObjectKind) {
         match kind {
             ObjectKind::Lamp => self.lamp(),
-            ObjectKind::Tree => self.tree(),
-            ObjectKind::Conifer => self.conifer(),
+            ObjectKind::Tree
+            | ObjectKind::Conifer
+            | ObjectKind::Poplar
+            | ObjectKind::Birch
+            | ObjectKind::Willow
+            | ObjectKind::FruitTree
+            | ObjectKind::Palm => self.tree(kind),
             ObjectKind::Bench => self.bench(),
             ObjectKind::Fountain => self.fountain(),
             ObjectKind::Statue => self.statue(),
@@ -134,34 +148,6 @@ impl Maker<'_> {
         self.turned(6, &[(0.05, 3.28), (0.13, 3.4)], iron);
         self.turned(6, &[(0.13, 3.4), (0.23, 3.92)], self.paint(LANTERN, Tile::Plaster));
         self.turned(6, &[(0.28, 3.92), (0.1, 4.08), (0.06, 4.1), (0.0, 4.2)], iron);
-    }
-
-    fn tree(&mut self) {
-        let bark = self.paint(BARK, Tile::Wood);
-        let lean = self.draw.between("lean", -0.2, 0.2);
-        self.turned(7, &[(0.3, 0.0), (0.19, 0.5), (0.15, 2.8), (0.08, 5.2)], bark);
-        let turn = self.draw.between("turn", 0.0, core::f64::consts::TAU);
-        let hue = self.draw.pick("leaves", &FOLIAGE).copied().unwrap_or(FOLIAGE[0]);
-        let crown = [(0.0, 0.0, 6.9, 2.3), (1.25, 0.0, 5.6, 1.65), (1.2, 2.2, 5.1, 1.75), (1.3, 4.1, 5.9, 1.6)];
-        for (k, (off, angle, y, radius)) in crown.into_iter().enumerate() {
-            let part = self.draw.part(k as u64);
-            let angle = angle + turn + part.between("angle", -0.4, 0.4);
-            let size = radius * part.between("size", 0.88, 1.12);
-            let middle = DVec3::new(off * libm::sin(angle) + lean, y + part.between("rise", -0.3, 0.3), off * libm::cos(angle));
-            let leaves = self.paint(hue.scaled(part.between("shade", 0.86, 1.1)), Tile::Leaves);
-            self.sculptor.blob(self.ball, middle, DVec3::new(size, size * 0.88, size), 0.17, part, leaves);
-        }
-    }
-
-    fn conifer(&mut self) {
-        self.turned(6, &[(0.24, 0.0), (0.16, 2.0)], self.paint(BARK, Tile::Wood));
-        let tiers = [(2.3, 1.3, 4.2), (1.95, 3.2, 6.2), (1.5, 5.2, 8.2), (1.05, 7.2, 9.9), (0.6, 9.0, 11.0)];
-        for (k, (radius, low, high)) in tiers.into_iter().enumerate() {
-            let part = self.draw.part(k as u64);
-            let needles = self.paint(NEEDLES.scaled(part.between("shade", 0.85, 1.15)), Tile::Leaves);
-            let radius = radius * part.between("radius", 0.9, 1.1);
-            self.turned(9, &[(0.1, low + 0.45), (radius, low), (0.55 * radius, low + 0.35 * (high - low)), (0.0, high)], needles);
-        }
     }
 
     fn bench(&mut self) {
@@ -329,7 +315,7 @@ impl Maker<'_> {
 
     /// Clipped: straight sides, a level top.
     fn hedge(&mut self) {
-        let hue = FOLIAGE[3];
+        let hue = EVERGREEN[3];
         for (k, x) in [-0.75, -0.25, 0.25, 0.75].into_iter().enumerate() {
             let part = self.draw.part(k as u64);
             let leaves = self.paint(hue.scaled(part.between("shade", 0.9, 1.08)), Tile::Leaves);
@@ -347,7 +333,7 @@ impl Maker<'_> {
         for y in [0.14, 0.5] {
             self.sculptor.block((0.0, 0.0), (0.435, 0.435), (y, y + 0.03), iron);
         }
-        let leaves = self.paint(FOLIAGE[0], Tile::Leaves);
+        let leaves = self.paint(EVERGREEN[0], Tile::Leaves);
         self.sculptor.blob(self.ball, DVec3::new(0.0, 0.68, 0.0), DVec3::new(0.4, 0.26, 0.4), 0.2, self.draw.part(0), leaves);
         let first = self.draw.below("flowers", FLOWERS.len());
         for k in 0..2 {
@@ -360,7 +346,7 @@ impl Maker<'_> {
 
     fn shrub(&mut self) {
         self.turned(5, &[(0.06, 0.0), (0.03, 0.4)], self.paint(BARK, Tile::Wood));
-        let hue = self.draw.pick("leaves", &FOLIAGE).copied().unwrap_or(FOLIAGE[0]);
+        let hue = self.draw.pick("leaves", &EVERGREEN).copied().unwrap_or(EVERGREEN[0]);
         for (k, (x, z, size)) in [(0.0, 0.0, 0.76), (0.5, 0.25, 0.5), (-0.4, 0.35, 0.46)].into_iter().enumerate() {
             let part = self.draw.part(k as u64);
             let size = size * part.between("size", 0.96, 1.04);
@@ -376,18 +362,22 @@ mod tests {
 
     use super::*;
 
-    fn one(kind: ObjectKind, heading: u16) -> MeshData {
+    fn one(kind: ObjectKind, heading: u16, season: Season) -> MeshData {
         let height = GridPos::steps(nominal_m(kind));
         let object = PlanObject { id: Id(3), kind, pos: GridPos(2048, 1024), z: 1024, heading, height, monument: None };
-        objects(&CellShell { objects: vec![object], ..Default::default() })
+        objects(&CellShell { objects: vec![object], ..Default::default() }, season)
+    }
+
+    fn in_all_seasons() -> impl Iterator<Item = (ObjectKind, Season)> {
+        ObjectKind::ALL.into_iter().flat_map(|kind| Season::ALL.map(|season| (kind, season)))
     }
 
     #[test]
     fn every_kind_has_its_height_and_stays_cheap() {
-        for kind in ObjectKind::ALL {
-            let mesh = one(kind, 30);
+        for (kind, season) in in_all_seasons() {
+            let mesh = one(kind, 30, season);
             mesh.validate().unwrap();
-            assert!((50..=400).contains(&mesh.triangle_count()), "{kind:?}: {}", mesh.triangle_count());
+            assert!((50..=400).contains(&mesh.triangle_count()), "{kind:?} in {season:?}: {}", mesh.triangle_count());
             let top = mesh.positions.iter().map(|p| p[1]).fold(0.0, f32::max);
             let bottom = mesh.positions.iter().map(|p| p[1]).fold(9.0, f32::min);
             assert!((f64::from(top) - 1.0 - nominal_m(kind)).abs() < 0.1 * nominal_m(kind), "{kind:?}: {top}");
@@ -398,8 +388,8 @@ mod tests {
 
     #[test]
     fn normals_agree_with_the_way_triangles_turn() {
-        for kind in ObjectKind::ALL {
-            let mesh = one(kind, 200);
+        for (kind, season) in in_all_seasons() {
+            let mesh = one(kind, 200, season);
             for t in mesh.indices.chunks_exact(3) {
                 let [a, b, c] = [t[0], t[1], t[2]].map(|i| glam::Vec3::from_array(mesh.positions[i as usize]));
                 let turn = (b - a).cross(c - a);
@@ -422,7 +412,7 @@ mod tests {
     #[test]
     fn a_bench_looks_where_it_is_told_to() {
         // Its back is behind: looking east, the back rest lies in the west.
-        let mesh = one(ObjectKind::Bench, 90);
+        let mesh = one(ObjectKind::Bench, 90, Season::Summer);
         let high = mesh.positions.iter().filter(|p| p[1] > 1.6).map(|p| p[0]).fold(0.0, f32::max);
         assert!(high < 2.0, "{high}");
     }

@@ -114,6 +114,22 @@ impl Sculptor<'_> {
         }
     }
 
+    /// A bough: three-sided, round to the light, from one place to another, with its radii at both.
+    pub(super) fn limb(&mut self, from: DVec3, to: DVec3, radii: (f64, f64), paint: Paint) {
+        let Some(way) = (to - from).try_normalize() else { return };
+        let x = way.cross(if way.y.abs() < 0.9 { DVec3::Y } else { DVec3::X }).normalize();
+        let z = x.cross(way);
+        let spokes = [0, 1, 2, 3].map(|i| {
+            let angle = -core::f64::consts::TAU * f64::from(i) / 3.0;
+            x * libm::sin(angle) + z * libm::cos(angle)
+        });
+        for side in spokes.windows(2) {
+            let (a, b) = (side[0], side[1]);
+            let corners = [from + a * radii.0, from + b * radii.0, to + b * radii.1, to + a * radii.1];
+            self.smooth(&corners, [a, b, b, a], radii.0 > 0.0, radii.1 > 0.0, paint);
+        }
+    }
+
     /// A quad with a normal for each corner, or a triangle where its lower or upper side is a point.
     fn smooth(&mut self, corners: &[DVec3; 4], normals: [DVec3; 4], has_low: bool, has_high: bool, paint: Paint) {
         let Some(flat) = super::data::newell(&corners.map(|p| self.at(p))) else { return };

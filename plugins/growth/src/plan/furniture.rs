@@ -11,8 +11,8 @@ use veduta_city::{
 };
 
 use super::network::Network;
-use super::objects::Site;
-use super::{Area, outline, streets};
+use super::objects::{Site, compass};
+use super::{Area, outline, streets, walks};
 
 /// Furniture keeps this far from doors beyond its own clearance, metres.
 const DOOR_CLEAR_M: f64 = 1.3;
@@ -22,6 +22,8 @@ const PASSAGE_M: f64 = 0.5;
 const ASIDE_M: [f64; 3] = [0.0, 2.2, -2.2];
 /// … and so much nearer to the middle of the street.
 const INWARD_M: [f64; 4] = [0.0, 0.4, 0.8, 1.2];
+/// Where it is looked whether a walk leads past what stands in a ring: so far behind it, metres.
+const BEHIND_M: f64 = 3.0;
 /// Most places that a rule has along one line or in one area.
 const MOST_PLACES: usize = 50_000;
 
@@ -103,6 +105,7 @@ impl Furnisher<'_> {
             Placement::Crossings { control, inset_m } => vec![self.crossings(rule, *control, *inset_m)],
             Placement::Rim { of, every_m, inset_m, rows_m } => vec![self.rim(rule, *of, *every_m, *inset_m, *rows_m)],
             Placement::Scatter { of, every_m } => self.scatter(rule, *of, *every_m),
+            Placement::Middle { of, least_m, ring } => vec![self.middle(rule, *of, *least_m, *ring)],
         };
         wishes.into_iter().flatten()
     }
@@ -113,8 +116,8 @@ impl Furnisher<'_> {
         for wish in wishes {
             let id = Id::from_place(&format!("grown {}", rule.name), wish.pos);
             let draw = Draw::new(self.graph.seed, id, "furniture");
-            let Some(furnishing) = drawn(&rule.put, draw) else { continue };
-            if furnishing.kind == ObjectKind::Tree && self.site.deck(wish.pos).is_some() {
+            let Some(furnishing) = drawn(&rule.put, self.graph.anchor.lat, draw) else { continue };
+            if furnishing.kind.is_tree() && self.site.deck(wish.pos).is_some() {
                 continue;
             }
             let radius = furnishing.kind.radius_m();
@@ -240,6 +243,42 @@ impl Furnisher<'_> {
         out
     }
 
+    fn middle(&self, rule: &FurnitureRule, of: AreaKind, least_m: f64, ring: Option<(u8, f64)>) -> Vec<Wish> {
+        let mut out = Vec::new();
+        for (middle, _) in self.outlines(of).iter().filter_map(walks::heart).filter(|disc| disc.1 >= least_m) {
+            if !self.chance(rule, middle) {
+                continue;
+            }
+            let Some((count, radius_m)) = ring else {
+                let is_free = self.is_open(middle) && self.site.is_free_about(middle, rule.clear_m);
+                out.extend(is_free.then_some(Wish { pos: middle, heading_deg: 180.0 }));
+                continue;
+            };
+            // Between two of the ways that lead in, if any does.
+            let first = self.draw(rule, middle).between("first", 0.0, 360.0);
+            for i in 0..count {
+                let way = compass(first + 360.0 * f64::from(i) / f64::from(count));
+                let (pos, behind) = (middle + way * radius_m, middle + way * (radius_m + BEHIND_M));
+                let is_on_walk = self.surface(behind) == Some(SurfaceKind::Gravel);
+                if !is_on_walk && self.is_open(pos) && self.site.is_free_about(pos, rule.clear_m) {
+                    out.push(Wish { pos, heading_deg: heading_deg(-way) });
+                }
+            }
+        }
+        out
+    }
+
+    /// Whether a place is open ground, though not a carriageway.
+    fn is_open(&self, pos: DVec2) -> bool {
+        let is_ground = !matches!(self.surface(pos), None | Some(SurfaceKind::Water | SurfaceKind::Ballast));
+        is_ground && self.network.carriageways.at(GridPos::from_metres(pos)).next().is_none()
+    }
+
+    /// What lies at a place, bridges aside.
+    fn surface(&self, pos: DVec2) -> Option<SurfaceKind> {
+        self.site.surface(pos).map(|(surface, _)| surface)
+    }
+
     /// What a rule wishes for in each area.
     fn scatter(&self, rule: &FurnitureRule, of: AreaKind, every_m: f64) -> Vec<Vec<Wish>> {
         let of_polygon = |polygon: &GridPolygon| {
@@ -267,7 +306,7 @@ impl Furnisher<'_> {
 
     /// Whether something may stand at a place of an area, by what lies there.
     fn is_of(&self, of: AreaKind, pos: DVec2, clear_m: f64) -> bool {
-        let is_soil = |soil: SurfaceKind| self.site.surface(pos).is_some_and(|(surface, _)| surface == soil);
+        let is_soil = |soil: SurfaceKind| self.surface(pos) == Some(soil);
         match of {
             AreaKind::Squares => self.may_stand(pos, clear_m),
             AreaKind::Parks => is_soil(SurfaceKind::Grass) && self.site.is_free_about(pos, clear_m),
@@ -279,7 +318,7 @@ impl Furnisher<'_> {
     fn may_stand(&self, pos: DVec2, clear_m: f64) -> bool {
         let here = GridPos::from_metres(pos);
         let on_bridge = || self.site.deck(pos).map(|(surface, _)| surface);
-        let surface = on_bridge().or_else(|| self.site.surface(pos).map(|(surface, _)| surface));
+        let surface = on_bridge().or_else(|| self.surface(pos));
         let is_public = surface.is_some_and(SurfaceKind::is_public);
         let on_carriageway = || self.network.carriageways.at(here).next().is_some();
         let in_doorway = || self.site.doorsteps.is_near(here, DOOR_CLEAR_M + clear_m);
@@ -292,16 +331,16 @@ const fn is_row(place: &Placement) -> bool {
     matches!(place, Placement::Rim { rows_m: Some(_), .. })
 }
 
-/// One of several, by share.
-fn drawn(put: &[Furnishing], draw: Draw) -> Option<&Furnishing> {
-    let sum: f64 = put.iter().map(|one| one.share).sum();
+/// One of those that are put at a latitude, by share.
+fn drawn(put: &[Furnishing], lat_deg: f64, draw: Draw) -> Option<&Furnishing> {
+    let here = || put.iter().filter(|one| one.lat_deg.is_none_or(|Range(low, high)| (low..=high).contains(&lat_deg.abs())));
+    let sum: f64 = here().map(|one| one.share).sum();
     let mut left = draw.between("which", 0.0, sum);
-    put.iter()
-        .find(|one| {
-            left -= one.share;
-            left < 0.0
-        })
-        .or(put.last())
+    let chosen = here().find(|one| {
+        left -= one.share;
+        left < 0.0
+    });
+    chosen.or_else(|| here().next_back())
 }
 
 /// Degrees clockwise from north.

@@ -79,7 +79,7 @@ fn of_lawn(lawn: &GridPolygon, draw: Draw) -> Vec<GridPolygon> {
 }
 
 /// The middle of a park and the radius of a disc about it: its centroid, if there is about as much room as anywhere.
-fn heart(lawn: &GridPolygon) -> Option<(DVec2, f64)> {
+pub(super) fn heart(lawn: &GridPolygon) -> Option<(DVec2, f64)> {
     let (middle, radius) = largest_disc(lawn, f64::INFINITY)?;
     let centroid = lawn.centroid();
     let borders = lawn.edges().map(|(a, b)| outline::distance_to_edge(centroid, a.to_metres(), b.to_metres()));

@@ -7,7 +7,7 @@ use clap::Args;
 use rayon::prelude::*;
 use veduta_bake::{BakeSettings, Input, cut, survey};
 use veduta_cells::{cell_shells, facade_sheets};
-use veduta_city::{CellShell, CityGraph, FacadeSheet, RoofShape, file};
+use veduta_city::{CellShell, CityGraph, FacadeSheet, RoofShape, Season, file};
 use veduta_growth::mesh::{self, MeshData};
 use veduta_growth::plan::{Growth, Stock, grow};
 
@@ -65,7 +65,7 @@ pub(crate) fn growth(bench: &GrowthBench) -> Result<(), Failure> {
     figures.push(Figure::new("buildings_per_s", houses / seconds, "1/s"));
     let full = |(shell, sheet): &(CellShell, FacadeSheet)| {
         let walls = mesh::level2(shell, sheet)?;
-        Ok::<_, mesh::MeshError>(triangles(&[walls, mesh::roofs(shell), mesh::ground(shell), mesh::objects(shell)]))
+        Ok::<_, mesh::MeshError>(triangles(&[walls, mesh::roofs(shell), mesh::ground(shell), mesh::objects(shell, Season::Summer)]))
     };
     let (seconds, made) = best(bench.repeat, || parts.par_iter().map(full).sum::<Result<usize, _>>());
     figures.push(Figure::new("triangles_per_s", made? as f64 / seconds, "1/s"));
