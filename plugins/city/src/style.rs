@@ -70,6 +70,9 @@ pub struct Style {
     /// Share of houses with a statue on the door's front, 0 to 1.
     #[serde(default)]
     pub niches: f64,
+    /// Share of houses of four storeys and more with a mezzanine, a low storey over the ground floor, 0 to 1.
+    #[serde(default)]
+    pub mezzanines: f64,
 }
 
 /// Shape of a grown house's gable walls.
@@ -153,6 +156,7 @@ pub struct StyleDraft {
     pub balconies: Option<Vec<BalconyPlaces>>,
     pub oriels: Option<f64>,
     pub niches: Option<f64>,
+    pub mezzanines: Option<f64>,
 }
 
 impl StyleDraft {
@@ -205,6 +209,7 @@ impl StyleDraft {
             balconies: self.balconies.clone().or_else(|| base.map(|b| b.balconies.clone())).unwrap_or_else(Style::no_balconies),
             oriels: self.oriels.or(base.map(|b| b.oriels)).unwrap_or_default(),
             niches: self.niches.or(base.map(|b| b.niches)).unwrap_or_default(),
+            mezzanines: self.mezzanines.or(base.map(|b| b.mezzanines)).unwrap_or_default(),
         })
     }
 }
@@ -307,7 +312,13 @@ impl Styles {
                     errors.push(StyleError::Empty { style: s.name.clone(), field });
                 }
             }
-            let shares = [("shops", s.shops), ("gable_fronts", s.gable_fronts), ("oriels", s.oriels), ("niches", s.niches)];
+            let shares = [
+                ("shops", s.shops),
+                ("gable_fronts", s.gable_fronts),
+                ("oriels", s.oriels),
+                ("niches", s.niches),
+                ("mezzanines", s.mezzanines),
+            ];
             for (field, share) in shares.into_iter().filter(|(_, share)| !(0.0..=1.0).contains(share)) {
                 errors.push(StyleError::Share { style: s.name.clone(), field, share });
             }

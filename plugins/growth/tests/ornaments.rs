@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 use veduta_city::{
-    Articulation, BalconyPlaces, CityGraph, CityPlan, GridPos, House, Ornament, Parapet, Wall, WallKind, file, metres,
+    Articulation, BalconyPlaces, CityGraph, CityPlan, GridPos, House, Opening, Ornament, Parapet, Wall, WallKind, file, metres,
 };
 use veduta_growth::plan::{Stock, grow};
 
@@ -37,6 +37,35 @@ fn fronts(plan: &CityPlan) -> impl Iterator<Item = (&House, &Wall, [DVec2; 2])> 
     })
 }
 
+/// Whether a low storey lies over the ground floor of a wall of several.
+fn has_mezzanine(wall: &Wall) -> bool {
+    wall.storeys.len() > 3 && wall.storeys[1].opening == Opening::AtticWindow
+}
+
+#[test]
+fn a_mezzanine_lies_under_the_main_storey() {
+    let graph = block("tenement", 14.0, 6);
+    let mut stock = Stock::new();
+    let tenement = stock.styles.find("tenement").expect("stock");
+    let mut counts = Vec::new();
+    for share in [0.0, 0.25, 1.0] {
+        stock.styles.0[tenement].mezzanines = share;
+        let plan = grow(&graph, &stock).unwrap_or_else(|e| panic!("{e}")).plan;
+        let high = fronts(&plan).filter(|(_, wall, _)| wall.kind == WallKind::Street && wall.bays > 0 && wall.storeys.len() > 3);
+        let (with, without): (Vec<_>, Vec<_>) = high.partition(|(_, wall, _)| has_mezzanine(wall));
+        for (house, wall, _) in &with {
+            let [ground, mezzanine, main] = [0, 1, 2].map(|i| wall.storeys[i]);
+            assert!(metres(mezzanine.height) >= 2.0 && mezzanine.height * 5 < main.height * 4, "{:?}", wall.storeys);
+            assert!(mezzanine.height < ground.height, "{:?}", wall.storeys);
+            assert!(stock.styles.0[tenement].main_windows.contains(&main.opening), "{}: {:?}", house.id, wall.storeys);
+        }
+        counts.push((with.len(), without.len()));
+    }
+    let [(none, all), (some, rest), (whole, left)] = counts[..] else { panic!("three shares") };
+    assert!(none == 0 && all > 20 && left == 0 && whole == all && some + rest == all, "{counts:?}");
+    assert!(some > 0 && some < rest, "{counts:?}");
+}
+
 #[test]
 fn ornaments_fit_their_walls() {
     let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
@@ -52,6 +81,7 @@ fn ornaments_fit_their_walls() {
             let is_high = metres(wall.storeys[0].height) >= 3.0;
             let bay_m = a.distance(b) / f64::from(wall.bays);
             let storeys = wall.storeys.len() as u8;
+            let first = 1 + u8::from(has_mezzanine(wall));
             *seen
                 .entry(match articulation {
                     Articulation::Plain => "plain",
@@ -62,7 +92,7 @@ fn ornaments_fit_their_walls() {
             if let Some(oriel) = oriel {
                 *seen.entry("oriel").or_default() += 1;
                 assert!(is_high && oriel.bay > 0 && oriel.bay + 1 < wall.bays && bay_m >= 2.0, "{oriel:?}");
-                assert!(oriel.storeys.0 == 1 && oriel.storeys.1 >= 1 && oriel.storeys.1 + 1 < storeys, "{oriel:?}");
+                assert!(oriel.storeys.0 == first && oriel.storeys.1 >= first && oriel.storeys.1 + 1 < storeys, "{oriel:?}");
                 assert!(balconies.is_none());
             }
             if let Some(balconies) = balconies {
@@ -74,7 +104,7 @@ fn ornaments_fit_their_walls() {
                     })
                     .or_default() += 1;
                 assert!(is_high && balconies.runs().all(|(_, last)| last < wall.bays) && balconies.bays > 0, "{balconies:?}");
-                assert!(balconies.storeys.0 == 1 && balconies.storeys.1 < storeys, "{balconies:?}");
+                assert!(balconies.storeys.0 == first && balconies.storeys.1 < storeys, "{balconies:?}");
             }
             if let Some(niche) = niche {
                 *seen.entry("niche").or_default() += 1;

@@ -104,6 +104,7 @@ fn styles_travel_with_the_city() {
         balconies: vec![veduta_city::BalconyPlaces::Ends],
         oriels: 0.25,
         niches: 0.75,
+        mezzanines: 0.125,
     };
     city.plan.styles.0.push(style);
     city.write(&temp.0).expect("written");

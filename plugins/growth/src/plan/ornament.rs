@@ -93,30 +93,32 @@ impl Front<'_> {
     /// What stands out of the front of the door: a bay window or balconies; and a statue.
     fn stand_out(&self, ornament: &mut Ornament, style: &Style, draw: Draw, standing: &Standing) {
         let wall = self.wall;
-        // The highest storey with whole windows, all of them from the first on.
+        // From the storey over the ground floor and its mezzanine to the highest with whole windows all the way.
         let is_whole = |storey: &&Storey| is_window(storey.opening) && storey.opening != Opening::AtticWindow;
         let has_windows = |storey: &&Storey| is_whole(storey) && metres(storey.height) >= ATTIC_M;
-        let top = wall.storeys.iter().skip(1).take_while(has_windows).count().min(usize::from(u8::MAX)) as u8;
-        if top == 0 || wall.bays > MOST_BAYS || !self.is_clear(standing) {
+        let first = 1 + usize::from(wall.storeys.len() > 2 && wall.storeys[1].opening == Opening::AtticWindow);
+        let count = wall.storeys.iter().skip(first).take_while(has_windows).count();
+        let storeys = (first as u8, (first + count).saturating_sub(1).min(usize::from(u8::MAX)) as u8);
+        if count == 0 || wall.bays > MOST_BAYS || !self.is_clear(standing) {
             return;
         }
         if draw.chance("oriel", style.oriels) {
-            ornament.oriel = self.oriel(top, draw);
+            ornament.oriel = self.oriel(storeys, draw);
         }
         if ornament.oriel.is_none() {
             let places = draw.pick("balconies", &style.balconies).copied().unwrap_or_default();
-            ornament.balconies = self.balconies(places, top, draw);
+            ornament.balconies = self.balconies(places, storeys, draw);
         }
         // Pilasters stand where a statue would.
         if ornament.articulation != Articulation::Pilasters && draw.chance("niche", style.niches) {
-            ornament.niche = self.niche(ornament, draw);
+            ornament.niche = self.niche(ornament, storeys.0, draw);
         }
     }
 
-    fn oriel(&self, top: u8, draw: Draw) -> Option<Oriel> {
+    fn oriel(&self, (first, top): (u8, u8), draw: Draw) -> Option<Oriel> {
         // It ends a storey below the eaves.
         let bays = self.wall.bays;
-        let below_eaves = self.wall.storeys.len().checked_sub(2).filter(|&storey| storey > 0)?;
+        let below_eaves = self.wall.storeys.len().checked_sub(2).filter(|&storey| storey >= usize::from(first))?;
         if bays < 3 || !ORIEL_BAY_M.contains(&self.bay_m()) {
             return None;
         }
@@ -125,10 +127,10 @@ impl Front<'_> {
         } else {
             1 + draw.below("oriel's bay", usize::from(bays) - 2) as u8
         };
-        Some(Oriel { bay, storeys: (1, usize::from(top).min(below_eaves) as u8) })
+        Some(Oriel { bay, storeys: (first, usize::from(top).min(below_eaves) as u8) })
     }
 
-    fn balconies(&self, places: BalconyPlaces, top: u8, draw: Draw) -> Option<Balconies> {
+    fn balconies(&self, places: BalconyPlaces, (first, top): (u8, u8), draw: Draw) -> Option<Balconies> {
         let bays = self.wall.bays;
         let (every, parapet) = match places {
             BalconyPlaces::Nowhere => return None,
@@ -136,7 +138,7 @@ impl Front<'_> {
                 let door = u32::from(self.wall.ground_floor.door_bay?);
                 return (self.bay_m() >= LEAST_BALCONY_BAY_M && door < u32::from(MOST_BAYS)).then_some(Balconies {
                     bays: 1 << door,
-                    storeys: (1, 1),
+                    storeys: (first, first),
                     parapet: Parapet::Balusters,
                 });
             }
@@ -144,15 +146,15 @@ impl Front<'_> {
             BalconyPlaces::Middle => (1_u32 << (bays / 2) | 1 << ((bays - 1) / 2), Parapet::Iron),
             BalconyPlaces::Ends => (1 | 1 << (bays - 1), Parapet::Iron),
             BalconyPlaces::Stacks => {
-                let first = draw.below("stack", 2);
-                ((first..usize::from(bays)).step_by(2).fold(0, |bits, bay| bits | 1 << bay), Parapet::Panels)
+                let stack = draw.below("stack", 2);
+                ((stack..usize::from(bays)).step_by(2).fold(0, |bits, bay| bits | 1 << bay), Parapet::Panels)
             }
         };
-        (self.bay_m() >= LEAST_BALCONY_BAY_M && every > 0).then_some(Balconies { bays: every, storeys: (1, top), parapet })
+        (self.bay_m() >= LEAST_BALCONY_BAY_M && every > 0).then_some(Balconies { bays: every, storeys: (first, top), parapet })
     }
 
-    /// Between two bays of the first floor that have nothing else before them.
-    fn niche(&self, beside: &Ornament, draw: Draw) -> Option<Niche> {
+    /// Between two bays of a storey that have nothing else before them.
+    fn niche(&self, beside: &Ornament, storey: u8, draw: Draw) -> Option<Niche> {
         let is_free = |bay: u8| {
             beside.oriel.is_none_or(|oriel| oriel.bay != bay)
                 && beside.balconies.is_none_or(|balconies| bay >= MOST_BAYS || balconies.bays >> bay & 1 == 0)
@@ -161,7 +163,7 @@ impl Front<'_> {
         if self.bay_m() < LEAST_NICHE_BAY_M {
             return None;
         }
-        draw.pick("niche's bay", &free).map(|&bay| Niche { bay, storey: 1 })
+        draw.pick("niche's bay", &free).map(|&bay| Niche { bay, storey })
     }
 
     /// Whether the street before it is broad enough.

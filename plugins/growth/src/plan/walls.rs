@@ -15,6 +15,8 @@ use super::variety::{Look, bays, bounded};
 const PARTY_SHARE: f64 = 0.5;
 /// Storeys lower than this have attic windows; metres.
 const ATTIC_M: f64 = 2.6;
+/// Height of a low top storey or a mezzanine as a share of the others'.
+const LOW_STOREY: f64 = 0.68;
 /// Least height of a storey; metres.
 const LEAST_STOREY_M: f64 = 2.0;
 /// Bodies whose foot is higher than this have no doors; grid steps.
@@ -68,13 +70,13 @@ pub(super) fn houses(
 /// A volume without its footprint.
 fn volume(draft: &Draft, at: BodyRef, edges: &[Edge], masses: &[Vec<Mass>], look: &Look, style: &Style) -> Volume {
     let (body, mass) = (&draft.bodies[at.1], masses[at.0][at.1]);
-    let heights = storey_heights(body, &mass, style, draft, at.1);
+    let tiers = tiers(body, &mass, style, draft, at.1);
     let wall = |edge: &Edge| {
         let kind = kind(edge, &mass, masses);
         if kind == WallKind::Party {
             return Wall { kind, ..Wall::default() };
         }
-        let storeys = storeys(&heights, kind, &mass, body, look);
+        let storeys = storeys(&tiers, kind, &mass, body, look);
         let is_blind = storeys.iter().all(|s| s.opening == Opening::Blank) && look.door == Opening::Blank;
         let wish = if kind == WallKind::Yard { look.bay_m * 1.25 } else { look.bay_m };
         let bays = if is_blind { 0 } else { bays(edge.length_m(), wish) };
@@ -112,8 +114,15 @@ fn kind(edge: &Edge, mine: &Mass, masses: &[Vec<Mass>]) -> WallKind {
     }
 }
 
-/// Heights of a body's storeys from its foot, grid steps: they fill the wall exactly.
-fn storey_heights(body: &Body, mass: &Mass, style: &Style, draft: &Draft, index: usize) -> Vec<i32> {
+/// A body's storeys.
+struct Tiers {
+    /// Heights from its foot, grid steps: they fill the wall exactly.
+    heights: Vec<i32>,
+    /// The storey behind the finest windows: the first, or the one over a mezzanine.
+    main: usize,
+}
+
+fn tiers(body: &Body, mass: &Mass, style: &Style, draft: &Draft, index: usize) -> Tiers {
     let draw = draft.draw.part(index as u64);
     let (ground, upper) = massing::storey_heights(style, draw);
     let whole = massing::wall_m(mass);
@@ -125,9 +134,13 @@ fn storey_heights(body: &Body, mass: &Mass, style: &Style, draft: &Draft, index:
     weights[0] = ground;
     // Now and then the top storey is a low one under the eaves.
     if n >= 3 && upper < 5.0 && draw.chance("low top storey", 0.35) {
-        weights[n - 1] = upper * 0.68;
+        weights[n - 1] = upper * LOW_STOREY;
     }
-    fill(mass.eaves - mass.bottom, &weights)
+    let has_mezzanine = n >= 4 && !mass.hangs() && draw.chance("mezzanine", style.mezzanines);
+    if has_mezzanine {
+        weights[1] = upper * LOW_STOREY;
+    }
+    Tiers { heights: fill(mass.eaves - mass.bottom, &weights), main: 1 + usize::from(has_mezzanine) }
 }
 
 /// Cuts a length into parts by weight; their sum is exact.
@@ -144,7 +157,8 @@ fn fill(length: i32, weights: &[f64]) -> Vec<i32> {
     weights.iter().map(part).collect()
 }
 
-fn storeys(heights: &[i32], kind: WallKind, mass: &Mass, body: &Body, look: &Look) -> Vec<Storey> {
+fn storeys(tiers: &Tiers, kind: WallKind, mass: &Mass, body: &Body, look: &Look) -> Vec<Storey> {
+    let Tiers { heights, main } = tiers;
     let last = heights.len() - 1;
     let hangs = mass.hangs();
     let opening = |i: usize, height: i32| {
@@ -157,10 +171,10 @@ fn storeys(heights: &[i32], kind: WallKind, mass: &Mass, body: &Body, look: &Loo
         }
         let drawn = match i {
             0 if !hangs => look.ground,
-            1 if kind == WallKind::Street && !hangs => look.main,
+            i if i == *main && kind == WallKind::Street && !hangs => look.main,
             _ => look.upper,
         };
-        let is_low = i == last && last > 0 && metres(height) < ATTIC_M;
+        let is_low = i == last && last > 0 && metres(height) < ATTIC_M || (1..*main).contains(&i);
         match drawn {
             Opening::Blank | Opening::Slit | Opening::Clock | Opening::LancetWindow => drawn,
             _ if is_low => Opening::AtticWindow,
