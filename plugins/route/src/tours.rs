@@ -10,7 +10,7 @@ use crate::{
 };
 
 const SAMPLE: &str = r#"(
-    title: "Four minutes in a town of squares", city: "town.city", speed: 1.4, hour: 9,
+    title: "Four minutes in a town of squares", city: "town.city", speed: 1.4, hour: 9, day: 280,
     steps: [
         Say(text: "Welcome"),
         Start(at: Place("Powder Tower"), look: Heading(deg: 200)),
@@ -211,7 +211,7 @@ fn captions_hours_and_fields_of_view_go_on_beside() {
     assert_eq!(tour.caption(f64::NAN), None);
     let turned = tour.steps()[4];
     assert_eq!(turned.end_s - turned.start_s, 20.0);
-    assert_eq!((tour.pose(turned.start_s).hour, tour.day()), (9.0, 160));
+    assert_eq!((tour.pose(turned.start_s).hour, tour.day()), (9.0, 280));
     assert_eq!(tour.pose(turned.start_s + 10.0).hour, 13.5);
     assert_eq!((tour.pose(turned.end_s).hour, tour.pose(turned.end_s).fov_deg), (18.0, 40.0));
     assert_eq!(tour.caption(tour.duration_s() - 0.01), Some("That was it"), "the tour ends when it has been read");
@@ -279,6 +279,10 @@ fn mistakes_name_the_step_and_the_fix() {
     says("Start(at: At(0, 0)), Look(at: Spot(at: Place(\"well\"), height_m: NaN), seconds: 1)", 2, &["height"]);
     let nan = Tour { speed: f64::NAN, ..with_steps(vec![start(0.0, 0.0)]) };
     assert!(matches!(compile(&nan, &town(), &places()), Err(TourError::Setting(_))));
+    for day in [0, 367] {
+        let never = Tour { day, ..with_steps(vec![start(0.0, 0.0)]) };
+        assert!(matches!(compile(&never, &town(), &places()), Err(TourError::Setting(_))), "{day}");
+    }
     let many = with_steps(vec![Step::Wait { seconds: 0.0 }; 10_001]);
     assert_eq!(compile(&many, &town(), &places()).map(|_| ()), Err(TourError::TooManySteps(10_001)));
     let text = "(title: \"t\", city: \"c\", steps: [\n  Start(at: At(0, 0)),\n  Walk(towards: At(0, 0)),\n])";

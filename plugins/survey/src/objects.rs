@@ -35,7 +35,7 @@ pub(crate) fn kind_of(tags: &Tags) -> Option<ObjectKind> {
 }
 
 /// Genera of trees that are not just broad-leaved, as they begin in species' Latin names.
-const GENERA: [(ObjectKind, &[&str]); 6] = [
+const GENERA: [(ObjectKind, &[&str]); 5] = [
     (
         ObjectKind::Conifer,
         &[
@@ -44,6 +44,7 @@ const GENERA: [(ObjectKind, &[&str]); 6] = [
             "cedrus",
             "chamaecyparis",
             "cryptomeria",
+            "cupressus",
             "juniperus",
             "larix",
             "metasequoia",
@@ -58,7 +59,6 @@ const GENERA: [(ObjectKind, &[&str]); 6] = [
             "tsuga",
         ],
     ),
-    (ObjectKind::Poplar, &["cupressus"]),
     (ObjectKind::Birch, &["betula"]),
     (ObjectKind::Willow, &["salix"]),
     (
@@ -77,14 +77,13 @@ const COLUMNAR: [&str; 4] = ["fastigiat", "italica", "columnar", "pyramidalis"];
 fn tree_kind(tags: &Tags) -> ObjectKind {
     let named = ["species", "taxon", "genus"].iter().find_map(|key| tags.get(key)).unwrap_or_default().to_lowercase();
     let cultivar = tags.get("taxon:cultivar").or_else(|| tags.get("cultivar")).unwrap_or_default().to_lowercase();
-    if COLUMNAR.iter().any(|form| named.contains(form) || cultivar.contains(form)) {
-        return ObjectKind::Poplar;
-    }
     let genus = named.split_whitespace().next().unwrap_or_default();
     if let Some((kind, _)) = GENERA.iter().find(|(_, genera)| genera.contains(&genus)) {
         return *kind;
     }
-    if tags.is("leaf_type", "needleleaved") || tags.is("type", "conifer") {
+    if COLUMNAR.iter().any(|form| named.contains(form) || cultivar.contains(form)) {
+        ObjectKind::Poplar
+    } else if tags.is("leaf_type", "needleleaved") || tags.is("type", "conifer") {
         ObjectKind::Conifer
     } else if tags.is("type", "palm") || tags.is("leaf_type", "palm") {
         ObjectKind::Palm
@@ -233,6 +232,8 @@ mod tests {
             ("species", "Prunus avium", ObjectKind::FruitTree),
             ("species", "Populus nigra 'Italica'", ObjectKind::Poplar),
             ("species", "Populus tremula", ObjectKind::Tree),
+            ("species", "Taxus baccata 'Fastigiata'", ObjectKind::Conifer),
+            ("species", "Cupressus sempervirens", ObjectKind::Conifer),
             ("taxon", "Phoenix dactylifera", ObjectKind::Palm),
             ("species", "Pinus sylvestris", ObjectKind::Conifer),
             ("genus", "Larix", ObjectKind::Conifer),

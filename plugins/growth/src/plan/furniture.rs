@@ -250,8 +250,7 @@ impl Furnisher<'_> {
                 continue;
             }
             let Some((count, radius_m)) = ring else {
-                let is_free = self.is_open(middle) && self.site.is_free_about(middle, rule.clear_m);
-                out.extend(is_free.then_some(Wish { pos: middle, heading_deg: 180.0 }));
+                out.extend(self.is_open(middle, rule.clear_m).then_some(Wish { pos: middle, heading_deg: 180.0 }));
                 continue;
             };
             // Between two of the ways that lead in, if any does.
@@ -260,7 +259,7 @@ impl Furnisher<'_> {
                 let way = compass(first + 360.0 * f64::from(i) / f64::from(count));
                 let (pos, behind) = (middle + way * radius_m, middle + way * (radius_m + BEHIND_M));
                 let is_on_walk = self.surface(behind) == Some(SurfaceKind::Gravel);
-                if !is_on_walk && self.is_open(pos) && self.site.is_free_about(pos, rule.clear_m) {
+                if !is_on_walk && self.is_open(pos, rule.clear_m) {
                     out.push(Wish { pos, heading_deg: heading_deg(-way) });
                 }
             }
@@ -268,10 +267,18 @@ impl Furnisher<'_> {
         out
     }
 
-    /// Whether a place is open ground, though not a carriageway.
-    fn is_open(&self, pos: DVec2) -> bool {
+    /// Whether a place is open ground, though not a carriageway, in no doorway and clear of houses.
+    fn is_open(&self, pos: DVec2, clear_m: f64) -> bool {
         let is_ground = !matches!(self.surface(pos), None | Some(SurfaceKind::Water | SurfaceKind::Ballast));
-        is_ground && self.network.carriageways.at(GridPos::from_metres(pos)).next().is_none()
+        is_ground && self.is_out_of_the_way(pos, clear_m)
+    }
+
+    /// Whether a place is not on a carriageway, in no doorway and clear of houses.
+    fn is_out_of_the_way(&self, pos: DVec2, clear_m: f64) -> bool {
+        let here = GridPos::from_metres(pos);
+        let on_carriageway = || self.network.carriageways.at(here).next().is_some();
+        let in_doorway = || self.site.doorsteps.is_near(here, DOOR_CLEAR_M + clear_m);
+        !on_carriageway() && !in_doorway() && self.site.is_free_about(pos, clear_m)
     }
 
     /// What lies at a place, bridges aside.
@@ -316,13 +323,10 @@ impl Furnisher<'_> {
 
     /// Whether something may stand in the street: on public ground, not on a carriageway, in no doorway, clear of houses.
     fn may_stand(&self, pos: DVec2, clear_m: f64) -> bool {
-        let here = GridPos::from_metres(pos);
         let on_bridge = || self.site.deck(pos).map(|(surface, _)| surface);
         let surface = on_bridge().or_else(|| self.surface(pos));
         let is_public = surface.is_some_and(SurfaceKind::is_public);
-        let on_carriageway = || self.network.carriageways.at(here).next().is_some();
-        let in_doorway = || self.site.doorsteps.is_near(here, DOOR_CLEAR_M + clear_m);
-        is_public && !on_carriageway() && !in_doorway() && self.site.is_free_about(pos, clear_m)
+        is_public && self.is_out_of_the_way(pos, clear_m)
     }
 }
 

@@ -33,7 +33,7 @@ const LEAST_SHOP_M: f64 = 2.6;
 /// Drafts that become houses together.
 const AT_ONCE: usize = 8192;
 
-/// All houses, with walls, in the order of the drafts, which go piece by piece as their houses come: there is room for either.
+/// All houses, with walls, in the order of the drafts. These go piece by piece as their houses come: there is never all of both.
 pub(super) fn houses(
     drafts: Vec<Draft>,
     facing: &Facing,

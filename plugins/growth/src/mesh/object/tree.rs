@@ -1,4 +1,4 @@
-//! Trees and shrubs by kind and season.
+//! Trees by kind and season.
 
 use glam::DVec3;
 use veduta_city::draw::Draw;
