@@ -66,6 +66,7 @@ pub use ground::ground;
 pub use marking::markings;
 pub use monument::{MonumentDetail, monument, monument_bounds, monuments};
 pub use moulding::mouldings;
+pub(crate) use object::radius_m;
 pub use object::{lantern, objects};
 pub use roof::{roof_coverings, roofs};
 pub use wall::{facades, level1, level2};

@@ -84,7 +84,7 @@ use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, 
 pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 13;
+pub const GROWTH_VERSION: u32 = 14;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -189,7 +189,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let (mut objects, monumental) = objects::objects(graph, &areas, (&network, furniture), &site, &mut findings);
     designs.of_objects(&monumental, &mut objects, &mut findings);
     let markings = markings::markings(graph, &network, &bridges, &site);
-    let start = places::start(graph, &extent, &site, &mut findings);
+    let start = places::start(graph, &extent, &site, &objects, &mut findings);
     let plan = CityPlan {
         name: graph.name.clone(),
         anchor: graph.anchor,

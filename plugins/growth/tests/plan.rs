@@ -7,7 +7,9 @@ use std::collections::BTreeSet;
 use geo::{Area, BooleanOps, Contains, Coord, LineString, MultiPolygon, Polygon, Validation};
 use glam::DVec2;
 use proptest::prelude::*;
-use veduta_city::{CityGraph, CityPlan, GridPolygon, House, Id, ObjectKind, Opening, SurfaceKind, WallKind, metres};
+use veduta_city::{
+    CityGraph, CityPlan, GridPolygon, House, Id, ObjectKind, Opening, StandingObject, SurfaceKind, Viewpoint, WallKind, metres,
+};
 use veduta_growth::plan::{Growth, GrowthError, Stock, grow};
 
 fn parsed(text: &str) -> CityGraph {
@@ -244,6 +246,24 @@ fn names_become_places_once() {
 }
 
 #[test]
+fn a_visit_begins_in_front_of_what_stands_in_the_way() {
+    let chosen = Viewpoint { heading_deg: 90.0, ..grown(&crossing()).plan.start };
+    let begins_with_a_fountain = |pos: DVec2| {
+        let mut graph = crossing();
+        graph.start = Some(chosen);
+        let (kind, id) = (ObjectKind::Fountain, Id(7));
+        graph.objects =
+            vec![StandingObject { id, kind, pos, heading_deg: 0.0, height_m: 0.0, name: String::new(), monument: String::new() }];
+        grown(&graph).plan.start
+    };
+    let moved = begins_with_a_fountain(chosen.pos);
+    let away = moved.pos - chosen.pos;
+    assert!(away.x < -ObjectKind::Fountain.radius_m() - 2.0 && away.y.abs() < 0.01, "it is looked at from the west: {away}");
+    assert_eq!((moved.heading_deg, moved.eye_m), (90.0, chosen.eye_m));
+    assert_eq!(begins_with_a_fountain(chosen.pos - DVec2::new(2.6, 0.0)), chosen, "beside it is where it was chosen to be");
+}
+
+#[test]
 fn streets_without_houses_are_built_up() {
     let mut graph = synthetic::city(4, 9);
     graph.buildings.clear();
@@ -325,7 +345,7 @@ fn any_graph() -> impl Strategy<Value = CityGraph> {
         odd,
     )
         .prop_map(|(nodes, links, buildings, blocks, squares, objects, margin_m)| {
-            use veduta_city::{Block, BlockKind, Link, LinkKind, Node, RoofShape, Square, StandingObject, StreetClass, WidthAt};
+            use veduta_city::{Block, BlockKind, Link, LinkKind, Node, RoofShape, Square, StreetClass, WidthAt};
             let kinds = [
                 LinkKind::Street(StreetClass::Motorway),
                 LinkKind::Street(StreetClass::Main),

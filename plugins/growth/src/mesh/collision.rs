@@ -6,7 +6,7 @@ use super::bridge::{Deck, KERB_M};
 use super::drape::Drape;
 use super::footing::stands;
 use super::ground::LevelEdges;
-use super::object::scale_of;
+use super::object::radius_m;
 use super::outline::{Edge, GroundHeights, Triangulator, engine, rings, wall_edge};
 
 /// A triangle mesh without looks. Metres in the engine's axes, local to the cell.
@@ -242,7 +242,7 @@ fn walkable(shell: &CellShell, drape: &Drape<'_>) -> Trimesh {
 fn pillar(object: &PlanObject) -> Pillar {
     Pillar {
         foot: engine(object.pos.to_metres(), metres(object.z)).as_vec3().to_array(),
-        radius_m: (object.kind.radius_m() * scale_of(object)) as f32,
+        radius_m: radius_m(object) as f32,
         height_m: metres(object.height).max(0.3) as f32,
     }
 }

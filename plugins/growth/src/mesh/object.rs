@@ -96,6 +96,11 @@ pub(super) fn scale_of(object: &PlanObject) -> f64 {
     if object.height > 0 { told.clamp(0.3, 12.0) } else { 1.0 }
 }
 
+/// Radius of the ground on which an object stands, metres.
+pub(crate) fn radius_m(object: &PlanObject) -> f64 {
+    object.kind.radius_m() * scale_of(object)
+}
+
 struct Maker<'a> {
     sculptor: Sculptor<'a>,
     ball: &'a Ball,

@@ -51,7 +51,7 @@ impl Site<'_> {
 
     /// The nearest free position within a distance.
     pub fn nearest_free(&self, pos: DVec2, within_m: f64) -> Option<DVec2> {
-        if self.is_free(pos) { Some(pos) } else { about(pos, within_m).find(|&p| self.is_free(p)) }
+        if self.is_free(pos) { Some(pos) } else { about(pos, 0.0, within_m).find(|&p| self.is_free(p)) }
     }
 
     /// The nearest free place on land for something that stands in the water, bridges aside, and would not: `None` if it is not so, or
@@ -63,7 +63,7 @@ impl Site<'_> {
         if may_be_wet || !is_wet(object.pos) {
             return None;
         }
-        about(object.pos, FARTHEST_BANK_M).find(|&p| self.is_free(p) && !is_wet(p))
+        about(object.pos, 0.0, FARTHEST_BANK_M).find(|&p| self.is_free(p) && !is_wet(p))
     }
 
     /// The foot of something round above the city's zero, grid steps: on slopes the lowest ground under it, so that it hangs nowhere.
@@ -109,10 +109,10 @@ const EIGHT_WINDS: [DVec2; 8] = {
     ]
 };
 
-/// Positions about another within a distance, in rings of 25 cm.
-fn about(pos: DVec2, within_m: f64) -> impl Iterator<Item = DVec2> {
+/// Positions about another within a distance, in rings of 25 cm, each from a heading on.
+pub(super) fn about(pos: DVec2, first_deg: f64, within_m: f64) -> impl Iterator<Item = DVec2> {
     let rings = (1..=(within_m / 0.25) as u32).map(|r| f64::from(r) * 0.25);
-    rings.flat_map(move |r| (0..16).map(move |i| pos + compass(f64::from(i) * 22.5) * r))
+    rings.flat_map(move |r| (0..16).map(move |i| pos + compass(first_deg + f64::from(i) * 22.5) * r))
 }
 
 /// Unit vector of a heading in degrees clockwise from north.

@@ -4,12 +4,14 @@ use std::collections::{BTreeMap, HashSet};
 
 use glam::DVec2;
 use veduta_city::{
-    CityGraph, Finding, GridPos, House, Id, LinkKind, Opening, Place, PlaceKind, Severity, StreetClass, Styles, Viewpoint,
+    CityGraph, Finding, GridPos, House, Id, LinkKind, Opening, Place, PlaceKind, PlanObject, Severity, StreetClass, Styles,
+    SurfaceKind, Viewpoint,
 };
 
 use super::extent::Extent;
-use super::objects::Site;
+use super::objects::{Site, about};
 use super::{outline, streets};
+use crate::mesh::radius_m;
 
 /// The graph's places, then named houses, squares and streets that have none yet.
 pub(super) fn places(graph: &CityGraph, houses: &[House], styles: &Styles) -> Vec<Place> {
@@ -77,21 +79,42 @@ impl List {
     }
 }
 
-/// Where a visit begins: the graph's own choice, moved out of a house if need be, else in the middle of the walkable street
-/// nearest to the city's middle, looking along it.
-pub(super) fn start(graph: &CityGraph, extent: &Extent, site: &Site<'_>, findings: &mut Vec<Finding>) -> Viewpoint {
+/// Farthest that a start is moved; metres.
+const FARTHEST_MOVE_M: f64 = 100.0;
+/// Room that a visitor needs between things that stand; metres.
+const ROOM_M: f64 = 0.5;
+/// … and that one who was moved has to see them; metres.
+const SIGHT_M: f64 = 2.5;
+
+/// Where a visit begins: the graph's own choice, else in the middle of the walkable street nearest to the city's middle, looking
+/// along it; moved out of houses and what stands, back from where it looks if there is room, so that what was in the way is seen.
+pub(super) fn start(
+    graph: &CityGraph,
+    extent: &Extent,
+    site: &Site<'_>,
+    objects: &[PlanObject],
+    findings: &mut Vec<Finding>,
+) -> Viewpoint {
     let is_meant = |v: &Viewpoint| [v.pos.x, v.pos.y, v.eye_m, v.heading_deg, v.pitch_deg].iter().all(|n| n.is_finite());
-    if let Some(given) = graph.start.filter(is_meant) {
-        return match site.nearest_free(given.pos, 30.0) {
-            Some(pos) if pos == given.pos => given,
-            Some(pos) => {
-                let message = "start: it lay inside a house and was moved to free ground";
-                findings.push(Finding::new(Severity::Repaired, Id::NONE, Some(given.pos), message));
-                Viewpoint { pos, ..given }
-            }
-            None => given,
-        };
+    let chosen = graph.start.filter(is_meant).unwrap_or_else(|| in_the_midst(graph, extent, site));
+    let discs = objects.iter().map(|o| (o.pos.to_metres(), radius_m(o)));
+    let near: Vec<_> = discs.filter(|(middle, r)| middle.distance(chosen.pos) < FARTHEST_MOVE_M + r + SIGHT_M).collect();
+    let is_free = |pos: DVec2, room_m: f64| site.is_free(pos) && near.iter().all(|(o, r)| o.distance(pos) >= r + room_m);
+    if is_free(chosen.pos, ROOM_M) {
+        return chosen;
     }
+    let is_dry = |pos: DVec2| site.surface(pos).is_some_and(|(surface, _)| surface != SurfaceKind::Water);
+    let mut places = about(chosen.pos, chosen.heading_deg + 180.0, FARTHEST_MOVE_M);
+    let Some(pos) = places.find(|&pos| is_free(pos, SIGHT_M) && is_dry(pos)) else { return chosen };
+    if !site.is_free(chosen.pos) {
+        let message = "start: it lay inside a house and was moved to free ground";
+        findings.push(Finding::new(Severity::Repaired, Id::NONE, Some(chosen.pos), message));
+    }
+    Viewpoint { pos, ..chosen }
+}
+
+/// The middle of the walkable street nearest to the city's middle; the city's middle if there is none.
+fn in_the_midst(graph: &CityGraph, extent: &Extent, site: &Site<'_>) -> Viewpoint {
     let middle = extent.middle();
     let at = graph.node_positions();
     let stand = |link: &veduta_city::Link| {
@@ -100,9 +123,7 @@ pub(super) fn start(graph: &CityGraph, extent: &Extent, site: &Site<'_>, finding
         (extent.holds(GridPos::from_metres(pos)) && site.is_free(pos)).then_some((pos, dir))
     };
     let best = graph.links.iter().filter_map(stand).min_by(|a, b| a.0.distance(middle).total_cmp(&b.0.distance(middle)));
-    let Some((pos, dir)) = best else {
-        return Viewpoint { pos: site.nearest_free(middle, 100.0).unwrap_or(middle), ..Viewpoint::default() };
-    };
+    let Some((pos, dir)) = best else { return Viewpoint { pos: middle, ..Viewpoint::default() } };
     let heading_deg = libm::round(libm::atan2(dir.x, dir.y).to_degrees().rem_euclid(360.0));
     Viewpoint { pos, heading_deg, ..Viewpoint::default() }
 }
