@@ -47,6 +47,7 @@ mod bridges;
 mod cellars;
 mod courses;
 mod crossroads;
+mod earthworks;
 mod extent;
 mod facing;
 mod floors;
@@ -155,7 +156,8 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
         || rayon::join(|| courses::Courses::of(graph), || network::Network::new(graph)),
     );
     let depths = water::Depths::of(graph.terrain.as_ref());
-    let bridges = bridges::Bridges::of(graph, &water::Waters::of(graph, &areas, depths));
+    let works = earthworks::Earthworks::of(graph);
+    let bridges = bridges::Bridges::of(graph, &water::Waters::of(graph, &areas, depths), &works);
     let layers = streets::layers(graph, &areas, (&bridges, depths, &courses), &mut findings);
     let book = houses::StyleBook::new(styles, &areas, &mut findings);
     let mut drafts = houses::given(graph, &book, &extent, &mut findings);
@@ -168,7 +170,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     drafts.extend(grown);
     drop(layers);
     let facing = facing::facing(&drafts, &on_ground);
-    let terrain = terrain::terrain(graph, &bridges, &extent);
+    let terrain = terrain::terrain(graph, (&bridges, &works), &extent);
     let spans = spans::spans(graph, &bridges, &terrain);
     let floors = floors::floors(&drafts, &facing, &terrain);
     let masses = massing::masses(&drafts, &facing, &floors, &book, &mut findings);

@@ -185,6 +185,68 @@ fn a_bridge_leads_over_a_valley() {
     assert!(plan.bridges.iter().filter_map(|span| span.height_m(DVec2::new(0.0, 3.0))).all(|height| height > 20.0));
 }
 
+/// A level city in which a street of a length leads over a way at x = 0, from streets that begin 200 m away; another street ends at
+/// where the bridge begins.
+fn overpass(half_m: f64, over: &str, below: &str) -> CityGraph {
+    let text = format!(
+        "(name: \"Over\", anchor: (lat: 50, lon: 14), seed: 3, margin_m: 40,
+          nodes: [(id: 1, pos: (-200, 0)), (id: 2, pos: (-{half_m}, 0)), (id: 3, pos: ({half_m}, 0)), (id: 4, pos: (200, 0)), (id: 5, pos: (0, -200)),
+            (id: 6, pos: (0, 200)), (id: 7, pos: (-{half_m}, 120))],
+          links: [(id: 11, from: 1, to: 2, kind: {over}), (id: 12, from: 2, to: 3, kind: {over}, layer: 1), (id: 13, from: 3, to: 4, kind: {over}),
+            (id: 14, from: 5, to: 6, kind: {below}), (id: 15, from: 2, to: 7, kind: Street(Street))])"
+    );
+    file::parse(&text, "over").unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn a_level_city_rises_to_its_overpasses() {
+    for (half_m, over, below, clear_m) in [
+        (15.0, "Street(Main), width_m: 12", "Railway(tram: false), width_m: 9", 5.4),
+        (15.0, "Street(Street)", "Street(Main), width_m: 12", 4.6),
+        (20.0, "Railway(tram: false), width_m: 9", "Street(Lane)", 2.8),
+        (12.0, "Street(Path)", "Street(Path)", 2.8),
+        (120.0, "Street(Motorway), width_m: 16", "Street(Main), width_m: 12", 4.6),
+    ] {
+        let plan = grown(&overpass(half_m, over, below));
+        let spans: Vec<&BridgeSpan> = plan.bridges.iter().collect();
+        assert!(!spans.is_empty() && spans.iter().all(|span| span.id == Id(12)), "{over} over {below}");
+        prove(&plan, &spans);
+        let height = |x: f64, y: f64| plan.terrain.height_m(DVec2::new(x, y));
+        let deck = spans.iter().find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge over the middle");
+        assert!(deck - height(0.0, 0.0) >= clear_m + 0.5, "{over} over {below}: {deck}");
+        // What passes below stays on its level, and so does the city.
+        for (x, y) in [(0.0, 0.0), (0.0, 60.0), (0.0, -199.0), (60.0, 60.0), (-120.0, -80.0)] {
+            assert!(height(x, y).abs() < 0.05, "{over} over {below}: {} at {x}, {y}", height(x, y));
+        }
+        // The way up is steady, on both streets.
+        let ends = [-half_m, half_m].map(|x| height(x, 0.0));
+        let grade = if over.starts_with("Railway") { 0.03 } else { 0.08 };
+        for i in 0..100 {
+            let (x, t) = (-half_m - f64::from(i), f64::from(i));
+            assert!((height(x - 1.0, 0.0) - height(x, 0.0)).abs() < grade, "{over} over {below} at {x}");
+            assert!((height(-half_m, t + 1.0) - height(-half_m, t)).abs() < 0.14, "{over} over {below}, {t} m aside");
+        }
+        if half_m > 100.0 {
+            assert!(ends.iter().all(|end| *end < 2.0), "a long bridge rises by itself: {ends:?}");
+        }
+    }
+}
+
+#[test]
+fn ways_over_ways_over_ways_clear_one_another() {
+    let mut graph = overpass(40.0, "Street(Main), width_m: 12", "Railway(tram: false), width_m: 9");
+    let more = "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 21, pos: (-60, -120)), (id: 22, pos: (-30, -60)), (id: 23, pos: (30, 60)), (id: 24, pos: (60, 120))],
+        links: [(id: 31, from: 21, to: 22, kind: Street(Main)), (id: 32, from: 22, to: 23, kind: Street(Main), layer: 2), (id: 33, from: 23, to: 24, kind: Street(Main))])";
+    let more: CityGraph = file::parse(more, "more").unwrap_or_else(|e| panic!("{e}"));
+    graph.nodes.extend(more.nodes);
+    graph.links.extend(more.links);
+    let plan = grown(&graph);
+    let deck = |id: u64| {
+        plan.bridges.iter().filter(|span| span.id == Id(id)).find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge")
+    };
+    assert!(deck(12) > 5.9 && deck(32) > deck(12) + 5.0, "{} {}", deck(12), deck(32));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, cases: 64, ..ProptestConfig::default() })]
 
@@ -209,6 +271,25 @@ proptest! {
         let plan = grown(&graph);
         let reaches_over = plan.bridges.iter().any(|span| span.stations.iter().any(|s| s.at(0.0).x.abs() < 20.0));
         prop_assert!(reaches_over, "it leads over the river");
+        for run in plan.bridges.chunk_by(|a, _| a.piers.1.is_some()) {
+            prove(&plan, &run.iter().collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn any_overpass_is_whole(
+        half_m in 6.0..120.0_f64,
+        turn in 0.4..2.7_f64,
+        over in prop::sample::select(&["Street(Motorway), width_m: 20", "Street(Main)", "Street(Street)", "Street(Lane)", "Street(Path)", "Railway(tram: false), width_m: 9"][..]),
+        below in prop::sample::select(&["Street(Main), width_m: 14", "Street(Street)", "Street(Path)", "Railway(tram: false), width_m: 9"][..]),
+    ) {
+        let mut graph = overpass(half_m, over, below);
+        for (node, sign) in [(4, -1.0), (5, 1.0)] {
+            graph.nodes[node].pos = DVec2::from_angle(turn) * 200.0 * sign;
+        }
+        let plan = grown(&graph);
+        let is_clear = plan.bridges.iter().any(|span| span.height_m(DVec2::ZERO).is_some_and(|height| height > 3.2));
+        prop_assert!(is_clear || half_m < 24.0 || !(0.8..2.3).contains(&turn));
         for run in plan.bridges.chunk_by(|a, _| a.piers.1.is_some()) {
             prove(&plan, &run.iter().collect::<Vec<_>>());
         }

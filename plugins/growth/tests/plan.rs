@@ -441,7 +441,7 @@ proptest! {
         let area = plan.extent.area_m2();
         prop_assert!(overlap.abs() < 1e-4 * area + 0.5 && gap.abs() < 1e-4 * area + 0.5, "overlap {overlap}, gap {gap} of {area}");
         for v in plan.houses.iter().flat_map(|h| &h.volumes) {
-            prop_assert!(v.eaves > v.bottom && v.roof.height >= 0);
+            prop_assert!(v.eaves > v.bottom && (v.roof.height >= 0 || !v.roof.is_there()));
             prop_assert!(v.footprint.area_m2() > 0.0);
             prop_assert_eq!(v.walls.len(), v.footprint.rings().map(Vec::len).sum::<usize>());
         }

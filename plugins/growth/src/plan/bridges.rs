@@ -9,6 +9,7 @@ use std::collections::{BTreeMap, HashMap};
 use glam::DVec2;
 use veduta_city::{CityGraph, GridPos, Id, Link, LinkKind, Terrain};
 
+use super::earthworks::Earthworks;
 use super::streets::{along, length_m, width_at_m};
 use super::water::Waters;
 
@@ -42,6 +43,13 @@ const PAST_BEND_M: f64 = 0.5;
 const OVERLAP_M: f64 = 0.5;
 const OVERLAP_ON_TERRAIN_M: f64 = 6.0;
 
+/// Links that go on in one another.
+pub(super) struct Chain {
+    /// Indices of the graph's links, and whether each is gone along backwards.
+    pub links: Vec<(usize, bool)>,
+    pub line: Vec<DVec2>,
+}
+
 /// A way along links that go on in one another, and where it is off the ground.
 pub(super) struct Way {
     /// Indices of the graph's links, whether each is gone along backwards, and where on the way it begins, metres.
@@ -49,8 +57,24 @@ pub(super) struct Way {
     pub line: Vec<DVec2>,
     pub length_m: f64,
     pub stretches: Vec<Stretch>,
-    /// Whether a map says that it is a bridge from end to end, and how high its ends are.
-    ends_m: Option<(f64, f64)>,
+    /// Of a way that a map says is a bridge from end to end.
+    deck: Option<Profile>,
+}
+
+/// Heights along a bridge.
+struct Profile {
+    length_m: f64,
+    /// Metres above the city's zero.
+    ends_m: (f64, f64),
+    /// How much higher it is in the middle than a straight line between them.
+    camber_m: f64,
+}
+
+impl Profile {
+    fn height_m(&self, s: f64) -> f64 {
+        let share = (s / self.length_m.max(1e-9)).clamp(0.0, 1.0);
+        self.ends_m.0 + (self.ends_m.1 - self.ends_m.0) * share + self.camber_m * 4.0 * share * (1.0 - share)
+    }
 }
 
 /// A part of a way that is off the ground.
@@ -84,6 +108,12 @@ impl Stretch {
         (self.range.start + self.range.end) / 2.0
     }
 
+    /// Height of the way's ground at a distance along the way, which goes on under its ends and never above it.
+    fn ground_m(&self, s: f64) -> f64 {
+        let end_m = if s < self.middle() { self.ends_m.0 } else { self.ends_m.1 };
+        self.height_m(s).min(end_m)
+    }
+
     /// What of it has no ground of the way's under it.
     fn hollow(&self) -> Range<f64> {
         self.range.start + self.overlap_m..self.range.end - self.overlap_m
@@ -110,11 +140,10 @@ impl Way {
         self.link_at(s).and_then(|(link, share)| Some(width_at_m(graph.links.get(link)?, share) / 2.0)).unwrap_or_default()
     }
 
-    /// Where the height of the way is not that of the ground, that height; metres above the city's zero.
-    fn height_m(&self, s: f64) -> Option<f64> {
+    /// Where the height of the way's ground is not that of the terrain, that height; metres above the city's zero.
+    fn ground_m(&self, s: f64) -> Option<f64> {
         let stretch = self.stretches.iter().find(|stretch| stretch.range.contains(&s));
-        let straight = || self.ends_m.map(|(from, to)| from + (to - from) * s / self.length_m.max(1e-9));
-        stretch.map(|stretch| stretch.height_m(s)).or_else(straight)
+        stretch.map(|stretch| stretch.ground_m(s)).or_else(|| self.deck.as_ref().map(|deck| deck.height_m(s)))
     }
 }
 
@@ -127,11 +156,11 @@ pub(super) struct Bridges {
 }
 
 impl Bridges {
-    pub fn of(graph: &CityGraph, waters: &Waters) -> Self {
-        let site = Site { graph, at: graph.node_positions(), waters, terrain: graph.terrain.as_ref() };
+    pub fn of(graph: &CityGraph, waters: &Waters, works: &Earthworks) -> Self {
+        let site = Site { graph, at: graph.node_positions(), waters, works, terrain: graph.terrain.as_ref() };
         let mut bridges = Self::default();
-        for links in site.chains() {
-            bridges.ways.extend(site.way(links));
+        for chain in chains(graph, |link| site.may_fly(link)) {
+            bridges.ways.extend(site.way(chain));
         }
         bridges.carry(graph);
         for (w, way) in bridges.ways.iter().enumerate() {
@@ -218,16 +247,25 @@ impl Bridges {
         parts
     }
 
-    /// Where a link's height at a share of its length is not that of the ground, that height; metres above the city's zero.
-    pub fn height_m(&self, link: usize, share: f64) -> Option<f64> {
+    /// Where the ground of a link at a share of its length is not as high as the terrain, how high; metres above the city's zero.
+    pub fn ground_m(&self, link: usize, share: f64) -> Option<f64> {
         let (way, is_back, range) = self.of_link.get(&link)?;
         let share = if *is_back { 1.0 - share } else { share };
-        self.ways[*way].height_m(range.start + (range.end - range.start) * share)
+        self.ways[*way].ground_m(range.start + (range.end - range.start) * share)
     }
 
-    /// Whether a link's height is told by [`Bridges::height_m`] all along.
-    pub fn is_raised(&self, link: usize) -> bool {
-        self.of_link.get(&link).is_some_and(|(way, ..)| self.ways[*way].ends_m.is_some())
+    /// Whether a link is part of a bridge, and whether its ground at a share of its length is there for that alone: not where the bridge goes
+    /// on from a part of it that is on the ground.
+    pub fn is_bridge(&self, link: usize, share: f64) -> (bool, bool) {
+        let Some((way, is_back, range)) = self.of_link.get(&link) else { return (false, false) };
+        let share = if *is_back { 1.0 - share } else { share };
+        let s = range.start + (range.end - range.start) * share;
+        let way = &self.ways[*way];
+        let is_whole = |stretch: &Stretch| {
+            let nearest_m = if s < stretch.middle() { stretch.range.start } else { way.length_m - stretch.range.end };
+            stretch.range.contains(&s) && nearest_m < WITHIN_M
+        };
+        (way.deck.is_some(), way.deck.is_some() && way.stretches.iter().any(is_whole))
     }
 }
 
@@ -269,6 +307,7 @@ struct Site<'a> {
     graph: &'a CityGraph,
     at: HashMap<Id, DVec2>,
     waters: &'a Waters,
+    works: &'a Earthworks,
     terrain: Option<&'a Terrain>,
 }
 
@@ -281,6 +320,80 @@ const fn is_street(link: &Link) -> bool {
     matches!(link.kind, LinkKind::Street(_))
 }
 
+/// Links that are wanted, those that go on in one another together. They do where no other street or railway meets them.
+pub(super) fn chains(graph: &CityGraph, is_wanted: impl Fn(&Link) -> bool) -> Vec<Chain> {
+    let links = &graph.links;
+    let is_way = |link: &Link| matches!(link.kind, LinkKind::Street(_) | LinkKind::Railway { tram: false });
+    let wanted: Vec<usize> = (0..links.len()).filter(|&i| is_way(&links[i]) && is_wanted(&links[i])).collect();
+    if wanted.is_empty() {
+        return Vec::new();
+    }
+    let mut meet: BTreeMap<Id, Vec<usize>> = BTreeMap::new();
+    for (i, link) in links.iter().enumerate().filter(|(_, link)| is_way(link)) {
+        meet.entry(link.from).or_default().push(i);
+        meet.entry(link.to).or_default().push(i);
+    }
+    let next = |link: usize, node: Id| -> Option<usize> {
+        let [a, b] = meet.get(&node)?[..] else { return None };
+        let other = if a == link { b } else { a };
+        let alike =
+            is_street(&links[link]) == is_street(&links[other]) && links[link].layer.signum() == links[other].layer.signum();
+        (a != b && alike && wanted.binary_search(&other).is_ok()).then_some(other)
+    };
+    let at = graph.node_positions();
+    let mut taken = vec![false; links.len()];
+    let mut chains = Vec::new();
+    // First from their ends on; what is left goes round.
+    let is_end = |&i: &usize| next(i, links[i].from).is_none() || next(i, links[i].to).is_none();
+    for &first in wanted.iter().filter(|i| is_end(i)).chain(&wanted) {
+        if taken[first] {
+            continue;
+        }
+        let is_back = next(first, links[first].from).is_some() && next(first, links[first].to).is_none();
+        let (mut chain, mut here, mut back) = (Vec::new(), first, is_back);
+        loop {
+            taken[here] = true;
+            chain.push((here, back));
+            let node = if back { links[here].from } else { links[here].to };
+            let Some(other) = next(here, node).filter(|&other| !taken[other]) else { break };
+            (here, back) = (other, links[other].to == node);
+        }
+        chains.extend(Chain::of(graph, &at, chain));
+    }
+    chains
+}
+
+impl Chain {
+    /// `None` if a link of it has no length.
+    fn of(graph: &CityGraph, at: &HashMap<Id, DVec2>, links: Vec<(usize, bool)>) -> Option<Self> {
+        let mut line = Vec::<DVec2>::new();
+        for &(link, is_back) in &links {
+            let mut part = line_of(graph, at, &graph.links[link])?;
+            if is_back {
+                part.reverse();
+            }
+            line.extend(&part[usize::from(!line.is_empty())..]);
+        }
+        (line.len() > 1).then_some(Self { links, line })
+    }
+
+    /// The nodes at which it begins and ends.
+    pub fn ends(&self, graph: &CityGraph) -> Option<[Id; 2]> {
+        let (&(first, is_first_back), &(last, is_last_back)) = (self.links.first()?, self.links.last()?);
+        let node = |link: usize, is_from: bool| {
+            let link = &graph.links[link];
+            if is_from { link.from } else { link.to }
+        };
+        Some([node(first, !is_first_back), node(last, is_last_back)])
+    }
+}
+
+fn line_of(graph: &CityGraph, at: &HashMap<Id, DVec2>, link: &Link) -> Option<Vec<DVec2>> {
+    let mut line = graph.polyline(link, at)?;
+    line.dedup_by(|a, b| a.distance(*b) < 1e-6);
+    (line.len() > 1).then_some(line)
+}
+
 impl Site<'_> {
     fn ground_m(&self, p: DVec2) -> f64 {
         self.terrain.map_or(0.0, |terrain| terrain.height_m(p))
@@ -290,78 +403,34 @@ impl Site<'_> {
         self.waters.depth_m(GridPos::from_metres(p))
     }
 
-    fn line(&self, link: &Link) -> Option<Vec<DVec2>> {
-        let mut line = self.graph.polyline(link, &self.at)?;
-        line.dedup_by(|a, b| a.distance(*b) < 1e-6);
-        (line.len() > 1).then_some(line)
-    }
-
     fn may_fly(&self, link: &Link) -> bool {
         if !is_way(link) || (link.layer == 0 && self.waters.is_none()) {
             return false;
         }
-        let Some(line) = self.line(link) else { return false };
+        let Some(line) = line_of(self.graph, &self.at, link) else { return false };
         let length = length_m(&line);
         let count = (length / SOUNDING_M).ceil().max(1.0) as u32;
         let sounding = |i: u32| along(&line, length * f64::from(i) / f64::from(count));
         link.layer > 0 || (0..=count).filter_map(sounding).any(|(p, _)| self.depth_m(p).is_some())
     }
 
-    /// Links that may leave the ground, those that go on in one another together, each with whether it is gone along backwards. They do
-    /// where no other street or railway meets them.
-    fn chains(&self) -> Vec<Vec<(usize, bool)>> {
-        let links = &self.graph.links;
-        let may_fly: Vec<usize> = (0..links.len()).filter(|&i| self.may_fly(&links[i])).collect();
-        let mut meet: BTreeMap<Id, Vec<usize>> = BTreeMap::new();
-        if may_fly.is_empty() {
-            return Vec::new();
-        }
-        for (i, link) in links.iter().enumerate().filter(|(_, link)| is_way(link)) {
-            meet.entry(link.from).or_default().push(i);
-            meet.entry(link.to).or_default().push(i);
-        }
-        let next = |link: usize, node: Id| -> Option<usize> {
-            let [a, b] = meet.get(&node)?[..] else { return None };
-            let other = if a == link { b } else { a };
-            let alike = is_street(&links[link]) == is_street(&links[other]) && (links[link].layer > 0) == (links[other].layer > 0);
-            (a != b && alike && may_fly.binary_search(&other).is_ok()).then_some(other)
+    fn way(&self, chain: Chain) -> Option<Way> {
+        let &(first, _) = chain.links.first()?;
+        let length_m = length_m(&chain.line);
+        let deck = (self.graph.links[first].layer > 0).then(|| {
+            let ends = chain.ends(self.graph)?;
+            let [from, to] = [(ends[0], chain.line.first()?), (ends[1], chain.line.last()?)]
+                .map(|(node, &p)| self.ground_m(p) + self.works.node_m(node));
+            Some(Profile { length_m, ends_m: (from, to), camber_m: self.works.camber_m(first) })
+        });
+        let mut gone = 0.0;
+        let start = |&(link, is_back): &(usize, bool)| {
+            let from = gone;
+            gone += line_of(self.graph, &self.at, &self.graph.links[link]).map_or(0.0, |line| super::streets::length_m(&line));
+            (link, is_back, from)
         };
-        let mut taken = vec![false; links.len()];
-        let mut chains = Vec::new();
-        // First from their ends on; what is left goes round.
-        let is_end = |&i: &usize| next(i, links[i].from).is_none() || next(i, links[i].to).is_none();
-        for &first in may_fly.iter().filter(|i| is_end(i)).chain(&may_fly) {
-            if taken[first] {
-                continue;
-            }
-            let is_back = next(first, links[first].from).is_some() && next(first, links[first].to).is_none();
-            let (mut chain, mut here, mut back) = (Vec::new(), first, is_back);
-            loop {
-                taken[here] = true;
-                chain.push((here, back));
-                let node = if back { links[here].from } else { links[here].to };
-                let Some(other) = next(here, node).filter(|&other| !taken[other]) else { break };
-                (here, back) = (other, links[other].to == node);
-            }
-            chains.push(chain);
-        }
-        chains
-    }
-
-    fn way(&self, links: Vec<(usize, bool)>) -> Option<Way> {
-        let is_bridge = self.graph.links.get(links.first()?.0)?.layer > 0;
-        let (mut line, mut starts) = (Vec::<DVec2>::new(), Vec::new());
-        for (link, is_back) in links {
-            let mut part = self.line(&self.graph.links[link])?;
-            if is_back {
-                part.reverse();
-            }
-            starts.push((link, is_back, length_m(&line)));
-            line.extend(&part[usize::from(!line.is_empty())..]);
-        }
-        let (&first, &last) = (line.first()?, line.last()?);
-        let ends_m = is_bridge.then(|| (self.ground_m(first), self.ground_m(last)));
-        let mut way = Way { length_m: length_m(&line), links: starts, line, stretches: Vec::new(), ends_m };
+        let links = chain.links.iter().map(start).collect();
+        let mut way = Way { length_m, links, line: chain.line, stretches: Vec::new(), deck: deck.flatten() };
         way.stretches = self.stretches(&way);
         (!way.stretches.is_empty()).then_some(way)
     }
@@ -377,12 +446,9 @@ impl Site<'_> {
         };
         let is_clear = |s: f64| {
             let Some(places) = across(s) else { return false };
-            match way.ends_m {
+            match &way.deck {
                 None => places.iter().all(|&p| self.depth_m(p).is_some()),
-                Some((from, to)) => {
-                    let height = from + (to - from) * s / way.length_m.max(1e-9);
-                    places.iter().all(|&p| height - self.below_m(p) >= CLEAR_M)
-                }
+                Some(deck) => places.iter().all(|&p| deck.height_m(s) - self.below_m(p) >= CLEAR_M),
             }
         };
         let clear: Vec<bool> = (0..=count).map(|i| is_clear(place(i))).collect();
@@ -435,12 +501,13 @@ impl Site<'_> {
 
     fn stretch(&self, way: &Way, range: Range<f64>, across: &dyn Fn(f64) -> Option<[DVec2; 3]>) -> Option<Stretch> {
         let length = range.end - range.start;
-        let bank = |s: f64| across(s.clamp(0.0, way.length_m)).map(|[_, p, _]| self.ground_m(p));
-        let ends_m = match way.ends_m {
-            Some((from, to)) => {
-                let at = |s: f64| from + (to - from) * s / way.length_m.max(1e-9);
-                (at(range.start), at(range.end))
-            }
+        let bank = |s: f64| {
+            let s = s.clamp(0.0, way.length_m);
+            let raised = way.link_at(s).map_or(0.0, |(link, share)| self.works.link_m(link, share));
+            across(s).map(|[_, p, _]| self.ground_m(p) + raised)
+        };
+        let ends_m = match &way.deck {
+            Some(deck) => (deck.height_m(range.start), deck.height_m(range.end)),
             None => (bank(range.start - BANK_M)?, bank(range.end + BANK_M)?),
         };
         let count = (length / SOUNDING_M).ceil().max(2.0) as u32;
@@ -453,8 +520,11 @@ impl Site<'_> {
             return None;
         }
         let is_street = way.links.first().and_then(|link| self.graph.links.get(link.0)).is_some_and(is_street);
-        let camber_m = if is_street { (length * CAMBER.0).min(CAMBER.1) } else { 0.0 };
-        let overlap_m = if self.terrain.is_some() { OVERLAP_ON_TERRAIN_M } else { OVERLAP_M };
+        // A part of a parabola is one.
+        let given = way.deck.as_ref().map_or(0.0, |deck| deck.camber_m * (length / way.length_m) * (length / way.length_m));
+        let own = if is_street { (length * CAMBER.0).min(CAMBER.1) } else { 0.0 };
+        let camber_m = own.max(given);
+        let overlap_m = if self.terrain.is_some() || !self.works.is_none() { OVERLAP_ON_TERRAIN_M } else { OVERLAP_M };
         let water = f64::from(wet) / f64::from(all.max(1));
         Some(Stretch { range, ends_m, camber_m, below_m, water, is_carried: false, overlap_m: overlap_m.min(length / 3.0) })
     }

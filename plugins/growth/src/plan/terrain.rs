@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use veduta_city::{BlockKind, CityGraph, GRID_PER_METRE, GridPolygon, GridPos, Link, LinkKind, PlanTerrain, Terrain, metres};
 
 use super::bridges::Bridges;
+use super::earthworks::Earthworks;
 use super::extent::Extent;
 use super::index::Index;
 use super::outline;
@@ -30,14 +31,22 @@ const SMOOTHED_M: f64 = 12.0;
 /// The ground of a city: level across its streets, whose middle lines follow the graph's terrain, smoothed; at crossroads between
 /// those that meet; and as it was some 20 m away from them. The ends of bridges lie on causeways, where no street runs under them, and
 /// between the ends the ground is as it was. Ponds and lakes are level.
-pub(super) fn terrain(graph: &CityGraph, bridges: &Bridges, extent: &Extent) -> PlanTerrain {
-    let Some(raw) = &graph.terrain else { return PlanTerrain::default() };
+pub(super) fn terrain(graph: &CityGraph, (bridges, works): (&Bridges, &Earthworks), extent: &Extent) -> PlanTerrain {
+    if graph.terrain.is_none() && works.is_none() {
+        return PlanTerrain::default();
+    }
+    let raw = &Raw(graph.terrain.as_ref());
     let posts = Posts::over(extent);
     let at = graph.node_positions();
     let cut = |(i, link): (usize, &Link)| {
         let is_cut = link.layer >= 0 && !matches!(link.kind, LinkKind::Watercourse);
         let line = graph.polyline(link, &at).filter(|_| is_cut)?;
-        Some(posts.claims(&pieces(&line, (i, link), raw, bridges)))
+        let mut pieces = pieces(&line, (i, link), raw, (bridges, works));
+        if link.kind == (LinkKind::Railway { tram: true }) {
+            // Trams go where their streets do.
+            pieces.retain(|piece| !works.are_at((piece.ends.0 + piece.ends.1) / 2.0));
+        }
+        Some(posts.claims(&pieces))
     };
     let mut claims: Vec<(u32, Claim)> = graph.links.par_iter().enumerate().filter_map(cut).flatten_iter().collect();
     let lakes = lakes(graph, raw);
@@ -53,6 +62,15 @@ pub(super) fn terrain(graph: &CityGraph, bridges: &Bridges, extent: &Extent) -> 
     PlanTerrain { origin: posts.origin, step: posts.step, columns: posts.columns as u32, heights }
 }
 
+/// The ground as maps tell it: level at the city's zero where they do not.
+struct Raw<'a>(Option<&'a Terrain>);
+
+impl Raw<'_> {
+    fn height_m(&self, p: DVec2) -> f64 {
+        self.0.map_or(0.0, |terrain| terrain.height_m(p))
+    }
+}
+
 /// Waters that rise less than this from shore to shore are level, and this share of what the terrain says of them is lower; metres.
 const LEVEL_WATER_M: f64 = 3.0;
 const LOW_SHARE: f64 = 0.2;
@@ -60,7 +78,7 @@ const LOW_SHARE: f64 = 0.2;
 const SOUNDINGS: u32 = 24;
 
 /// The heights of ponds and lakes.
-fn lakes(graph: &CityGraph, raw: &Terrain) -> Index<f64> {
+fn lakes(graph: &CityGraph, raw: &Raw<'_>) -> Index<f64> {
     let waters = graph.blocks.iter().filter(|block| block.kind == BlockKind::Water);
     let polygons: Vec<GridPolygon> = waters.flat_map(|block| outline::polygons(&block.outline, &block.holes)).collect();
     let lake = |water: &GridPolygon| {
@@ -148,6 +166,8 @@ struct Claim {
     /// How far it is from where the street is level across; 0 within.
     beyond_m: f32,
     is_bridge: bool,
+    /// Whether it lies on an embankment, whose sides are steep.
+    is_steep: bool,
 }
 
 /// The height of a post on ground (or water) of a height that streets claim. Under bridges the ground is that of streets, where there are
@@ -158,7 +178,7 @@ fn settled(ground_m: f64, is_water: bool, claims: &[(u32, Claim)]) -> f64 {
     let has_street = claims.iter().any(|(_, claim)| is_street(claim));
     for (_, claim) in claims {
         let [height_m, far_m, beyond_m] = [claim.height_m, claim.far_m, claim.beyond_m].map(f64::from);
-        let beyond_m = if claim.is_bridge { beyond_m * CAUSEWAY } else { beyond_m };
+        let beyond_m = if claim.is_steep { beyond_m * CAUSEWAY } else { beyond_m };
         if beyond_m >= BLEND_M || (claim.is_bridge && has_street) || (is_water && !claim.is_bridge && beyond_m > 0.0) {
             continue;
         }
@@ -178,6 +198,7 @@ fn settled(ground_m: f64, is_water: bool, claims: &[(u32, Claim)]) -> f64 {
 /// A short straight piece of a street: its ends, the heights there, and half its width.
 struct Piece {
     is_bridge: bool,
+    is_steep: bool,
     /// Which of its ends are where a bridge begins: there is no ground of the street's beyond.
     is_end: (bool, bool),
     ends: (DVec2, DVec2),
@@ -195,13 +216,13 @@ impl Piece {
         let between = |(a, b): (f64, f64)| a + (b - a) * share;
         let beyond_m = if is_off { f64::INFINITY } else { (far_m - between(self.half_m) - level_m).max(0.0) };
         let height_m = between(self.height_m) as f32;
-        Claim { height_m, far_m: far_m as f32, beyond_m: beyond_m as f32, is_bridge: self.is_bridge }
+        Claim { height_m, far_m: far_m as f32, beyond_m: beyond_m as f32, is_bridge: self.is_bridge, is_steep: self.is_steep }
     }
 }
 
 /// A street in short pieces, but where it leads over bridges, its heights smoothed along it. At its ends they are those of the ground, so
 /// that streets which meet agree.
-fn pieces(line: &[DVec2], (i, link): (usize, &Link), raw: &Terrain, bridges: &Bridges) -> Vec<Piece> {
+fn pieces(line: &[DVec2], (i, link): (usize, &Link), raw: &Raw<'_>, (bridges, works): (&Bridges, &Earthworks)) -> Vec<Piece> {
     let whole = length_m(line);
     let share = |s: f64| if whole > 0.0 { s / whole } else { 0.0 };
     let parts = bridges.on_ground(i);
@@ -222,7 +243,7 @@ fn pieces(line: &[DVec2], (i, link): (usize, &Link), raw: &Terrain, bridges: &Br
         let end = stations.partition_point(|other| other.0 <= s + reach);
         ground[first..end].iter().sum::<f64>() / (end - first).max(1) as f64
     };
-    let height = |s: f64| bridges.height_m(i, share(s)).unwrap_or_else(|| smooth(s));
+    let height = |s: f64| bridges.ground_m(i, share(s)).unwrap_or_else(|| smooth(s) + works.link_m(i, share(s)));
     let half = |s: f64| width_at_m(link, share(s)) / 2.0;
     let mut out = Vec::new();
     for part in &parts {
@@ -233,8 +254,10 @@ fn pieces(line: &[DVec2], (i, link): (usize, &Link), raw: &Terrain, bridges: &Br
         let of_part: Vec<(f64, DVec2)> = end(from).into_iter().chain(inside).chain(end(to)).collect();
         for (k, pair) in of_part.windows(2).enumerate() {
             let ((s, a), (t, b)) = (pair[0], pair[1]);
+            let (is_raised, is_bridge) = bridges.is_bridge(i, share((s + t) / 2.0));
             out.push(Piece {
-                is_bridge: bridges.is_raised(i),
+                is_bridge,
+                is_steep: is_raised || works.link_m(i, share(s)).max(works.link_m(i, share(t))) > 0.0,
                 is_end: (k == 0 && part.start > 0.0, k + 2 == of_part.len() && part.end < 1.0),
                 ends: (a, b),
                 height_m: (height(s), height(t)),
@@ -264,7 +287,8 @@ mod tests {
 
     fn grown(graph: &CityGraph) -> PlanTerrain {
         let waters = Waters::of(graph, &[], Depths::of(graph.terrain.as_ref()));
-        terrain(graph, &Bridges::of(graph, &waters), &super::super::extent::extent(graph, &mut Vec::new()))
+        let works = Earthworks::of(graph);
+        terrain(graph, (&Bridges::of(graph, &waters, &works), &works), &super::super::extent::extent(graph, &mut Vec::new()))
     }
 
     #[test]
