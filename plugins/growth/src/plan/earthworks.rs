@@ -134,8 +134,9 @@ impl Earthworks {
         if short.iter().all(|(_, short)| *short < LEAST_M) {
             return;
         }
-        // A parabola's ends slope by four times its rise over its span.
-        let most = CAMBER * grade(first) * whole / 4.0;
+        // A parabola's ends slope by four times its rise over its span. No more of it than is missing: what is near the ends is left to them.
+        let missing = short.iter().map(|(_, short)| *short).fold(0.0, f64::max);
+        let most = missing.min(CAMBER * grade(first) * whole / 4.0);
         let needed = |(share, short): &(f64, f64)| short / (4.0 * share * (1.0 - share)).max(0.25);
         let camber = short.iter().map(needed).fold(0.0, f64::max).min(most);
         let lift = short.iter().map(|(share, short)| short - camber * 4.0 * share * (1.0 - share)).fold(0.0, f64::max).min(MOST_M);
