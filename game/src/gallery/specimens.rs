@@ -47,7 +47,11 @@ impl Town {
     }
 
     fn link(&mut self, from: u32, to: u32, class: &str) {
-        let _infallible = write!(self.links, "(from: {from}, to: {to}, kind: Street({class})),");
+        self.way(from, to, &format!("Street({class})"), 0);
+    }
+
+    fn way(&mut self, from: u32, to: u32, kind: &str, layer: i8) {
+        let _infallible = write!(self.links, "(from: {from}, to: {to}, kind: {kind}, layer: {layer}),");
     }
 
     /// A cobbled place in front of what is looked at.
@@ -209,6 +213,13 @@ const CROSSINGS: [(&str, &[f64], &[&str]); 10] = [
     ("a_bend", &[0.0, 100.0], &["Main"]),
 ];
 
+/// What leads over what.
+const OVERPASSES: [(&str, &str, &str); 3] = [
+    ("a_street_over_a_street", "Street(Main)", "Street(Street)"),
+    ("a_street_over_rails", "Street(Street)", "Railway(tram: false)"),
+    ("rails_over_a_street", "Railway(tram: false)", "Street(Main)"),
+];
+
 fn crossings(town: &mut Town) {
     for (name, arms, classes) in CROSSINGS {
         let x = town.east + 100.0;
@@ -220,6 +231,17 @@ fn crossings(town: &mut Town) {
             town.link(middle, end, class);
         }
         town.specimen(name, DVec2::new(x, -4.0), 46.0, (0.0, -45.0));
+    }
+    for (name, over, below) in OVERPASSES {
+        let x = town.east + 170.0;
+        town.east += 340.0;
+        let ends = [-150.0, -18.0, 18.0, 150.0].map(|along| town.node(x + along, 40.0));
+        for (pair, layer) in ends.windows(2).zip([0, 1, 0]) {
+            town.way(pair[0], pair[1], over, layer);
+        }
+        let (south, north) = (town.node(x, -110.0), town.node(x, 190.0));
+        town.way(south, north, below, 0);
+        town.specimen(name, DVec2::new(x - 14.0, -4.0), 9.0, (18.0, -8.0));
     }
 }
 

@@ -3,7 +3,7 @@
 //! ```text
 //!  CityGraph ─┬─► extent ─► streets ─► ground ─► verges ─┬─► lots ─┐
 //!             ├─► houses (given) ───────────────────────┴─────────┴─► facing ─► floors ─► massing ─► variety ─┐
-//!             ├─► bridges ─► terrain (streets cut into it) ─► spans ──────────────────────────────────────────┤
+//!             ├─► earthworks ─► bridges ─► terrain (streets cut into it) ─► spans ────────────────────────────┤
 //!             └─► network (who waits where) ─► objects, markings, places, start ─► CityPlan ◄─ arcades ◄─ ornament ◄─ walls
 //! ```
 //!
@@ -28,8 +28,9 @@
 //! ```
 //!
 //! # Limits
-//! Bridges go from ground to ground: over water, and over valleys that the terrain tells. Where neither lies under a link that a map calls
-//! a bridge, as over streets and railways of a level city, it stays on the ground; what lies below the ground is left out with a finding.
+//! Bridges go from ground to ground: over water, over valleys that the terrain tells, and over streets and railways on lower layers, to which
+//! the ways on both sides rise on embankments where the terrain tells none. Where nothing of that lies under a link that a map calls a
+//! bridge, it stays on the ground; what lies below the ground is left out with a finding.
 //! Arcades on slopes, at sharp corners and under shallow houses are painted. The `z` of nodes is not looked at: the ground is the
 //! graph's terrain alone.
 //!

@@ -1,7 +1,7 @@
 //! Which streets and railways leave the ground, where, and how high they lie there.
 //!
 //! Links that go on in one another make a way. It leaves the ground where that falls away under all of its breadth: over water that
-//! lies deep enough below its banks, and, where a map says that there is a bridge, over valleys.
+//! lies deep enough below its banks, and, where a map says that there is a bridge, over valleys and what it is raised over.
 
 use core::ops::Range;
 use std::collections::{BTreeMap, HashMap};
