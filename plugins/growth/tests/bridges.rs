@@ -233,6 +233,17 @@ fn a_level_city_rises_to_its_overpasses() {
 }
 
 #[test]
+fn no_tree_grows_into_a_bridge() {
+    let plan = grown(&overpass(30.0, "Street(Main), width_m: 16", "Street(Main), width_m: 18"));
+    let trees: Vec<DVec2> = plan.objects.iter().filter(|o| o.kind.is_tree()).map(|o| o.pos.to_metres()).collect();
+    let is_under = |p: DVec2| plan.bridges.iter().any(|span| span.height_m(p).is_some());
+    assert!(trees.len() > 20, "{} trees along the streets", trees.len());
+    assert!(trees.iter().all(|&p| !is_under(p) && !is_under(p + DVec2::new(0.0, 2.9)) && !is_under(p - DVec2::new(0.0, 2.9))));
+    let lamps = plan.objects.iter().filter(|o| o.kind == ObjectKind::Lamp);
+    assert!(lamps.filter(|o| o.pos.to_metres().length() < 60.0).count() > 3, "it is lit about the bridge");
+}
+
+#[test]
 fn ways_over_ways_over_ways_clear_one_another() {
     let mut graph = overpass(40.0, "Street(Main), width_m: 12", "Railway(tram: false), width_m: 9");
     let more = "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 21, pos: (-60, -120)), (id: 22, pos: (-30, -60)), (id: 23, pos: (30, 60)), (id: 24, pos: (60, 120))],

@@ -26,6 +26,9 @@ const INWARD_M: [f64; 4] = [0.0, 0.4, 0.8, 1.2];
 const BEHIND_M: f64 = 3.0;
 /// Most places that a rule has along one line or in one area.
 const MOST_PLACES: usize = 50_000;
+/// How far trees and other things reach, and how high, metres.
+const TREE_M: (f64, f64) = (3.0, 13.0);
+const PIECE_M: (f64, f64) = (0.3, 4.5);
 
 /// Something that a rule would put, and its heading.
 pub(super) struct Wish {
@@ -117,7 +120,9 @@ impl Furnisher<'_> {
             let id = Id::from_place(&format!("grown {}", rule.name), wish.pos);
             let draw = Draw::new(self.graph.seed, id, "furniture");
             let Some(furnishing) = drawn(&rule.put, self.graph.anchor.lat, draw) else { continue };
-            if furnishing.kind.is_tree() && self.site.deck(wish.pos).is_some() {
+            let (reach_m, top_m) = if furnishing.kind.is_tree() { TREE_M } else { PIECE_M };
+            let is_on_bridge = || furnishing.kind.is_tree() && self.site.deck(wish.pos).is_some();
+            if is_on_bridge() || self.site.meets_bridge(wish.pos, reach_m, top_m) {
                 continue;
             }
             let radius = furnishing.kind.radius_m();

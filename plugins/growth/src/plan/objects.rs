@@ -26,6 +26,8 @@ const SPARSE_M: f64 = 120.0;
 const MOST_GROWN: usize = 2_000_000;
 /// Most of a rule's wishes that are looked at before what they gave is placed.
 const AT_ONCE: usize = 1 << 14;
+/// From the top of a bridge to its underside, metres.
+const DECK_M: f64 = 1.2;
 /// Tallest object that is meant; metres.
 const TALLEST_M: f64 = 200.0;
 
@@ -86,6 +88,15 @@ impl Site<'_> {
         let (surface, height) = self.decks.surface(pos)?;
         let is_wet = self.surface(pos).is_some_and(|(below, _)| below == SurfaceKind::Water);
         (is_wet || height - self.terrain.height_m(pos) < HEADROOM_M).then_some((surface, height))
+    }
+
+    /// Whether something that reaches so far and so high would meet a bridge that leads over it.
+    pub fn meets_bridge(&self, pos: DVec2, reach_m: f64, top_m: f64) -> bool {
+        let is_low = |p: DVec2| {
+            let above = self.decks.at(p).map(|(_, height)| height - self.terrain.height_m(p));
+            above.is_some_and(|above| (HEADROOM_M..top_m + DECK_M).contains(&above))
+        };
+        !self.decks.is_none() && (is_low(pos) || EIGHT_WINDS.into_iter().any(|wind| is_low(pos + wind * reach_m)))
     }
 
     /// What lies at a position, bridges aside, and how high above the terrain.
