@@ -47,6 +47,7 @@ mod bounds;
 mod bridges;
 mod cellars;
 mod courses;
+mod crossings;
 mod crossroads;
 mod earthworks;
 mod extent;

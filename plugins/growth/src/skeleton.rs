@@ -42,6 +42,7 @@
 
 mod drawn;
 mod proof;
+mod quad;
 mod wavefront;
 
 use glam::{DVec2, DVec3};
@@ -138,15 +139,22 @@ impl Skeletons {
         }
         let has_points = !self.rings.is_empty() && self.rings.iter().all(|p| p.is_finite());
         let found = has_points
-            && JITTERS_M.into_iter().enumerate().any(|(number, by)| {
-                let jitter = Jitter { by, number };
-                self.wavefront.shrink(&self.rings, &self.ends, jitter) && proof::holds(&self.wavefront, by)
-            });
+            && (self.is_plain_quad()
+                || JITTERS_M.into_iter().enumerate().any(|(number, by)| {
+                    let jitter = Jitter { by, number };
+                    self.wavefront.shrink(&self.rings, &self.ends, jitter) && proof::holds(&self.wavefront, by)
+                }));
         if !found {
             return Err(SkeletonError::NotFound);
         }
         self.wavefront.put_back(&self.rings);
         Ok(&self.wavefront.skeleton)
+    }
+
+    /// Whether the rings are a convex quadrilateral whose skeleton was found at once.
+    fn is_plain_quad(&mut self) -> bool {
+        let points: Result<&[DVec2; 4], _> = self.rings.as_slice().try_into();
+        points.is_ok_and(|points| self.ends.len() == 1 && self.wavefront.shrink_quad(points)) && proof::holds(&self.wavefront, 0.0)
     }
 }
 

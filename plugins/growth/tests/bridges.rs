@@ -232,6 +232,75 @@ fn a_level_city_rises_to_its_overpasses() {
     }
 }
 
+/// The ground of a terrain that rises eastwards by so much a metre, and has a valley so deep along a line to the north at x = 0.
+fn rising(by: f64, valley_m: f64) -> Terrain {
+    let (posts, step_m) = (121, 5.0);
+    let x = |i: usize| (i % posts) as f64 * step_m - 300.0;
+    let depth = |x: f64| valley_m * (2.0 - x.abs() / 15.0).clamp(0.0, 1.0);
+    let heights_m = (0..posts * posts).map(|i| 50.0 + by * x(i) - depth(x(i))).collect();
+    Terrain { origin: DVec2::splat(-300.0), step_m, columns: posts as u32, heights_m }
+}
+
+/// The bridge in pieces, some of them drawn backwards.
+fn in_pieces(graph: &mut CityGraph, count: u64) {
+    let bridge = graph.links.remove(1);
+    let at = |graph: &CityGraph, id: Id| *graph.nodes.iter().find(|node| node.id == id).expect("a node");
+    let (from, to) = (at(graph, bridge.from), at(graph, bridge.to));
+    let mut last = from.id;
+    for i in 1..=count {
+        let next = if i == count { to.id } else { Id(100 + i) };
+        if i < count {
+            let pos = from.pos.lerp(to.pos, i as f64 / count as f64);
+            graph.nodes.push(veduta_city::Node { id: next, pos, ..from });
+        }
+        let (from, to) = if i % 2 == 0 { (next, last) } else { (last, next) };
+        graph.links.push(veduta_city::Link { from, to, id: Id(200 + i), ..bridge.clone() });
+        last = next;
+    }
+}
+
+#[test]
+fn overpasses_on_slopes_and_over_valleys_clear_what_passes_below() {
+    for (half_m, by, valley_m, count) in [
+        (30.0, 0.06, 0.0, 1),
+        (60.0, 0.03, 0.0, 3),
+        (120.0, 0.02, 0.0, 2),
+        (40.0, 0.0, 9.0, 2),
+        (40.0, 0.0, 2.0, 1),
+        (30.0, -0.05, 1.0, 4),
+    ] {
+        let mut graph = overpass(half_m, "Street(Main), width_m: 12", "Street(Street)");
+        in_pieces(&mut graph, count);
+        graph.terrain = Some(rising(by, valley_m));
+        let plan = grown(&graph);
+        let spans: Vec<&BridgeSpan> = plan.bridges.iter().collect();
+        assert!(!spans.is_empty(), "{half_m} {by} {valley_m} {count}");
+        prove(&plan, &spans);
+        let deck = spans.iter().find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge over the middle");
+        let above = deck - plan.terrain.height_m(DVec2::ZERO);
+        let most = valley_m.max(5.7) + 2.5;
+        assert!((5.2..most).contains(&above), "{half_m} {by} {valley_m} {count}: {above}");
+    }
+}
+
+#[test]
+fn bridges_that_cannot_fly_make_no_dams() {
+    // Too short for a span, and bent where it would have to be one.
+    for via in ["", ", via: [(0, 40)]"] {
+        let mut graph = overpass(1.8, "Street(Street)", "Street(Path)");
+        let bent: CityGraph = file::parse(
+            &format!("(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 2, pos: (0, 0)), (id: 3, pos: (1, 1))], links: [(id: 12, from: 2, to: 3, kind: Street(Street), layer: 1{via})])"),
+            "bent",
+        )
+        .unwrap_or_else(|e| panic!("{e}"));
+        graph.links[1] = bent.links[0].clone();
+        let plan = grown(&graph);
+        for y in [-60.0, -30.0, 20.0, 80.0] {
+            assert!(plan.terrain.height_m(DVec2::new(0.0, y)).abs() < 0.1, "{via}: a hump on the path at {y}");
+        }
+    }
+}
+
 #[test]
 fn no_tree_grows_into_a_bridge() {
     let plan = grown(&overpass(30.0, "Street(Main), width_m: 16", "Street(Main), width_m: 18"));
@@ -252,10 +321,14 @@ fn ways_over_ways_over_ways_clear_one_another() {
     graph.nodes.extend(more.nodes);
     graph.links.extend(more.links);
     let plan = grown(&graph);
-    let deck = |id: u64| {
+    let deck = |plan: &CityPlan, id: u64| {
         plan.bridges.iter().filter(|span| span.id == Id(id)).find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge")
     };
-    assert!(deck(12) > 5.9 && deck(32) > deck(12) + 5.0, "{} {}", deck(12), deck(32));
+    assert!(deck(&plan, 12) > 5.9 && deck(&plan, 32) > deck(&plan, 12) + 5.0, "{} {}", deck(&plan, 12), deck(&plan, 32));
+    // High above a valley, too.
+    graph.terrain = Some(rising(0.0, 9.0));
+    let plan = grown(&graph);
+    assert!(deck(&plan, 32) > deck(&plan, 12) + 5.0, "{} {}", deck(&plan, 12), deck(&plan, 32));
 }
 
 proptest! {
@@ -293,14 +366,21 @@ proptest! {
         turn in 0.4..2.7_f64,
         over in prop::sample::select(&["Street(Motorway), width_m: 20", "Street(Main)", "Street(Street)", "Street(Lane)", "Street(Path)", "Railway(tram: false), width_m: 9"][..]),
         below in prop::sample::select(&["Street(Main), width_m: 14", "Street(Street)", "Street(Path)", "Railway(tram: false), width_m: 9"][..]),
+        (by, count) in (-0.04..0.04_f64, 1..5_u64),
+        is_level in any::<bool>(),
     ) {
         let mut graph = overpass(half_m, over, below);
+        in_pieces(&mut graph, count);
+        graph.terrain = (!is_level).then(|| rising(by, 0.0));
         for (node, sign) in [(4, -1.0), (5, 1.0)] {
             graph.nodes[node].pos = DVec2::from_angle(turn) * 200.0 * sign;
         }
         let plan = grown(&graph);
-        let is_clear = plan.bridges.iter().any(|span| span.height_m(DVec2::ZERO).is_some_and(|height| height > 3.2));
-        prop_assert!(is_clear || half_m < 24.0 || !(0.8..2.3).contains(&turn));
+        let deck = plan.bridges.iter().find_map(|span| span.height_m(DVec2::ZERO));
+        let needed = if below.starts_with("Railway") { 5.4 } else if below == "Street(Path)" { 2.8 } else { 4.6 };
+        let above = deck.map(|deck| deck - plan.terrain.height_m(DVec2::ZERO));
+        let has_room = half_m > 24.0 && (0.8..2.3).contains(&turn);
+        prop_assert!(!has_room || above.is_some_and(|above| above > needed + 0.3), "{above:?} above {below}");
         for run in plan.bridges.chunk_by(|a, _| a.piers.1.is_some()) {
             prove(&plan, &run.iter().collect::<Vec<_>>());
         }

@@ -12,11 +12,16 @@ use crate::skeleton::Skeletons;
 /// How far above the cell's lowest ground a volume must begin for its underside to be seen; metres.
 const HANGING_M: f64 = 1.5;
 
+/// Most houses' roofs are drawn with no more quads than this, all of them and their coverings alone.
+const ROOF_QUADS: usize = 24;
+const COVERING_QUADS: usize = 6;
+
 /// Roofs of the volumes that this cell draws: coverings, overhanging eaves, parapets, chimneys, dormers, and the undersides of
 /// volumes that hang in the air. Centres are the middles of the volumes' footprints.
 #[must_use]
 pub fn roofs(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
+    mesh.reserve_quads(shell.houses.len() * ROOF_QUADS);
     let mut roofer = Roofer::default();
     for house in shell.houses.iter().filter(|house| !house.is_monument) {
         for volume in house.volumes.iter().filter(|v| v.has_roof) {
@@ -37,6 +42,7 @@ pub fn roofs(shell: &CellShell) -> MeshData {
 #[must_use]
 pub fn roof_coverings(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
+    mesh.reserve_quads(shell.houses.len() * COVERING_QUADS);
     let mut roofer = Roofer::default();
     let houses = shell.houses.iter().filter(|house| !house.is_monument);
     for volume in houses.flat_map(|house| &house.volumes).filter(|v| v.has_roof) {

@@ -18,7 +18,7 @@ const WITHIN_M: f64 = 1e-6;
 /// A way leaves the ground only where that lies so far below; metres.
 const CLEAR_M: f64 = 0.75;
 /// … and over at least so much of its length.
-const LEAST_M: f64 = 4.0;
+pub(super) const LEAST_M: f64 = 4.0;
 /// The ground is looked at so often along a way.
 const STEP_M: f64 = 0.5;
 /// Where water is sought that no map says is bridged.
@@ -255,9 +255,9 @@ impl Bridges {
     }
 
     /// Whether a link is part of a bridge, and whether its ground at a share of its length is there for that alone: not where the bridge goes
-    /// on from a part of it that is on the ground.
-    pub fn is_bridge(&self, link: usize, share: f64) -> (bool, bool) {
-        let Some((way, is_back, range)) = self.of_link.get(&link) else { return (false, false) };
+    /// on from a part of it that is on the ground. `None` if it never leaves that.
+    pub fn is_bridge(&self, link: usize, share: f64) -> Option<(bool, bool)> {
+        let (way, is_back, range) = self.of_link.get(&link)?;
         let share = if *is_back { 1.0 - share } else { share };
         let s = range.start + (range.end - range.start) * share;
         let way = &self.ways[*way];
@@ -265,7 +265,7 @@ impl Bridges {
             let nearest_m = if s < stretch.middle() { stretch.range.start } else { way.length_m - stretch.range.end };
             stretch.range.contains(&s) && nearest_m < WITHIN_M
         };
-        (way.deck.is_some(), way.deck.is_some() && way.stretches.iter().any(is_whole))
+        Some((way.deck.is_some(), way.deck.is_some() && way.stretches.iter().any(is_whole)))
     }
 }
 
@@ -320,6 +320,11 @@ const fn is_street(link: &Link) -> bool {
     matches!(link.kind, LinkKind::Street(_))
 }
 
+/// How much higher a street's bridge of a length is in its middle than at its ends, metres.
+pub(super) fn camber_m(length_m: f64) -> f64 {
+    (length_m * CAMBER.0).min(CAMBER.1)
+}
+
 /// Links that are wanted, those that go on in one another together. They do where no other street or railway meets them.
 pub(super) fn chains(graph: &CityGraph, is_wanted: impl Fn(&Link) -> bool) -> Vec<Chain> {
     let links = &graph.links;
@@ -364,11 +369,11 @@ pub(super) fn chains(graph: &CityGraph, is_wanted: impl Fn(&Link) -> bool) -> Ve
 }
 
 impl Chain {
-    /// `None` if a link of it has no length.
+    /// `None` if it has no length.
     fn of(graph: &CityGraph, at: &HashMap<Id, DVec2>, links: Vec<(usize, bool)>) -> Option<Self> {
         let mut line = Vec::<DVec2>::new();
         for &(link, is_back) in &links {
-            let mut part = line_of(graph, at, &graph.links[link])?;
+            let Some(mut part) = line_of(graph, at, &graph.links[link]) else { continue };
             if is_back {
                 part.reverse();
             }
@@ -516,13 +521,14 @@ impl Site<'_> {
         for p in soundings.flatten() {
             (below_m, wet, all) = (below_m.max(self.below_m(p)), wet + u32::from(self.depth_m(p).is_some()), all + 1);
         }
-        if ends_m.0.min(ends_m.1) - below_m < CLEAR_M {
+        // Of bridges it has been looked at everywhere.
+        if way.deck.is_none() && ends_m.0.min(ends_m.1) - below_m < CLEAR_M {
             return None;
         }
         let is_street = way.links.first().and_then(|link| self.graph.links.get(link.0)).is_some_and(is_street);
         // A part of a parabola is one.
         let given = way.deck.as_ref().map_or(0.0, |deck| deck.camber_m * (length / way.length_m) * (length / way.length_m));
-        let own = if is_street { (length * CAMBER.0).min(CAMBER.1) } else { 0.0 };
+        let own = if is_street { camber_m(length) } else { 0.0 };
         let camber_m = own.max(given);
         let overlap_m = if self.terrain.is_some() || !self.works.is_none() { OVERLAP_ON_TERRAIN_M } else { OVERLAP_M };
         let water = f64::from(wet) / f64::from(all.max(1));

@@ -4,13 +4,15 @@
 //! a level city has none. Each bridge is given the height that what passes below needs: by its own camber, as far as its length allows,
 //! and by its ends, from which the ways lead down as steeply as their kind may.
 
+use core::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, HashMap};
 
 use glam::DVec2;
-use veduta_city::{CityGraph, GridPolygon, GridPos, Id, Link, LinkKind, StreetClass, Terrain};
+use veduta_city::{CityGraph, GridPos, Id, Link, LinkKind, StreetClass};
 
-use super::band::{band_of, pieces, stations};
-use super::bridges::{Chain, chains};
+use super::band::{band, part, stations};
+use super::bridges::{Chain, LEAST_M, chains};
+use super::crossings::{Crossing, Map};
 use super::index::Index;
 use super::streets::{length_m, width_at_m};
 
@@ -22,15 +24,19 @@ const DECK_M: [f64; 2] = [1.1, 0.6];
 const GRADE: [f64; 4] = [0.025, 0.05, 0.07, 0.5];
 /// Bridges rise by so many times that at their ends, and less and less from there.
 const CAMBER: f64 = 1.5;
-/// Ways that pass below lead up from there no more steeply.
+/// Nodes near what passes below are raised by so much for each metre to it at most, but for the ends of bridges.
 const STEEPEST: f64 = 0.16;
-/// Nearer to a node that they share two links do not cross, metres.
-const AT_NODE_M: f64 = 1.0;
+/// … and that is looked for so far, metres.
+const FAR_M: f64 = 120.0;
 /// Less is not worth the work, and nothing is raised by more; metres.
-const LEAST_M: f64 = 0.3;
-const MOST_M: f64 = 40.0;
-/// Breadth of the strips in which crossings are sought, metres.
-const STRIP_M: f64 = 0.1;
+const LEAST_RISE_M: f64 = 0.3;
+const MOST_M: f64 = 30.0;
+/// Where the ground under a bridge is higher than a straight line between its ends by more, no map means that the bridge leads over it.
+const MOST_ABOVE_M: f64 = 3.0;
+/// Bridges over bridges over … are raised one after another, in so many rounds.
+const ROUNDS: usize = 4;
+/// Where trams lie on raised streets is told in pieces of this length, metres.
+const PIECE_M: f64 = 8.0;
 
 /// How far ways are raised above the ground.
 #[derive(Default)]
@@ -39,13 +45,14 @@ pub(super) struct Earthworks {
     nodes: HashMap<Id, f64>,
     /// Links that are raised somewhere.
     links: HashMap<usize, Raised>,
-    /// How much higher the bridge that a link is part of is in its middle than a straight line between its ends.
-    cambers: HashMap<usize, f64>,
-    /// Where the ground is raised.
+    /// Links that are parts of bridges: which, whether they are gone along backwards, and where they begin along it, metres.
+    of_link: HashMap<usize, (usize, bool, f64)>,
+    decks: Vec<Deck>,
+    /// Where streets on the ground are raised.
     bands: Option<Index<()>>,
 }
 
-/// A raised link.
+/// A link that is raised.
 struct Raised {
     length_m: f64,
     grade: f64,
@@ -62,39 +69,86 @@ impl Raised {
     }
 }
 
-/// Where a way crosses another in plan.
-struct Crossing {
-    /// Along the upper, metres.
-    upper_m: f64,
-    lower: usize,
-    /// Along the lower, metres.
-    lower_m: f64,
-    pos: DVec2,
+/// What a map says is a bridge.
+struct Deck {
+    ends: [Id; 2],
+    /// Height of the ground at its ends above the city's zero, metres.
+    ground_m: [f64; 2],
+    length_m: f64,
+    /// How much higher it is in its middle than a straight line between its ends, and how much it may be, metres.
+    camber_m: f64,
+    most_m: f64,
+    /// From its top to its underside, metres.
+    thick_m: f64,
+    crossings: Vec<Crossing>,
+}
+
+impl Deck {
+    fn of(map: &Map<'_>, chain: &Chain) -> Option<Self> {
+        let links = || chain.links.iter().filter_map(|&(link, _)| map.graph.links.get(link));
+        let length_m = length_m(&chain.line);
+        let ends = chain.ends(map.graph)?;
+        let ground_m = [map.ground_m(*chain.line.first()?), map.ground_m(*chain.line.last()?)];
+        // Steps on a bridge are stairs beside it more often than its slope.
+        let grade = links().map(|link| grade(link).min(GRADE[2])).fold(GRADE[2], f64::min);
+        let most_m = CAMBER * grade * length_m / 4.0;
+        let thick_m = links().map(deck_m).fold(0.0, f64::max);
+        let is_meant = |crossing: &Crossing| {
+            let line = between(ground_m, crossing.upper_m / length_m);
+            map.ground_m(crossing.pos) < line + MOST_ABOVE_M
+        };
+        let mut crossings = if length_m > LEAST_M { map.crossings(chain) } else { Vec::new() };
+        crossings.retain(is_meant);
+        Some(Self { ends, ground_m, length_m, camber_m: 0.0, most_m, thick_m, crossings })
+    }
+}
+
+fn between([from, to]: [f64; 2], share: f64) -> f64 {
+    from + (to - from) * share
+}
+
+/// Share of its rise that a parabola has at a share of its length.
+fn parabola(share: f64) -> f64 {
+    4.0 * share * (1.0 - share)
 }
 
 impl Earthworks {
     pub fn of(graph: &CityGraph) -> Self {
-        let mut chains = chains(graph, |link| link.layer > 0);
+        let chains = chains(graph, |link| link.layer > 0);
         if chains.is_empty() {
             return Self::default();
         }
-        chains.sort_by_key(|chain| chain.links.iter().map(|&(link, ..)| graph.links[link].layer).max());
         let map = Map::of(graph);
         let mut works = Self::default();
-        let mut below: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-        let crossings: Vec<Vec<Crossing>> = chains.iter().map(|chain| map.crossings(chain)).collect();
-        for crossing in crossings.iter().flatten().filter(|crossing| graph.links[crossing.lower].layer == 0) {
-            below.entry(crossing.lower).or_default().push(crossing.lower_m);
+        for chain in &chains {
+            let Some(deck) = Deck::of(&map, chain) else { continue };
+            let mut gone = 0.0;
+            for &(link, is_back) in &chain.links {
+                works.of_link.insert(link, (works.decks.len(), is_back, gone));
+                gone += map.length_m(link);
+            }
+            works.decks.push(deck);
         }
-        for (chain, crossings) in chains.iter().zip(&crossings) {
-            works.lift(&map, (chain, crossings), &below);
+        let mut below: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        for crossing in works.decks.iter().flat_map(|deck| &deck.crossings) {
+            if graph.links[crossing.lower].layer == 0 {
+                below.entry(crossing.lower).or_default().push(crossing.lower_m);
+            }
+        }
+        let limits = limits(&map, &below);
+        // What is lifted first may lift what something else leads over.
+        for _ in 0..ROUNDS {
+            let lifted = (0..works.decks.len()).filter(|&deck| works.lift(&map, deck, (&below, &limits))).count();
+            if lifted == 0 {
+                break;
+            }
         }
         works.finish(&map, &below);
         works
     }
 
     pub fn is_none(&self) -> bool {
-        self.nodes.is_empty() && self.cambers.is_empty()
+        self.nodes.is_empty() && self.decks.iter().all(|deck| deck.camber_m <= 0.0)
     }
 
     /// How far a node is raised, metres.
@@ -102,63 +156,64 @@ impl Earthworks {
         self.nodes.get(&node).copied().unwrap_or(0.0)
     }
 
-    /// How far a link on the ground is raised at a share of its length, metres.
+    /// How far a link is raised at a share of its length, metres, if it lies on the ground.
     pub fn link_m(&self, link: usize, share: f64) -> f64 {
         self.links.get(&link).map_or(0.0, |raised| raised.at(share * raised.length_m))
     }
 
     /// How much higher the bridge that a link is part of has to be in its middle than a straight line between its ends, metres.
     pub fn camber_m(&self, link: usize) -> f64 {
-        self.cambers.get(&link).copied().unwrap_or(0.0)
+        self.of_link.get(&link).map_or(0.0, |&(deck, ..)| self.decks[deck].camber_m)
     }
 
-    /// Whether a place lies on a raised way.
+    /// Whether a place lies on a raised street.
     pub fn are_at(&self, p: DVec2) -> bool {
         self.bands.as_ref().is_some_and(|bands| bands.at(GridPos::from_metres(p)).next().is_some())
     }
 
-    /// Lifts a bridge over what passes below, and the ways to it.
-    fn lift(&mut self, map: &Map<'_>, (chain, crossings): (&Chain, &[Crossing]), below: &BTreeMap<usize, Vec<f64>>) {
-        let Some(ends) = chain.ends(map.graph) else { return };
-        let first = &map.graph.links[chain.links[0].0];
-        let whole = length_m(&chain.line);
-        let ground = ends.map(|node| map.at.get(&node).map_or(0.0, |p| map.ground_m(*p)) + self.node_m(node));
-        let short = |crossing: &Crossing| {
-            let lower = &map.graph.links[crossing.lower];
-            let floor = map.ground_m(crossing.pos) + self.over_m(map, crossing);
-            let line = ground[0] + (ground[1] - ground[0]) * crossing.upper_m / whole.max(1e-9);
-            floor + clear_m(lower) + deck_m(first) - line
-        };
-        let short: Vec<(f64, f64)> =
-            crossings.iter().map(|crossing| (crossing.upper_m / whole.max(1e-9), short(crossing))).collect();
-        if short.iter().all(|(_, short)| *short < LEAST_M) {
-            return;
-        }
-        // A parabola's ends slope by four times its rise over its span. No more of it than is missing: what is near the ends is left to them.
-        let missing = short.iter().map(|(_, short)| *short).fold(0.0, f64::max);
-        let most = missing.min(CAMBER * grade(first) * whole / 4.0);
-        let needed = |(share, short): &(f64, f64)| short / (4.0 * share * (1.0 - share)).max(0.25);
-        let camber = short.iter().map(needed).fold(0.0, f64::max).min(most);
-        let lift = short.iter().map(|(share, short)| short - camber * 4.0 * share * (1.0 - share)).fold(0.0, f64::max).min(MOST_M);
-        self.cambers.extend(chain.links.iter().map(|&(link, ..)| (link, camber)));
-        if lift > 0.0 {
-            self.spread(map, ends.map(|node| (node, self.node_m(node) + lift)), below);
-        }
+    /// Heights of the ends of a bridge above the city's zero, metres.
+    fn ends_m(&self, deck: &Deck) -> [f64; 2] {
+        [0, 1].map(|end| deck.ground_m[end] + self.node_m(deck.ends[end]))
     }
 
-    /// How far what passes below is itself raised.
-    fn over_m(&self, map: &Map<'_>, crossing: &Crossing) -> f64 {
-        let lower = &map.graph.links[crossing.lower];
-        if lower.layer == 0 {
-            return 0.0;
+    /// Lifts a bridge over what passes below, and the ways to it; whether it had to be.
+    fn lift(&mut self, map: &Map<'_>, number: usize, (below, limits): (&BTreeMap<usize, Vec<f64>>, &HashMap<Id, f64>)) -> bool {
+        let deck = &self.decks[number];
+        let ends_m = self.ends_m(deck);
+        let needed = |crossing: &Crossing| {
+            let share = crossing.upper_m / deck.length_m;
+            let clear = clear_m(&map.graph.links[crossing.lower]) + deck.thick_m;
+            (share, self.below_m(map, crossing) + clear - between(ends_m, share))
+        };
+        let needed: Vec<(f64, f64)> = deck.crossings.iter().map(needed).collect();
+        let missing = |camber: f64| needed.iter().map(|(share, short)| short - camber * parabola(*share)).fold(0.0, f64::max);
+        if missing(deck.camber_m) < LEAST_RISE_M {
+            return false;
         }
-        let share = (crossing.lower_m / map.length_m(crossing.lower).max(1e-9)).clamp(0.0, 1.0);
-        let (from, to) = (self.node_m(lower.from), self.node_m(lower.to));
-        from + (to - from) * share + self.camber_m(crossing.lower)
+        // No more camber than is missing without: what is near the ends is left to them.
+        let most = deck.most_m.min(missing(0.0));
+        let by_camber = needed.iter().map(|(share, short)| short / parabola(*share).max(0.25)).fold(0.0, f64::max);
+        let camber = deck.camber_m.max(by_camber.min(most));
+        let lift = missing(camber);
+        let ends = deck.ends.map(|node| (node, (self.node_m(node) + lift).min(MOST_M)));
+        self.decks[number].camber_m = camber;
+        self.spread(map, ends, (below, limits));
+        true
+    }
+
+    /// Height above the city's zero of what a bridge leads over, metres.
+    fn below_m(&self, map: &Map<'_>, crossing: &Crossing) -> f64 {
+        let Some(&(deck, is_back, from)) = self.of_link.get(&crossing.lower) else { return map.ground_m(crossing.pos) };
+        let deck = &self.decks[deck];
+        let along = if is_back { map.length_m(crossing.lower) - crossing.lower_m } else { crossing.lower_m };
+        let share = ((from + along) / deck.length_m).clamp(0.0, 1.0);
+        let height =
+            between(self.ends_m(deck), share) + deck.camber_m.max(super::bridges::camber_m(deck.length_m)) * parabola(share);
+        height.max(map.ground_m(crossing.pos))
     }
 
     /// Raises nodes, and those about them as much as the ways between them ask for.
-    fn spread(&mut self, map: &Map<'_>, from: [(Id, f64); 2], below: &BTreeMap<usize, Vec<f64>>) {
+    fn spread(&mut self, map: &Map<'_>, from: [(Id, f64); 2], (below, limits): (&BTreeMap<usize, Vec<f64>>, &HashMap<Id, f64>)) {
         let mut heap: BinaryHeap<(Millimetres, Id)> = from.into_iter().map(|(node, rise)| (Millimetres::of(rise), node)).collect();
         while let Some((rise, node)) = heap.pop() {
             let rise = rise.to_metres();
@@ -166,23 +221,19 @@ impl Earthworks {
                 continue;
             }
             self.nodes.insert(node, rise);
-            for &(link, other) in map.around.get(&node).into_iter().flatten() {
-                let length = map.length_m(link);
-                if !below.contains_key(&link) {
-                    let near = map.nearest_below_m(other, below);
-                    let there = (rise - grade(&map.graph.links[link]) * length).min(near * STEEPEST);
-                    if there > LEAST_M && there > self.node_m(other) {
-                        heap.push((Millimetres::of(there), other));
-                    }
+            for &(link, other) in map.around(node).iter().filter(|(link, _)| !below.contains_key(link)) {
+                let limit = limits.get(&other).map_or(f64::INFINITY, |far| far * STEEPEST);
+                let there = (rise - grade(&map.graph.links[link]) * map.length_m(link)).min(limit);
+                if there > LEAST_RISE_M && there > self.node_m(other) {
+                    heap.push((Millimetres::of(there), other));
                 }
             }
         }
     }
 
     fn finish(&mut self, map: &Map<'_>, below: &BTreeMap<usize, Vec<f64>>) {
-        let graph = map.graph;
         let mut bands = Vec::new();
-        for (i, link) in graph.links.iter().enumerate().filter(|(_, link)| link.layer >= 0 && is_way(link)) {
+        for (i, link) in map.ways() {
             let (from, to) = (self.node_m(link.from), self.node_m(link.to));
             if from <= 0.0 && to <= 0.0 {
                 continue;
@@ -193,15 +244,43 @@ impl Earthworks {
             fixed.sort_by(|a, b| a.0.total_cmp(&b.0));
             fixed.insert(0, (0.0, from));
             fixed.push((length_m, to));
-            self.links.insert(i, Raised { length_m, grade: grade(link), fixed });
-            let line = map.line(i);
-            bands.extend(pieces(&stations(&line, link), |share| width_at_m(link, share) / 2.0));
+            let raised = Raised { length_m, grade: grade(link), fixed };
+            if link.layer == 0 && matches!(link.kind, LinkKind::Street(_)) {
+                let stations = stations(&map.line(i), link);
+                let count = (length_m / PIECE_M).ceil().max(1.0) as u32;
+                let share = |k: u32| f64::from(k) / f64::from(count);
+                let is_raised = |k: &u32| raised.at(share(*k) * length_m) > 0.0 || raised.at(share(k + 1) * length_m) > 0.0;
+                let pieces = (0..count).filter(is_raised).map(|k| part(&stations, share(k)..share(k + 1)));
+                bands.extend(pieces.filter_map(|piece| band(&piece, |share| width_at_m(link, share) / 2.0)));
+            }
+            self.links.insert(i, raised);
         }
         self.bands = Some(Index::new(bands.into_iter().map(|band| (band, ())).collect()));
     }
 }
 
-/// A height that can be put in order.
+/// How far it is along the ways from nodes to what a bridge leads over, metres, where that is near.
+fn limits(map: &Map<'_>, below: &BTreeMap<usize, Vec<f64>>) -> HashMap<Id, f64> {
+    let mut heap: BinaryHeap<Reverse<(Millimetres, Id)>> = BinaryHeap::new();
+    for (&link, places) in below {
+        let (Link { from, to, .. }, length) = (&map.graph.links[link], map.length_m(link));
+        for s in places {
+            heap.extend([(*s, *from), (length - s, *to)].map(|(far, node)| Reverse((Millimetres::of(far), node))));
+        }
+    }
+    let mut out = HashMap::new();
+    while let Some(Reverse((far, node))) = heap.pop() {
+        let far = far.to_metres();
+        if far > FAR_M || out.contains_key(&node) {
+            continue;
+        }
+        out.insert(node, far);
+        heap.extend(map.around(node).iter().map(|&(link, other)| Reverse((Millimetres::of(far + map.length_m(link)), other))));
+    }
+    out
+}
+
+/// A height or distance that can be put in order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Millimetres(i32);
 
@@ -213,10 +292,6 @@ impl Millimetres {
     fn to_metres(self) -> f64 {
         f64::from(self.0) / 1000.0
     }
-}
-
-const fn is_way(link: &Link) -> bool {
-    matches!(link.kind, LinkKind::Street(_) | LinkKind::Railway { tram: false })
 }
 
 fn grade(link: &Link) -> f64 {
@@ -241,107 +316,4 @@ fn deck_m(link: &Link) -> f64 {
         LinkKind::Street(class) if !class.has_carriageway() => DECK_M[1],
         _ => DECK_M[0],
     }
-}
-
-/// A graph, ready for questions about ways that cross.
-struct Map<'a> {
-    graph: &'a CityGraph,
-    terrain: Option<&'a Terrain>,
-    at: HashMap<Id, DVec2>,
-    /// Ways at nodes, and the nodes at their other ends.
-    around: HashMap<Id, Vec<(usize, Id)>>,
-    /// Straight pieces of links: the link, and how far along it they begin, metres.
-    pieces: Index<(usize, f64, DVec2, DVec2)>,
-}
-
-impl<'a> Map<'a> {
-    fn of(graph: &'a CityGraph) -> Self {
-        let at = graph.node_positions();
-        let mut around: HashMap<Id, Vec<(usize, Id)>> = HashMap::new();
-        let mut pieces = Vec::new();
-        for (i, link) in graph.links.iter().enumerate().filter(|(_, l)| l.layer >= 0 && l.kind != LinkKind::Watercourse) {
-            if is_way(link) {
-                around.entry(link.from).or_default().push((i, link.to));
-                around.entry(link.to).or_default().push((i, link.from));
-            }
-            let line = graph.polyline(link, &at).unwrap_or_default();
-            let mut gone = 0.0;
-            for pair in line.windows(2) {
-                let (a, b) = (pair[0], pair[1]);
-                pieces.extend(strip(a, b).map(|strip| (strip, (i, gone, a, b))));
-                gone += a.distance(b);
-            }
-        }
-        Self { graph, terrain: graph.terrain.as_ref(), at, around, pieces: Index::new(pieces) }
-    }
-
-    fn ground_m(&self, p: DVec2) -> f64 {
-        self.terrain.map_or(0.0, |terrain| terrain.height_m(p))
-    }
-
-    fn line(&self, link: usize) -> Vec<DVec2> {
-        self.graph.polyline(&self.graph.links[link], &self.at).unwrap_or_default()
-    }
-
-    fn length_m(&self, link: usize) -> f64 {
-        length_m(&self.line(link))
-    }
-
-    /// How far along the ways at a node what crosses them above is, the nearest; metres.
-    fn nearest_below_m(&self, node: Id, below: &BTreeMap<usize, Vec<f64>>) -> f64 {
-        let ways = self.around.get(&node).into_iter().flatten();
-        let from_node = |&(link, other): &(usize, Id)| {
-            let is_from = self.graph.links[link].from == node && other != node;
-            let length = self.length_m(link);
-            let near = below.get(&link).into_iter().flatten().map(move |&s| if is_from { s } else { length - s });
-            near.fold(f64::INFINITY, f64::min)
-        };
-        ways.map(from_node).fold(f64::INFINITY, f64::min)
-    }
-
-    /// Where a chain leads over ways on lower layers, but for those under the ground.
-    fn crossings(&self, chain: &Chain) -> Vec<Crossing> {
-        let links = &self.graph.links;
-        let mut out = Vec::new();
-        let mut gone = 0.0;
-        for &(link, is_back) in &chain.links {
-            let upper = &links[link];
-            let mut line = self.line(link);
-            if is_back {
-                line.reverse();
-            }
-            for pair in line.windows(2) {
-                let (a, b) = (pair[0], pair[1]);
-                let near = strip(a, b).map(|strip| self.pieces.near(&strip, 0.0)).unwrap_or_default();
-                for (_, &(lower, from_m, c, d)) in near {
-                    let other = &links[lower];
-                    if other.layer >= upper.layer {
-                        continue;
-                    }
-                    let Some((s, t)) = met((a, b), (c, d)) else { continue };
-                    let pos = a.lerp(b, s);
-                    let is_shared = |node: Id| [other.from, other.to].contains(&node) && self.at[&node].distance(pos) < AT_NODE_M;
-                    if !is_shared(upper.from) && !is_shared(upper.to) {
-                        let (upper_m, lower_m) = (gone + s * a.distance(b), from_m + t * c.distance(d));
-                        out.push(Crossing { upper_m, lower, lower_m, pos });
-                    }
-                }
-                gone += a.distance(b);
-            }
-        }
-        out
-    }
-}
-
-/// A narrow strip along a straight line.
-fn strip(a: DVec2, b: DVec2) -> Option<GridPolygon> {
-    band_of(&[a, b], STRIP_M / 2.0)
-}
-
-/// Where two straight lines cross, as shares of their lengths.
-fn met((a, b): (DVec2, DVec2), (c, d): (DVec2, DVec2)) -> Option<(f64, f64)> {
-    let (way, other) = (b - a, d - c);
-    let turn = way.perp_dot(other);
-    let (s, t) = ((c - a).perp_dot(other) / turn, (c - a).perp_dot(way) / turn);
-    (turn.abs() > 1e-9 && (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)).then_some((s, t))
 }

@@ -26,9 +26,10 @@ const INWARD_M: [f64; 4] = [0.0, 0.4, 0.8, 1.2];
 const BEHIND_M: f64 = 3.0;
 /// Most places that a rule has along one line or in one area.
 const MOST_PLACES: usize = 50_000;
-/// How far trees and other things reach, and how high, metres.
-const TREE_M: (f64, f64) = (3.0, 13.0);
-const PIECE_M: (f64, f64) = (0.3, 4.5);
+/// How far trees, lamps and other things reach, and how high, metres.
+const TREE_M: (f64, f64) = (3.0, 17.0);
+const LAMP_M: (f64, f64) = (0.3, 4.5);
+const PIECE_M: (f64, f64) = (0.3, 3.5);
 
 /// Something that a rule would put, and its heading.
 pub(super) struct Wish {
@@ -120,7 +121,11 @@ impl Furnisher<'_> {
             let id = Id::from_place(&format!("grown {}", rule.name), wish.pos);
             let draw = Draw::new(self.graph.seed, id, "furniture");
             let Some(furnishing) = drawn(&rule.put, self.graph.anchor.lat, draw) else { continue };
-            let (reach_m, top_m) = if furnishing.kind.is_tree() { TREE_M } else { PIECE_M };
+            let (reach_m, top_m) = match furnishing.kind {
+                kind if kind.is_tree() => TREE_M,
+                ObjectKind::Lamp => LAMP_M,
+                _ => PIECE_M,
+            };
             let is_on_bridge = || furnishing.kind.is_tree() && self.site.deck(wish.pos).is_some();
             if is_on_bridge() || self.site.meets_bridge(wish.pos, reach_m, top_m) {
                 continue;

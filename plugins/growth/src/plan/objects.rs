@@ -93,10 +93,11 @@ impl Site<'_> {
     /// Whether something that reaches so far and so high would meet a bridge that leads over it.
     pub fn meets_bridge(&self, pos: DVec2, reach_m: f64, top_m: f64) -> bool {
         let is_low = |p: DVec2| {
-            let above = self.decks.at(p).map(|(_, height)| height - self.terrain.height_m(p));
-            above.is_some_and(|above| (HEADROOM_M..top_m + DECK_M).contains(&above))
+            let ground = self.terrain.height_m(p);
+            self.decks.heights_at(p).any(|height| (HEADROOM_M..top_m + DECK_M).contains(&(height - ground)))
         };
-        !self.decks.is_none() && (is_low(pos) || EIGHT_WINDS.into_iter().any(|wind| is_low(pos + wind * reach_m)))
+        let rings = [reach_m / 2.0, reach_m].into_iter().flat_map(|r| EIGHT_WINDS.map(|wind| pos + wind * r));
+        !self.decks.is_none() && core::iter::once(pos).chain(rings).any(is_low)
     }
 
     /// What lies at a position, bridges aside, and how high above the terrain.

@@ -96,17 +96,19 @@ pub(super) fn start(
     findings: &mut Vec<Finding>,
 ) -> Viewpoint {
     let is_meant = |v: &Viewpoint| [v.pos.x, v.pos.y, v.eye_m, v.heading_deg, v.pitch_deg].iter().all(|n| n.is_finite());
-    let chosen = graph.start.filter(is_meant).unwrap_or_else(|| in_the_midst(graph, extent, site));
+    let given = graph.start.filter(is_meant);
+    let chosen = given.unwrap_or_else(|| in_the_midst(graph, extent, site));
     let discs = objects.iter().map(|o| (o.pos.to_metres(), radius_m(o)));
     let near: Vec<_> = discs.filter(|(middle, r)| middle.distance(chosen.pos) < FARTHEST_MOVE_M + r + SIGHT_M).collect();
     let is_free = |pos: DVec2, room_m: f64| site.is_free(pos) && near.iter().all(|(o, r)| o.distance(pos) >= r + room_m);
     if is_free(chosen.pos, ROOM_M) {
         return chosen;
     }
-    let is_dry = |pos: DVec2| site.surface(pos).is_some_and(|(surface, _)| surface != SurfaceKind::Water);
+    let is_dry =
+        |pos: DVec2| site.deck(pos).is_some() || site.surface(pos).is_some_and(|(surface, _)| surface != SurfaceKind::Water);
     let mut places = about(chosen.pos, chosen.heading_deg + 180.0, FARTHEST_MOVE_M);
     let Some(pos) = places.find(|&pos| is_free(pos, SIGHT_M) && is_dry(pos)) else { return chosen };
-    if !site.is_free(chosen.pos) {
+    if given.is_some() && !site.is_free(chosen.pos) {
         let message = "start: it lay inside a house and was moved to free ground";
         findings.push(Finding::new(Severity::Repaired, Id::NONE, Some(chosen.pos), message));
     }

@@ -324,6 +324,11 @@ impl<'a> Decks<'a> {
         self.0.at(GridPos::from_metres(p)).find_map(|(_, span)| Some((*span, span.height_m(p)?)))
     }
 
+    /// How high all bridges over a place are above the city's zero, metres.
+    pub fn heights_at(&self, p: DVec2) -> impl Iterator<Item = f64> {
+        self.0.at(GridPos::from_metres(p)).filter_map(move |(_, span)| span.height_m(p))
+    }
+
     /// What lies on the bridge over a place, and how high above the city's zero, metres.
     pub fn surface(&self, p: DVec2) -> Option<(SurfaceKind, f64)> {
         let (span, height) = self.at(p)?;

@@ -254,10 +254,13 @@ fn pieces(line: &[DVec2], (i, link): (usize, &Link), raw: &Raw<'_>, (bridges, wo
         let of_part: Vec<(f64, DVec2)> = end(from).into_iter().chain(inside).chain(end(to)).collect();
         for (k, pair) in of_part.windows(2).enumerate() {
             let ((s, a), (t, b)) = (pair[0], pair[1]);
-            let (is_raised, is_bridge) = bridges.is_bridge(i, share((s + t) / 2.0));
+            let is_raised = works.link_m(i, share(s)).max(works.link_m(i, share(t))) > 0.0;
+            // What a map lays over another way and cannot fly is no more in that one's way than a bridge.
+            let flat = (false, link.layer > 0 && is_raised);
+            let (is_deck, is_bridge) = bridges.is_bridge(i, share((s + t) / 2.0)).unwrap_or(flat);
             out.push(Piece {
                 is_bridge,
-                is_steep: is_raised || works.link_m(i, share(s)).max(works.link_m(i, share(t))) > 0.0,
+                is_steep: is_deck || is_raised,
                 is_end: (k == 0 && part.start > 0.0, k + 2 == of_part.len() && part.end < 1.0),
                 ends: (a, b),
                 height_m: (height(s), height(t)),

@@ -106,6 +106,35 @@ fn of_convex_outlines_it_is_the_lowest_plane() {
 }
 
 #[test]
+fn quadrilaterals_are_found_at_once_as_others_are() {
+    let draw = |number: u64| veduta_city::draw::Draw::new(5, veduta_city::Id(number), "quad");
+    let (mut at_once, mut skeletons, mut wavefront) = (0, Skeletons::default(), Wavefront::default());
+    for number in 0..2000 {
+        let between = |question: &str| draw(number).between(question, -1.9, 1.9);
+        let (width, depth) = (draw(number).between("width", 5.0, 30.0), draw(number).between("depth", 5.0, 14.0));
+        let quad = ring(&[
+            (between("ax"), between("ay")),
+            (width + between("bx"), between("by")),
+            (width + between("cx"), depth + between("cy")),
+            (between("dx"), depth + between("dy")),
+        ]);
+        let own = skeletons.find([quad.as_slice()]).unwrap_or_else(|e| panic!("{e}: {quad:?}")).clone();
+        try_it(core::slice::from_ref(&quad), &own);
+        at_once += u32::from(skeletons.is_plain_quad());
+        assert!(wavefront.shrink(&quad, &[4], Jitter { by: 0.0, number: 0 }));
+        wavefront.put_back(&quad);
+        let nodes = |of: &Skeleton| {
+            let mut nodes = of.nodes().to_vec();
+            nodes.sort_by(|a, b| a.x.total_cmp(&b.x));
+            nodes
+        };
+        let is_same = nodes(&own).iter().zip(nodes(&wavefront.skeleton)).all(|(a, b)| a.distance(b) < 1e-6);
+        assert!(is_same && own.faces().map(<[u32]>::len).eq(wavefront.skeleton.faces().map(<[u32]>::len)), "{quad:?}");
+    }
+    assert!(at_once > 1900, "{at_once} of 2000");
+}
+
+#[test]
 fn drawn_footprints_have_skeletons() {
     const COUNT: u64 = 20_000;
     let mut skeletons = Skeletons::default();

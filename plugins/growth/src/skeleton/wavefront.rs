@@ -10,7 +10,7 @@ use veduta_city::draw::Draw;
 use super::Skeleton;
 
 /// What is nearer than this is at the same place, metres.
-const SAME_M: f64 = 1e-6;
+pub(super) const SAME_M: f64 = 1e-6;
 /// A corner that runs into an edge may pass its end by so much, metres.
 const TOUCH_M: f64 = 1e-7;
 /// Edges that shrink to nothing go before corners that run into edges at the same time.
@@ -202,23 +202,16 @@ impl Wavefront {
         }
     }
 
-    fn begin(&mut self, points: &[DVec2], ends: &[u32], jitter: Jitter) {
-        let Self { lines, skeleton, corners, on_edge, events, halves, .. } = self;
+    /// Lays the edges' lines, and nodes at their corners.
+    pub(super) fn lay(&mut self, points: &[DVec2], ends: &[u32], jitter: Option<Jitter>) {
+        let Self { lines, skeleton, .. } = self;
         for column in [&mut lines.nx, &mut lines.ny, &mut lines.offset] {
             column.clear();
         }
         lines.to.clear();
         skeleton.nodes.clear();
-        corners.clear();
-        on_edge.clear();
-        events.clear();
-        halves.clear();
-        self.now = 0.0;
         let origin = points[0];
-        let moved = |i: usize| {
-            let by = if jitter.by > 0.0 { jitter.of(i) } else { DVec2::ZERO };
-            (points[i] - origin + by).extend(0.0)
-        };
+        let moved = |i: usize| (points[i] - origin + jitter.map_or(DVec2::ZERO, |jitter| jitter.of(i))).extend(0.0);
         skeleton.nodes.extend((0..points.len()).map(moved));
         let mut first = 0;
         for &end in ends {
@@ -232,10 +225,19 @@ impl Wavefront {
                 lines.offset.push(inwards.dot(a));
                 lines.to.push(to as u32);
             }
-            on_edge.resize(end, NONE);
             first = end;
         }
-        first = 0;
+    }
+
+    fn begin(&mut self, points: &[DVec2], ends: &[u32], jitter: Jitter) {
+        self.lay(points, ends, Some(jitter).filter(|jitter| jitter.by > 0.0));
+        self.corners.clear();
+        self.events.clear();
+        self.halves.clear();
+        self.on_edge.clear();
+        self.on_edge.resize(points.len(), NONE);
+        self.now = 0.0;
+        let mut first = 0;
         for &end in ends {
             let end = end as usize;
             for i in first..end {
