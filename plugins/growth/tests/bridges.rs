@@ -285,18 +285,19 @@ fn overpasses_on_slopes_and_over_valleys_clear_what_passes_below() {
 
 #[test]
 fn bridges_that_cannot_fly_make_no_dams() {
-    // Too short for a span, and bent where it would have to be one.
-    for via in ["", ", via: [(0, 40)]"] {
-        let mut graph = overpass(1.8, "Street(Street)", "Street(Path)");
-        let bent: CityGraph = file::parse(
-            &format!("(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 2, pos: (0, 0)), (id: 3, pos: (1, 1))], links: [(id: 12, from: 2, to: 3, kind: Street(Street), layer: 1{via})])"),
-            "bent",
-        )
-        .unwrap_or_else(|e| panic!("{e}"));
+    // Too short for a span, without room beside the path, and bent where there would have to be a span.
+    for (half_m, width, via) in [(1.8, 6, ""), (1.8, 6, "(0, 3)"), (8.0, 20, "(0, 8)"), (1.8, 6, "(0, 40)")] {
+        let mut graph = overpass(half_m, "Street(Street)", "Street(Path)");
+        let link = format!("(id: 12, from: 2, to: 3, kind: Street(Street), layer: 1, width_m: {width}, via: [{via}])");
+        let text = format!(
+            "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 2, pos: (0, 0)), (id: 3, pos: (1, 1))], links: [{link}])"
+        );
+        let bent: CityGraph = file::parse(&text, "bent").unwrap_or_else(|e| panic!("{e}"));
         graph.links[1] = bent.links[0].clone();
         let plan = grown(&graph);
-        for y in [-60.0, -30.0, 20.0, 80.0] {
-            assert!(plan.terrain.height_m(DVec2::new(0.0, y)).abs() < 0.1, "{via}: a hump on the path at {y}");
+        for y in [-60.0, -30.0, -3.0, 3.0, 8.0, 20.0, 80.0] {
+            let height = plan.terrain.height_m(DVec2::new(0.0, y));
+            assert!(height.abs() < 0.1, "{half_m} {width} {via}: {height} m on the path at {y}");
         }
     }
 }

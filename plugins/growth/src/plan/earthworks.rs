@@ -14,6 +14,7 @@ use super::band::{band, part, stations};
 use super::bridges::{Chain, LEAST_M, chains};
 use super::crossings::{Crossing, Map};
 use super::index::Index;
+use super::outline::distance_to_edge;
 use super::streets::{length_m, width_at_m};
 
 /// Room above what passes below, metres: railways, streets with carriageways, and other ways.
@@ -33,6 +34,8 @@ const LEAST_RISE_M: f64 = 0.3;
 const MOST_M: f64 = 30.0;
 /// Where the ground under a bridge is higher than a straight line between its ends by more, no map means that the bridge leads over it.
 const MOST_ABOVE_M: f64 = 3.0;
+/// Bridges that end nearer to what they cross than this have no room for an abutment, metres.
+const ABUTMENT_M: f64 = 1.0;
 /// Bridges over bridges over … are raised one after another, in so many rounds.
 const ROUNDS: usize = 4;
 /// Where trams lie on raised streets is told in pieces of this length, metres.
@@ -95,7 +98,15 @@ impl Deck {
         let thick_m = links().map(deck_m).fold(0.0, f64::max);
         let is_meant = |crossing: &Crossing| {
             let line = between(ground_m, crossing.upper_m / length_m);
-            map.ground_m(crossing.pos) < line + MOST_ABOVE_M
+            let lower = &map.graph.links[crossing.lower];
+            let half_m = width_at_m(lower, crossing.lower_m / map.length_m(crossing.lower).max(1e-9)) / 2.0;
+            let line_below = map.line(crossing.lower);
+            let far = |end: &DVec2| {
+                let pieces = line_below.windows(2).map(|pair| distance_to_edge(*end, pair[0], pair[1]));
+                pieces.fold(f64::INFINITY, f64::min)
+            };
+            let from_ends_m = chain.line.first().map_or(0.0, far).min(chain.line.last().map_or(0.0, far));
+            from_ends_m > half_m + ABUTMENT_M && map.ground_m(crossing.pos) < line + MOST_ABOVE_M
         };
         let mut crossings = if length_m > LEAST_M { map.crossings(chain) } else { Vec::new() };
         crossings.retain(is_meant);
