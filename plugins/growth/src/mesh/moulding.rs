@@ -42,7 +42,7 @@ struct Paints {
 
 /// Adds the mouldings of walls that a sheet of the right length tells.
 pub(super) fn add_mouldings(shell: &CellShell, sheet: &FacadeSheet, mesh: &mut MeshData) {
-    mesh.reserve_quads(sheet.walls.iter().filter(|wall| wall.kind == WallKind::Street).count() * 14);
+    mesh.reserve_quads(sheet.walls.iter().filter(|wall| wall.kind == WallKind::Street).count() * 40);
     for (house, volume, plans) in seen(shell, sheet) {
         let first = mesh.positions.len();
         arcade::fine(volume, mesh);

@@ -13,8 +13,8 @@ use crate::skeleton::Skeletons;
 const HANGING_M: f64 = 1.5;
 
 /// Most houses' roofs are drawn with no more quads than this, all of them and their coverings alone.
-const ROOF_QUADS: usize = 24;
-const COVERING_QUADS: usize = 6;
+const ROOF_QUADS: usize = 48;
+const COVERING_QUADS: usize = 9;
 
 /// Roofs of the volumes that this cell draws: coverings, overhanging eaves, parapets, chimneys, dormers, and the undersides of
 /// volumes that hang in the air. Centres are the middles of the volumes' footprints.
