@@ -284,6 +284,27 @@ fn overpasses_on_slopes_and_over_valleys_clear_what_passes_below() {
 }
 
 #[test]
+fn where_bridges_part_in_the_air_they_stand_on_piers() {
+    let mut graph = overpass(60.0, "Street(Main), width_m: 12", "Railway(tram: false), width_m: 9");
+    in_pieces(&mut graph, 2);
+    let ramp = "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 31, pos: (55, -30)), (id: 32, pos: (200, -60)), (id: 101, pos: (0, 0))],
+        links: [(id: 41, from: 101, to: 31, kind: Street(Street), layer: 1), (id: 42, from: 31, to: 32, kind: Street(Street))])";
+    let ramp: CityGraph = file::parse(ramp, "ramp").unwrap_or_else(|e| panic!("{e}"));
+    // They part 15 m from the railway.
+    graph.nodes.iter_mut().filter(|node| node.id == Id(101)).for_each(|node| node.pos = DVec2::new(15.0, 0.0));
+    graph.nodes.extend(ramp.nodes.into_iter().filter(|node| node.id != Id(101)));
+    graph.links.extend(ramp.links);
+    let plan = grown(&graph);
+    let part = DVec2::new(15.0, 0.0);
+    assert!(plan.terrain.height_m(part).abs() < 0.1, "a mound under the bridges: {}", plan.terrain.height_m(part));
+    let heights: Vec<f64> = plan.bridges.iter().filter_map(|span| span.height_m(part)).collect();
+    assert!(heights.len() == 3 && heights.iter().all(|h| *h > 5.0 && (h - heights[0]).abs() < 0.15), "{heights:?}");
+    let is_near = |station: &veduta_city::BridgeStation| station.at(0.0).distance(part) < 2.0;
+    let ends = plan.bridges.iter().filter(|span| span.stations.last().is_some_and(is_near));
+    assert!(ends.clone().count() > 0 && ends.into_iter().all(|span| span.piers.1.is_some_and(|foot| metres(foot) < 0.0)));
+}
+
+#[test]
 fn bridges_that_cannot_fly_make_no_dams() {
     // Too short for a span, without room beside the path, and bent where there would have to be a span.
     for (half_m, width, via) in [(1.8, 6, ""), (1.8, 6, "(0, 3)"), (8.0, 20, "(0, 8)"), (1.8, 6, "(0, 40)")] {

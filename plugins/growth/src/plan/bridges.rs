@@ -4,7 +4,7 @@
 //! lies deep enough below its banks, and, where a map says that there is a bridge, over valleys and what it is raised over.
 
 use core::ops::Range;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glam::DVec2;
 use veduta_city::{CityGraph, GridPos, Id, Link, LinkKind, Terrain};
@@ -19,6 +19,8 @@ const WITHIN_M: f64 = 1e-6;
 const CLEAR_M: f64 = 0.75;
 /// … and over at least so much of its length.
 pub(super) const LEAST_M: f64 = 4.0;
+/// Where bridges meet so high, there is no ground under them; metres.
+const ALOFT_M: f64 = 2.5;
 /// The ground is looked at so often along a way.
 const STEP_M: f64 = 0.5;
 /// Where water is sought that no map says is bridged.
@@ -68,6 +70,8 @@ struct Profile {
     ends_m: (f64, f64),
     /// How much higher it is in the middle than a straight line between them.
     camber_m: f64,
+    /// Whether its ends are in the air, where other bridges begin.
+    is_aloft: [bool; 2],
 }
 
 impl Profile {
@@ -92,8 +96,8 @@ pub(super) struct Stretch {
     pub water: f64,
     /// Whether a wider way's bridge carries it.
     pub is_carried: bool,
-    /// How far the ground goes on under its ends.
-    overlap_m: f64,
+    /// How far the ground goes on under its ends; not at all under those that are in the air.
+    overlap_m: [f64; 2],
 }
 
 impl Stretch {
@@ -116,7 +120,12 @@ impl Stretch {
 
     /// What of it has no ground of the way's under it.
     fn hollow(&self) -> Range<f64> {
-        self.range.start + self.overlap_m..self.range.end - self.overlap_m
+        self.range.start + self.overlap_m[0]..self.range.end - self.overlap_m[1]
+    }
+
+    /// Whether its ends are in the air, where other bridges begin.
+    pub fn is_aloft(&self) -> [bool; 2] {
+        self.overlap_m.map(|overlap| overlap <= 0.0)
     }
 }
 
@@ -157,7 +166,7 @@ pub(super) struct Bridges {
 
 impl Bridges {
     pub fn of(graph: &CityGraph, waters: &Waters, works: &Earthworks) -> Self {
-        let site = Site { graph, at: graph.node_positions(), waters, works, terrain: graph.terrain.as_ref() };
+        let site = Site { graph, at: graph.node_positions(), waters, works, terrain: graph.terrain.as_ref(), aloft: aloft(graph) };
         let mut bridges = Self::default();
         for chain in chains(graph, |link| site.may_fly(link)) {
             bridges.ways.extend(site.way(chain));
@@ -213,7 +222,14 @@ impl Bridges {
                 Some(parts) => {
                     let part = |range: &Range<f64>| {
                         let ends_m = (stretch.height_m(range.start), stretch.height_m(range.end));
-                        Stretch { range: range.clone(), ends_m, camber_m: 0.0, is_carried: true, overlap_m: 0.0, ..stretch.clone() }
+                        Stretch {
+                            range: range.clone(),
+                            ends_m,
+                            camber_m: 0.0,
+                            is_carried: true,
+                            overlap_m: [0.0; 2],
+                            ..stretch.clone()
+                        }
                     };
                     parts.iter().map(part).collect()
                 }
@@ -309,6 +325,26 @@ struct Site<'a> {
     waters: &'a Waters,
     works: &'a Earthworks,
     terrain: Option<&'a Terrain>,
+    /// Nodes at which bridges meet, and nothing on the ground.
+    aloft: HashSet<Id>,
+}
+
+/// Nodes at which two or more bridges end, and nothing on the ground.
+fn aloft(graph: &CityGraph) -> HashSet<Id> {
+    let mut ways: HashMap<Id, (u32, bool)> = HashMap::new();
+    for link in graph.links.iter().filter(|link| link.layer > 0 && link.kind != LinkKind::Watercourse) {
+        for node in [link.from, link.to] {
+            ways.entry(node).or_insert((0, true)).0 += 1;
+        }
+    }
+    if !ways.is_empty() {
+        for link in graph.links.iter().filter(|link| link.layer <= 0) {
+            for node in [link.from, link.to] {
+                ways.entry(node).and_modify(|(_, is_aloft)| *is_aloft = false);
+            }
+        }
+    }
+    ways.into_iter().filter(|(_, (count, is_aloft))| *is_aloft && *count > 1).map(|(node, _)| node).collect()
 }
 
 /// Streets and railways on the ground or above, trams aside, which lie in streets.
@@ -426,7 +462,9 @@ impl Site<'_> {
             let ends = chain.ends(self.graph)?;
             let [from, to] = [(ends[0], chain.line.first()?), (ends[1], chain.line.last()?)]
                 .map(|(node, &p)| self.ground_m(p) + self.works.node_m(node));
-            Some(Profile { length_m, ends_m: (from, to), camber_m: self.works.camber_m(first) })
+            let is_aloft = [(ends[0], from, chain.line.first()?), (ends[1], to, chain.line.last()?)]
+                .map(|(node, height, &p)| self.aloft.contains(&node) && height - self.below_m(p) > ALOFT_M);
+            Some(Profile { length_m, ends_m: (from, to), camber_m: self.works.camber_m(first), is_aloft })
         });
         let mut gone = 0.0;
         let start = |&(link, is_back): &(usize, bool)| {
@@ -532,6 +570,9 @@ impl Site<'_> {
         let camber_m = own.max(given);
         let overlap_m = if self.terrain.is_some() || !self.works.is_none() { OVERLAP_ON_TERRAIN_M } else { OVERLAP_M };
         let water = f64::from(wet) / f64::from(all.max(1));
-        Some(Stretch { range, ends_m, camber_m, below_m, water, is_carried: false, overlap_m: overlap_m.min(length / 3.0) })
+        let is_aloft = way.deck.as_ref().map_or([false; 2], |deck| deck.is_aloft);
+        let is_end = [range.start < WITHIN_M, way.length_m - range.end < WITHIN_M];
+        let overlap_m = [0, 1].map(|end| if is_aloft[end] && is_end[end] { 0.0 } else { overlap_m.min(length / 3.0) });
+        Some(Stretch { range, ends_m, camber_m, below_m, water, is_carried: false, overlap_m })
     }
 }

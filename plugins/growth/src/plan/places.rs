@@ -84,7 +84,7 @@ const FARTHEST_MOVE_M: f64 = 100.0;
 /// Room that a visitor needs between things that stand; metres.
 const ROOM_M: f64 = 0.5;
 /// … and that one who was moved has to see them; metres.
-const SIGHT_M: f64 = 2.5;
+const SIGHT_M: f64 = 4.5;
 
 /// Where a visit begins: the graph's own choice, else in the middle of the walkable street nearest to the city's middle, looking
 /// along it; moved out of houses and what stands, back from where it looks if there is room, so that what was in the way is seen.

@@ -34,6 +34,8 @@ const WET: f64 = 0.3;
 const STATION_M: (f64, f64) = (6.0, 0.25);
 /// Piers go so far into the ground, metres.
 const FOOTING_M: f64 = 0.8;
+/// Where bridges meet in the air each goes on so far, which closes the gaps between them; metres.
+const MEET_M: f64 = 1.2;
 /// Piers stand no closer, unless that is as wide as a bridge may span, and are moved so far to a bend; metres.
 const LEAST_SPAN_M: f64 = 6.0;
 const AT_BEND_M: f64 = 1.0;
@@ -157,7 +159,9 @@ impl Builder<'_> {
         };
         let ground = |s: f64| way.at(s).map_or(0.0, |(p, _)| self.terrain.height_m(p));
         // What the ground is off at its ends is made up for along it.
-        let off = [start, end].map(|s| ground(s) + LIFT_M - stretch.height_m(s));
+        let is_aloft = stretch.is_aloft();
+        let off = [(start, is_aloft[0]), (end, is_aloft[1])]
+            .map(|(s, is_aloft)| if is_aloft { 0.0 } else { ground(s) + LIFT_M - stretch.height_m(s) });
         let height = |s: f64| stretch.height_m(s) + off[0] + (off[1] - off[0]) * (s - start) / (end - start);
         let springing = stretch.below_m + SPRINGING_M;
         let rise = height(start).min(height(end)) - CROWN_M - springing;
@@ -177,10 +181,20 @@ impl Builder<'_> {
             *cut = bends.iter().copied().find(|&s| start < s && s < end && (s - *cut).abs() < AT_BEND_M).unwrap_or(*cut);
         }
         let places = cuts.windows(2).flat_map(|pair| places(pair[0]..pair[1], &bends).skip(usize::from(pair[0] > start)));
-        let stations = laid_out(places.filter_map(|s| Some((s, self.station(way, s, height(s))?))), &bends);
-        let ends = [0, stations.len().saturating_sub(1)];
+        let mut stations = laid_out(places.filter_map(|s| Some((s, self.station(way, s, height(s))?))), &bends);
+        let last = stations.len().saturating_sub(1);
+        for (i, s, by) in
+            [(0, start, -MEET_M), (last, end, MEET_M)].into_iter().zip(is_aloft).filter_map(|(at, is)| is.then_some(at))
+        {
+            let Some((_, along)) = way.at(s) else { continue };
+            let station = &mut stations[i].1;
+            let moved = |p: GridPos| GridPos::from_metres(p.to_metres() + along * by);
+            (station.left, station.right) = (moved(station.left), moved(station.right));
+        }
+        let on_land = [(0, is_aloft[0]), (last, is_aloft[1])];
         let pier = |i: usize| {
-            let (p, _) = way.at(stations[i].0).filter(|_| !ends.contains(&i))?;
+            let is_on_land = on_land.iter().any(|&(end, is_aloft)| i == end && !is_aloft);
+            let (p, _) = way.at(stations[i].0).filter(|_| !is_on_land)?;
             Some(GridPos::steps(self.terrain.height_m(p).min(stretch.below_m) - FOOTING_M))
         };
         let cuts: Vec<usize> = (0..stations.len()).filter(|&i| cuts.contains(&stations[i].0)).collect();
