@@ -284,6 +284,35 @@ fn overpasses_on_slopes_and_over_valleys_clear_what_passes_below() {
 }
 
 #[test]
+fn trams_go_over_a_bridge_with_their_street() {
+    let mut graph = overpass(15.0, "Street(Main), width_m: 12", "Railway(tram: false), width_m: 9");
+    let deck = |graph: &CityGraph| grown(graph).bridges.iter().find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge");
+    let without = deck(&graph);
+    for (id, from, to, layer) in [(61, 1, 2, 0), (62, 2, 3, 1), (63, 3, 4, 0)] {
+        let kind = veduta_city::LinkKind::Railway { tram: true };
+        let tram = veduta_city::Link { id: Id(id), from: Id(from), to: Id(to), kind, layer, ..graph.links[0].clone() };
+        graph.links.push(tram);
+    }
+    let with = deck(&graph);
+    assert!((with - without).abs() < 0.05, "{without} m without trams, {with} m with them");
+}
+
+#[test]
+fn a_bridge_that_parts_over_what_it_crosses_clears_it() {
+    let mut graph = overpass(60.0, "Street(Main), width_m: 12", "Railway(tram: false), width_m: 9");
+    in_pieces(&mut graph, 2);
+    let ramp = "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 31, pos: (55, -30)), (id: 32, pos: (200, -60)), (id: 101, pos: (0, 0))],
+        links: [(id: 41, from: 101, to: 31, kind: Street(Street), layer: 1), (id: 42, from: 31, to: 32, kind: Street(Street))])";
+    let ramp: CityGraph = file::parse(ramp, "ramp").unwrap_or_else(|e| panic!("{e}"));
+    graph.nodes.iter_mut().filter(|node| node.id == Id(101)).for_each(|node| node.pos = DVec2::new(3.0, 0.0));
+    graph.nodes.extend(ramp.nodes.into_iter().filter(|node| node.id != Id(101)));
+    graph.links.extend(ramp.links);
+    let plan = grown(&graph);
+    let deck = plan.bridges.iter().find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge over the rails");
+    assert!(deck - plan.terrain.height_m(DVec2::ZERO) > 5.7, "{deck}");
+}
+
+#[test]
 fn where_bridges_part_in_the_air_they_stand_on_piers() {
     let mut graph = overpass(60.0, "Street(Main), width_m: 12", "Railway(tram: false), width_m: 9");
     in_pieces(&mut graph, 2);
@@ -307,7 +336,7 @@ fn where_bridges_part_in_the_air_they_stand_on_piers() {
 #[test]
 fn bridges_that_cannot_fly_make_no_dams() {
     // Too short for a span, without room beside the path, and bent where there would have to be a span.
-    for (half_m, width, via) in [(1.8, 6, ""), (1.8, 6, "(0, 3)"), (8.0, 20, "(0, 8)"), (1.8, 6, "(0, 40)")] {
+    for (half_m, width, via) in [(1.8, 6, ""), (1.8, 6, "(0, 3)"), (8.0, 20, "(0, 8)"), (8.0, 6, "(0, 8)"), (1.8, 6, "(0, 40)")] {
         let mut graph = overpass(half_m, "Street(Street)", "Street(Path)");
         let link = format!("(id: 12, from: 2, to: 3, kind: Street(Street), layer: 1, width_m: {width}, via: [{via}])");
         let text = format!(
@@ -318,7 +347,7 @@ fn bridges_that_cannot_fly_make_no_dams() {
         let plan = grown(&graph);
         for y in [-60.0, -30.0, -3.0, 3.0, 8.0, 20.0, 80.0] {
             let height = plan.terrain.height_m(DVec2::new(0.0, y));
-            assert!(height.abs() < 0.1, "{half_m} {width} {via}: {height} m on the path at {y}");
+            assert!(height.abs() < 0.25, "{half_m} {width} {via}: {height} m on the path at {y}");
         }
     }
 }

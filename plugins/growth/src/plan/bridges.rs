@@ -16,7 +16,7 @@ use super::water::Waters;
 /// Nearer to the end of a way than this is on it; lengths are as exact as that, metres.
 const WITHIN_M: f64 = 1e-6;
 /// A way leaves the ground only where that lies so far below; metres.
-const CLEAR_M: f64 = 0.75;
+pub(super) const CLEAR_M: f64 = 0.75;
 /// … and over at least so much of its length.
 pub(super) const LEAST_M: f64 = 4.0;
 /// Where bridges meet so high, there is no ground under them; metres.
@@ -271,7 +271,7 @@ impl Bridges {
     }
 
     /// Whether a link is part of a bridge, and whether its ground at a share of its length is there for that alone: not where the bridge goes
-    /// on from a part of it that is on the ground. `None` if it never leaves that.
+    /// on from a part of it that is near the ground. `None` if it never leaves that.
     pub fn is_bridge(&self, link: usize, share: f64) -> Option<(bool, bool)> {
         let (way, is_back, range) = self.of_link.get(&link)?;
         let share = if *is_back { 1.0 - share } else { share };
@@ -330,7 +330,7 @@ struct Site<'a> {
 }
 
 /// Nodes at which two or more bridges end, and nothing on the ground.
-fn aloft(graph: &CityGraph) -> HashSet<Id> {
+pub(super) fn aloft(graph: &CityGraph) -> HashSet<Id> {
     let mut ways: HashMap<Id, (u32, bool)> = HashMap::new();
     for link in graph.links.iter().filter(|link| link.layer > 0 && link.kind != LinkKind::Watercourse) {
         for node in [link.from, link.to] {

@@ -5,17 +5,17 @@
 //! and by its ends, from which the ways lead down as steeply as their kind may.
 
 use core::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap, HashMap};
+use std::collections::{BTreeMap, BinaryHeap, HashMap, HashSet};
 
 use glam::DVec2;
 use veduta_city::{CityGraph, GridPos, Id, Link, LinkKind, StreetClass};
 
 use super::band::{band, part, stations};
-use super::bridges::{Chain, LEAST_M, chains};
+use super::bridges::{Chain, LEAST_M, aloft, chains};
 use super::crossings::{Crossing, Map};
 use super::index::Index;
 use super::outline::distance_to_edge;
-use super::streets::{length_m, width_at_m};
+use super::streets::{along, length_m, width_at_m};
 
 /// Room above what passes below, metres: railways, streets with carriageways, and other ways.
 const CLEAR_M: [f64; 3] = [5.4, 4.6, 2.8];
@@ -36,6 +36,8 @@ const MOST_M: f64 = 30.0;
 const MOST_ABOVE_M: f64 = 3.0;
 /// Bridges that end nearer to what they cross than this have no room for an abutment, metres.
 const ABUTMENT_M: f64 = 1.0;
+/// What they cross is looked at so far from there, metres.
+const NEAR_M: f64 = 12.0;
 /// Bridges over bridges over … are raised one after another, in so many rounds.
 const ROUNDS: usize = 4;
 /// Where trams lie on raised streets is told in pieces of this length, metres.
@@ -87,7 +89,7 @@ struct Deck {
 }
 
 impl Deck {
-    fn of(map: &Map<'_>, chain: &Chain) -> Option<Self> {
+    fn of(map: &Map<'_>, chain: &Chain, aloft: &HashSet<Id>) -> Option<Self> {
         let links = || chain.links.iter().filter_map(|&(link, _)| map.graph.links.get(link));
         let length_m = length_m(&chain.line);
         let ends = chain.ends(map.graph)?;
@@ -100,18 +102,35 @@ impl Deck {
             let line = between(ground_m, crossing.upper_m / length_m);
             let lower = &map.graph.links[crossing.lower];
             let half_m = width_at_m(lower, crossing.lower_m / map.length_m(crossing.lower).max(1e-9)) / 2.0;
-            let line_below = map.line(crossing.lower);
-            let far = |end: &DVec2| {
-                let pieces = line_below.windows(2).map(|pair| distance_to_edge(*end, pair[0], pair[1]));
+            // Where bridges part in the air there is no abutment. What passes below may lead to one farther on.
+            let line_below = near(&map.line(crossing.lower), crossing.lower_m, half_m + NEAR_M);
+            let far = |end: DVec2| {
+                let pieces = line_below.windows(2).map(|pair| distance_to_edge(end, pair[0], pair[1]));
                 pieces.fold(f64::INFINITY, f64::min)
             };
-            let from_ends_m = chain.line.first().map_or(0.0, far).min(chain.line.last().map_or(0.0, far));
+            let on_land = [chain.line.first(), chain.line.last()].into_iter().zip(ends).filter(|(_, node)| !aloft.contains(node));
+            let from_ends_m = on_land.filter_map(|(p, _)| Some(far(*p?))).fold(f64::INFINITY, f64::min);
             from_ends_m > half_m + ABUTMENT_M && map.ground_m(crossing.pos) < line + MOST_ABOVE_M
         };
         let mut crossings = if length_m > LEAST_M { map.crossings(chain) } else { Vec::new() };
-        crossings.retain(is_meant);
+        // A way that winds over itself rises as its ends do, and never clears itself.
+        crossings.retain(|crossing| is_meant(crossing) && chain.links.iter().all(|&(link, _)| link != crossing.lower));
         Some(Self { ends, ground_m, length_m, camber_m: 0.0, most_m, thick_m, crossings })
     }
+}
+
+/// The part of a line that is so near to a place along it.
+fn near(line: &[DVec2], at_m: f64, reach_m: f64) -> Vec<DVec2> {
+    let whole = length_m(line);
+    let (from, to) = ((at_m - reach_m).max(0.0), (at_m + reach_m).min(whole));
+    let mut gone = 0.0;
+    let mut inside = Vec::new();
+    for pair in line.windows(2) {
+        gone += pair[0].distance(pair[1]);
+        inside.extend((from < gone && gone < to).then_some(pair[1]));
+    }
+    let end = |s: f64| along(line, s.clamp(0.0, (whole - 1e-6).max(0.0))).map(|(p, _)| p);
+    end(from).into_iter().chain(inside).chain(end(to)).collect()
 }
 
 fn between([from, to]: [f64; 2], share: f64) -> f64 {
@@ -129,10 +148,10 @@ impl Earthworks {
         if chains.is_empty() {
             return Self::default();
         }
-        let map = Map::of(graph);
+        let (map, aloft) = (Map::of(graph), aloft(graph));
         let mut works = Self::default();
         for chain in &chains {
-            let Some(deck) = Deck::of(&map, chain) else { continue };
+            let Some(deck) = Deck::of(&map, chain, &aloft) else { continue };
             let mut gone = 0.0;
             for &(link, is_back) in &chain.links {
                 works.of_link.insert(link, (works.decks.len(), is_back, gone));

@@ -83,8 +83,9 @@ impl List {
 const FARTHEST_MOVE_M: f64 = 100.0;
 /// Room that a visitor needs between things that stand; metres.
 const ROOM_M: f64 = 0.5;
-/// … and that one who was moved has to see them; metres.
+/// … and that one who was moved has to see them, if there is so much not far away; metres.
 const SIGHT_M: f64 = 4.5;
+const NEAR_M: f64 = 20.0;
 
 /// Where a visit begins: the graph's own choice, else in the middle of the walkable street nearest to the city's middle, looking
 /// along it; moved out of houses and what stands, back from where it looks if there is room, so that what was in the way is seen.
@@ -106,8 +107,12 @@ pub(super) fn start(
     }
     let is_dry =
         |pos: DVec2| site.deck(pos).is_some() || site.surface(pos).is_some_and(|(surface, _)| surface != SurfaceKind::Water);
-    let mut places = about(chosen.pos, chosen.heading_deg + 180.0, FARTHEST_MOVE_M);
-    let Some(pos) = places.find(|&pos| is_free(pos, SIGHT_M) && is_dry(pos)) else { return chosen };
+    let place = |room_m: f64, within_m: f64| {
+        let mut places = about(chosen.pos, chosen.heading_deg + 180.0, within_m);
+        places.find(|&pos| is_free(pos, room_m) && is_dry(pos))
+    };
+    let found = place(SIGHT_M, NEAR_M).or_else(|| place(ROOM_M, FARTHEST_MOVE_M));
+    let Some(pos) = found else { return chosen };
     if given.is_some() && !site.is_free(chosen.pos) {
         let message = "start: it lay inside a house and was moved to free ground";
         findings.push(Finding::new(Severity::Repaired, Id::NONE, Some(chosen.pos), message));

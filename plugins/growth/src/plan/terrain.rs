@@ -6,7 +6,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::{BlockKind, CityGraph, GRID_PER_METRE, GridPolygon, GridPos, Link, LinkKind, PlanTerrain, Terrain, metres};
 
-use super::bridges::Bridges;
+use super::bridges::{Bridges, CLEAR_M};
 use super::earthworks::Earthworks;
 use super::extent::Extent;
 use super::index::Index;
@@ -43,8 +43,9 @@ pub(super) fn terrain(graph: &CityGraph, (bridges, works): (&Bridges, &Earthwork
         let line = graph.polyline(link, &at).filter(|_| is_cut)?;
         let mut pieces = pieces(&line, (i, link), raw, (bridges, works));
         if link.kind == (LinkKind::Railway { tram: true }) {
-            // Trams go where their streets do.
-            pieces.retain(|piece| !works.are_at((piece.ends.0 + piece.ends.1) / 2.0));
+            // Trams go where their streets do, over bridges too.
+            let is_own = |piece: &Piece| !works.are_at((piece.ends.0 + piece.ends.1) / 2.0);
+            pieces.retain(|piece| link.layer == 0 && is_own(piece));
         }
         Some(posts.claims(&pieces))
     };
@@ -256,8 +257,10 @@ fn pieces(line: &[DVec2], (i, link): (usize, &Link), raw: &Raw<'_>, (bridges, wo
             let ((s, a), (t, b)) = (pair[0], pair[1]);
             let is_raised = works.link_m(i, share(s)).max(works.link_m(i, share(t))) > 0.0;
             // What a map lays over another way and cannot fly is no more in that one's way than a bridge.
-            let flat = (false, link.layer > 0 && is_raised);
-            let (is_deck, is_bridge) = bridges.is_bridge(i, share((s + t) / 2.0)).unwrap_or(flat);
+            let above_m = (height(s) - raw.height_m(a)).min(height(t) - raw.height_m(b));
+            let is_dam = link.layer > 0 && above_m > CLEAR_M;
+            let (is_deck, is_bridge) = bridges.is_bridge(i, share((s + t) / 2.0)).unwrap_or_default();
+            let is_bridge = is_bridge || is_dam;
             out.push(Piece {
                 is_bridge,
                 is_steep: is_deck || is_raised,
