@@ -297,33 +297,29 @@ fn trams_go_over_a_bridge_with_their_street() {
     assert!((with - without).abs() < 0.05, "{without} m without trams, {with} m with them");
 }
 
-#[test]
-fn a_bridge_that_parts_over_what_it_crosses_clears_it() {
+/// A bridge over a railway from which another parts so far beyond its middle line.
+fn parting(east_m: f64) -> CityGraph {
     let mut graph = overpass(60.0, "Street(Main), width_m: 12", "Railway(tram: false), width_m: 9");
     in_pieces(&mut graph, 2);
     let ramp = "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 31, pos: (55, -30)), (id: 32, pos: (200, -60)), (id: 101, pos: (0, 0))],
         links: [(id: 41, from: 101, to: 31, kind: Street(Street), layer: 1), (id: 42, from: 31, to: 32, kind: Street(Street))])";
     let ramp: CityGraph = file::parse(ramp, "ramp").unwrap_or_else(|e| panic!("{e}"));
-    graph.nodes.iter_mut().filter(|node| node.id == Id(101)).for_each(|node| node.pos = DVec2::new(3.0, 0.0));
+    graph.nodes.iter_mut().filter(|node| node.id == Id(101)).for_each(|node| node.pos = DVec2::new(east_m, 0.0));
     graph.nodes.extend(ramp.nodes.into_iter().filter(|node| node.id != Id(101)));
     graph.links.extend(ramp.links);
-    let plan = grown(&graph);
+    graph
+}
+
+#[test]
+fn a_bridge_that_parts_over_what_it_crosses_clears_it() {
+    let plan = grown(&parting(3.0));
     let deck = plan.bridges.iter().find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge over the rails");
     assert!(deck - plan.terrain.height_m(DVec2::ZERO) > 5.7, "{deck}");
 }
 
 #[test]
 fn where_bridges_part_in_the_air_they_stand_on_piers() {
-    let mut graph = overpass(60.0, "Street(Main), width_m: 12", "Railway(tram: false), width_m: 9");
-    in_pieces(&mut graph, 2);
-    let ramp = "(name: \"T\", anchor: (lat: 50, lon: 14), nodes: [(id: 31, pos: (55, -30)), (id: 32, pos: (200, -60)), (id: 101, pos: (0, 0))],
-        links: [(id: 41, from: 101, to: 31, kind: Street(Street), layer: 1), (id: 42, from: 31, to: 32, kind: Street(Street))])";
-    let ramp: CityGraph = file::parse(ramp, "ramp").unwrap_or_else(|e| panic!("{e}"));
-    // They part 15 m from the railway.
-    graph.nodes.iter_mut().filter(|node| node.id == Id(101)).for_each(|node| node.pos = DVec2::new(15.0, 0.0));
-    graph.nodes.extend(ramp.nodes.into_iter().filter(|node| node.id != Id(101)));
-    graph.links.extend(ramp.links);
-    let plan = grown(&graph);
+    let plan = grown(&parting(15.0));
     let part = DVec2::new(15.0, 0.0);
     assert!(plan.terrain.height_m(part).abs() < 0.1, "a mound under the bridges: {}", plan.terrain.height_m(part));
     let heights: Vec<f64> = plan.bridges.iter().filter_map(|span| span.height_m(part)).collect();
