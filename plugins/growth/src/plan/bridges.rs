@@ -270,18 +270,22 @@ impl Bridges {
         self.ways[*way].ground_m(range.start + (range.end - range.start) * share)
     }
 
-    /// Whether a link is part of a bridge, and whether its ground at a share of its length is there for that alone: not where the bridge goes
-    /// on from a part of it that is near the ground. `None` if it never leaves that.
-    pub fn is_bridge(&self, link: usize, share: f64) -> Option<(bool, bool)> {
+    /// Whether a link is part of what a map says is a bridge, and leaves the ground somewhere.
+    pub fn is_bridge(&self, link: usize) -> bool {
+        self.of_link.get(&link).is_some_and(|(way, ..)| self.ways[*way].deck.is_some())
+    }
+
+    /// Of a link's ground at a share of its length that lies under a bridge's end: whether it is there for that alone, not where the bridge
+    /// goes on from a part of it that is near the ground. `None` elsewhere.
+    pub fn is_under_end(&self, link: usize, share: f64) -> Option<bool> {
         let (way, is_back, range) = self.of_link.get(&link)?;
+        let way = &self.ways[*way];
+        way.deck.as_ref()?;
         let share = if *is_back { 1.0 - share } else { share };
         let s = range.start + (range.end - range.start) * share;
-        let way = &self.ways[*way];
-        let is_whole = |stretch: &Stretch| {
-            let nearest_m = if s < stretch.middle() { stretch.range.start } else { way.length_m - stretch.range.end };
-            stretch.range.contains(&s) && nearest_m < WITHIN_M
-        };
-        Some((way.deck.is_some(), way.deck.is_some() && way.stretches.iter().any(is_whole)))
+        let stretch = way.stretches.iter().find(|stretch| stretch.range.contains(&s))?;
+        let nearest_m = if s < stretch.middle() { stretch.range.start } else { way.length_m - stretch.range.end };
+        Some(nearest_m < WITHIN_M)
     }
 }
 

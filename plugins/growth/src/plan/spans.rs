@@ -186,8 +186,7 @@ impl Builder<'_> {
         for (i, s, by) in
             [(0, start, -MEET_M), (last, end, MEET_M)].into_iter().zip(is_aloft).filter_map(|(at, is)| is.then_some(at))
         {
-            let Some((_, along)) = way.at(s) else { continue };
-            let station = &mut stations[i].1;
+            let (Some((_, along)), Some((_, station))) = (way.at(s), stations.get_mut(i)) else { continue };
             let moved = |p: GridPos| GridPos::from_metres(p.to_metres() + along * by);
             (station.left, station.right) = (moved(station.left), moved(station.right));
         }

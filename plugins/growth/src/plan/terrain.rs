@@ -259,11 +259,9 @@ fn pieces(line: &[DVec2], (i, link): (usize, &Link), raw: &Raw<'_>, (bridges, wo
             // What a map lays over another way and cannot fly is no more in that one's way than a bridge.
             let above_m = (height(s) - raw.height_m(a)).min(height(t) - raw.height_m(b));
             let is_dam = link.layer > 0 && above_m > CLEAR_M;
-            let (is_deck, is_bridge) = bridges.is_bridge(i, share((s + t) / 2.0)).unwrap_or_default();
-            let is_bridge = is_bridge || is_dam;
             out.push(Piece {
-                is_bridge,
-                is_steep: is_deck || is_raised,
+                is_bridge: bridges.is_under_end(i, share((s + t) / 2.0)).unwrap_or(is_dam),
+                is_steep: bridges.is_bridge(i) || is_raised,
                 is_end: (k == 0 && part.start > 0.0, k + 2 == of_part.len() && part.end < 1.0),
                 ends: (a, b),
                 height_m: (height(s), height(t)),
