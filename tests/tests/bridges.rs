@@ -5,12 +5,12 @@ use bevy::prelude::*;
 use veduta::prelude::*;
 use veduta::walker::Intent;
 use veduta_bake::{BakeSettings, Input, plan};
-use veduta_city::{BridgeSpan, Viewpoint};
+use veduta_city::{Viewpoint, WaySpan};
 use veduta_tests::{riverside_city, riverside_graph, walker_in};
 
-fn bridges() -> Vec<BridgeSpan> {
+fn bridges() -> Vec<WaySpan> {
     let input = Input::of(&riverside_graph()).unwrap_or_else(|e| panic!("{e}"));
-    plan(&input, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).plan.bridges
+    plan(&input, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).plan.spans
 }
 
 fn eye(app: &App, walker: Entity) -> Eye {
@@ -22,7 +22,7 @@ fn go(app: &mut App, intent: Intent) {
     app.update();
 }
 
-fn on_bridge(bridges: &[BridgeSpan], pos: DVec2) -> Option<f64> {
+fn on_bridge(bridges: &[WaySpan], pos: DVec2) -> Option<f64> {
     bridges.iter().find_map(|span| span.height_m(pos))
 }
 

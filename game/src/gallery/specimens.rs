@@ -220,6 +220,10 @@ const OVERPASSES: [(&str, &str, &str); 3] = [
     ("rails_over_a_street", "Railway(tram: false)", "Street(Main)"),
 ];
 
+/// What leads under a street.
+const TUNNELS: [(&str, &str); 3] =
+    [("a_street_under_a_street", "Street(Main)"), ("a_footway_under_a_street", "Street(Path)"), ("rails_under_a_street", "Railway(tram: false)")];
+
 fn crossings(town: &mut Town) {
     for (name, arms, classes) in CROSSINGS {
         let x = town.east + 100.0;
@@ -242,6 +246,17 @@ fn crossings(town: &mut Town) {
         let (south, north) = (town.node(x, -110.0), town.node(x, 190.0));
         town.way(south, north, below, 0);
         town.specimen(name, DVec2::new(x - 14.0, -4.0), 9.0, (18.0, -8.0));
+    }
+    for (name, below) in TUNNELS {
+        let x = town.east + 330.0;
+        town.east += 660.0;
+        let ends = [-320.0, -20.0, 20.0, 320.0].map(|along| town.node(x + along, 40.0));
+        for (pair, layer) in ends.windows(2).zip([0, -1, 0]) {
+            town.way(pair[0], pair[1], below, layer);
+        }
+        let (south, north) = (town.node(x, -110.0), town.node(x, 190.0));
+        town.way(south, north, "Street(Street)", 0);
+        town.specimen(name, DVec2::new(x - 40.0, 38.5), 2.6, (88.0, 2.0));
     }
 }
 

@@ -67,13 +67,13 @@ pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>,
     let mut painter = Painter::new(settings.texture_px, plan.seed, Textures::Within);
     let mut glb = Glb::new(&mut painter);
     let (terrain, ground) = (plan.terrain.clone(), plan.ground.clone());
-    let (bridges, drawn_bridges) = (plan.bridges.clone(), plan.bridges.len() as u32);
+    let (spans, drawn_spans) = (plan.spans.clone(), plan.spans.len() as u32);
     let (courses, markings) = (plan.courses.clone(), plan.markings.clone());
-    let shell = CellShell { terrain, ground, courses, markings, bridges, drawn_bridges, ..CellShell::default() };
+    let shell = CellShell { terrain, ground, courses, markings, spans, drawn_spans, ..CellShell::default() };
     let mut streets = mesh::ground(&shell);
     streets.append(&mesh::markings(&shell));
     let ground = glb.leaf("ground", &streets)?;
-    let bridges = glb.leaf("bridges", &mesh::bridges(&shell))?;
+    let spans = glb.leaf("spans", &mesh::spans(&shell))?;
     let mut houses = Vec::with_capacity(plan.houses.len());
     for house in &plan.houses {
         houses.push(export_house(&mut glb, plan, house)?);
@@ -85,7 +85,7 @@ pub fn export_glb(plan: &CityPlan, settings: &ExportSettings) -> Result<Vec<u8>,
         objects.extend(export_object(&mut glb, &mut shapes, &plan.designs, object)?);
     }
     let objects = glb.node(Node { name: "objects", children: objects, ..Node::default() })?;
-    let children = ground.into_iter().chain(bridges).chain([houses, objects]).collect();
+    let children = ground.into_iter().chain(spans).chain([houses, objects]).collect();
     let city = glb.node(Node { name: &plan.name, children, extras: about(plan), ..Node::default() })?;
     glb.finish(city, &plan.attribution)
 }
@@ -147,7 +147,7 @@ fn export_cell(
     shell.houses.clear();
     let mut streets = mesh::ground(&shell);
     streets.append(&mesh::markings(&shell));
-    for (name, made) in [("ground", streets), ("bridges", mesh::bridges(&shell))] {
+    for (name, made) in [("ground", streets), ("spans", mesh::spans(&shell))] {
         if let Some(mesh) = glb.mesh(&made)? {
             children.push(glb.node(Node { name, mesh: Some(mesh), place, ..Node::default() })?);
         }

@@ -29,7 +29,7 @@ pub fn map_svg(plan: &CityPlan) -> String {
             path(&mut svg, &patch.outline, ink);
         }
     }
-    for span in &plan.bridges {
+    for span in plan.spans.iter().filter(|span| !span.is_bore()) {
         if let Some(ink) = ink(span.surface) {
             path(&mut svg, &span.outline(), ink);
         }
@@ -64,7 +64,7 @@ const fn ink(surface: SurfaceKind) -> Option<&'static str> {
         SurfaceKind::Grass => Some("#c4d3a6"),
         SurfaceKind::Water => Some("#9fc0ce"),
         SurfaceKind::Ballast => Some("#c9c4bc"),
-        SurfaceKind::Yard => None,
+        SurfaceKind::Yard | SurfaceKind::Opening => None,
     }
 }
 

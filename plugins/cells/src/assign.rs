@@ -23,7 +23,7 @@ pub(crate) fn assign(plan: &CityPlan, cells: &mut Cells, findings: &mut Vec<Find
         Some(GridPos::from_metres((first.to_metres() + last.to_metres()) / 2.0))
     };
     let markings: Vec<Option<u32>> = plan.markings.iter().map(|m| locator.find_or_nearest(middle(m)?)).collect();
-    let bridges: Vec<Option<u32>> = plan.bridges.iter().map(|span| locator.find_or_nearest(span.middle()?)).collect();
+    let spans: Vec<Option<u32>> = plan.spans.iter().map(|span| locator.find_or_nearest(span.middle()?)).collect();
     for (h, (house, home)) in (0..).zip(plan.houses.iter().zip(homes)) {
         let Some(home) = home else {
             let message = "a house without a footprint, or with more than 65,535 volumes or walls, has no cell";
@@ -45,9 +45,9 @@ pub(crate) fn assign(plan: &CityPlan, cells: &mut Cells, findings: &mut Vec<Find
             cells.cells[cell as usize].markings.push(m);
         }
     }
-    for (b, cell) in (0..).zip(bridges) {
+    for (b, cell) in (0..).zip(spans) {
         if let Some(cell) = cell {
-            cells.cells[cell as usize].bridges.push(b);
+            cells.cells[cell as usize].spans.push(b);
         }
     }
 }

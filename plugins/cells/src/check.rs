@@ -170,7 +170,7 @@ fn check_lists(plan: &CityPlan, cells: &Cells, errors: &mut Vec<CellsError>) {
         indices("houses", &cell.houses, plan.houses.len());
         indices("objects", &cell.objects, plan.objects.len());
         indices("markings", &cell.markings, plan.markings.len());
-        indices("spans of bridges", &cell.bridges, plan.bridges.len());
+        indices("spans of ways", &cell.spans, plan.spans.len());
         if !cell.walls.is_sorted_by(|a, b| a < b) {
             errors.push(CellsError::Unsorted { cell: cell.id, what: "walls" });
         }
@@ -239,8 +239,8 @@ fn check_owners(plan: &CityPlan, cells: &Cells, errors: &mut Vec<CellsError>) {
     let houses = count(plan.houses.len(), |cell| &cell.houses);
     let objects = count(plan.objects.len(), |cell| &cell.objects);
     let markings = count(plan.markings.len(), |cell| &cell.markings);
-    let bridges = count(plan.bridges.len(), |cell| &cell.bridges);
-    for (what, owners) in [("roof of house", houses), ("object", objects), ("marking", markings), ("span of a bridge", bridges)] {
+    let spans = count(plan.spans.len(), |cell| &cell.spans);
+    for (what, owners) in [("roof of house", houses), ("object", objects), ("marking", markings), ("span of a way", spans)] {
         let not_once = owners.into_iter().enumerate().filter(|&(_, n)| n != 1);
         errors.extend(not_once.map(|(i, cells)| CellsError::NotOnce { what, index: i.to_string(), cells }));
     }

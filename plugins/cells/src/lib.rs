@@ -43,7 +43,8 @@
 //!
 //! # Limits
 //! * One floor: passages under hanging volumes are free space, and so is what lies under bridges: a span belongs to the cell that its
-//!   middle lies over, and whoever is on it is in the cell below.
+//!   middle lies over, and whoever is on it is in the cell below. Tunnels' spans belong to the cells above them; who sees one of them
+//!   sees them all.
 //! * Visibility is in plan: what rises above the roofs is told by [`veduta_city::Cells::skyline`], everything lower is taken to be
 //!   hidden by any house. Walls inside one cell hide nothing. Both only matter to what is loaded, never to what is drawn. On slopes
 //!   it is not so: who looks down over roofs may see farther than what is loaded.
@@ -75,6 +76,7 @@ mod reach;
 mod shell;
 mod skyline;
 mod triangulate;
+mod tunnels;
 mod visible;
 
 /// Version of the partition: the same plan gives the same cells, portals and visible sets by one version; another may differ.

@@ -1,6 +1,6 @@
 use veduta_city::{Cell, Cells, CityPlan, Finding, Id, Severity};
 
-use crate::{assign, free, merge, name, outline, patches::Patches, reach, skyline, triangulate, visible};
+use crate::{assign, free, merge, name, outline, patches::Patches, reach, skyline, triangulate, tunnels, visible};
 
 /// How free space is cut.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,6 +90,7 @@ pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     assign::floors(&patches, &mut cells);
     drop(patches);
     cells.visible = visible::visible_sets(&cells, settings, &mut findings);
+    tunnels::see_through(plan, &mut cells);
     cells.skyline = skyline::skyline(plan, &cells);
     Partition { cells, findings }
 }

@@ -2,8 +2,8 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 use veduta_city::{
-    BridgeSpan, BridgeStation, Cell, CellShell, Cells, CityPlan, Course, Design, FacadeSheet, GRID_PER_METRE, GridPolygon, GridPos,
-    GridRing, GroundPatch, House, HouseShell, Marking, PlacedMonument, PlanObject, PlanTerrain, Portal, Volume, VolumeShell,
+    Cell, CellShell, Cells, CityPlan, Course, Design, FacadeSheet, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch,
+    House, HouseShell, Marking, PlacedMonument, PlanObject, PlanTerrain, Portal, SpanStation, Volume, VolumeShell, WaySpan,
 };
 
 use crate::overlay::{Bounds, Keep, combine, turned_rings};
@@ -21,7 +21,7 @@ impl<'a> Contents<'a> {
     /// For the cells of a plan.
     #[must_use]
     pub fn new(plan: &'a CityPlan, cells: &'a Cells) -> Self {
-        let decks = plan.bridges.iter().map(|span| span.outline().bounds()).collect();
+        let decks = plan.spans.iter().map(|span| span.outline().bounds()).collect();
         Self { plan, cells, patches: Patches::new(plan), decks }
     }
 
@@ -46,19 +46,19 @@ impl<'a> Contents<'a> {
         let mut designs = Designs::default();
         let monuments = monuments(plan, cell, origin, &mut designs);
         let objects = objects(plan, cell, origin, &mut designs);
-        let bridges = bridges(plan, cell, &self.decks, origin);
+        let spans = spans(plan, cell, &self.decks, origin);
         CellShell {
             origin,
             outline: moved(&cell.outline, origin),
-            terrain: terrain(plan, origin, &ground, &houses),
+            terrain: terrain(plan, origin, &ground, (&houses, spans.get(..cell.spans.len()).unwrap_or_default())),
             ground,
             courses,
             houses,
             objects,
             blind: blind(self.cells, cell, origin),
             markings: markings(plan, cell, origin),
-            bridges,
-            drawn_bridges: cell.bridges.len() as u32,
+            spans,
+            drawn_spans: cell.spans.len() as u32,
             designs: designs.list,
             monuments,
         }
@@ -116,11 +116,14 @@ fn courses(plan: &CityPlan, ground: &[(&GroundPatch, GridPolygon)], origin: Grid
     (parts.into_iter().map(|part| part.1).collect(), numbers)
 }
 
-/// The terrain under some ground and houses.
-fn terrain(plan: &CityPlan, origin: GridPos, ground: &[GroundPatch], houses: &[HouseShell]) -> PlanTerrain {
+/// The terrain under some ground and houses, and above ways that lead below it.
+fn terrain(plan: &CityPlan, origin: GridPos, ground: &[GroundPatch], (houses, spans): (&[HouseShell], &[WaySpan])) -> PlanTerrain {
     let footprints = houses.iter().flat_map(|house| &house.volumes).map(|volume| &volume.footprint);
     let bounds = ground.iter().map(|patch| &patch.outline).chain(footprints).filter_map(GridPolygon::bounds);
-    let about = bounds.reduce(|(lo, hi), (l, h)| (GridPos(lo.0.min(l.0), lo.1.min(l.1)), GridPos(hi.0.max(h.0), hi.1.max(h.1))));
+    let below = spans.iter().filter(|span| span.is_ramp() || span.is_bore()).filter_map(|span| span.outline().bounds());
+    let about = bounds
+        .chain(below)
+        .reduce(|(lo, hi), (l, h)| (GridPos(lo.0.min(l.0), lo.1.min(l.1)), GridPos(hi.0.max(h.0), hi.1.max(h.1))));
     let Some((lo, hi)) = about.filter(|_| !plan.terrain.is_level()) else { return PlanTerrain::default() };
     let place = |p: GridPos| GridPos(p.0.wrapping_add(origin.0), p.1.wrapping_add(origin.1));
     plan.terrain.crop((place(lo), place(hi)), origin)
@@ -227,14 +230,14 @@ fn markings(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<Marking> {
 }
 
 /// Spans that the cell draws, then those that others draw over it.
-fn bridges(plan: &CityPlan, cell: &Cell, decks: &[Option<Bounds>], origin: GridPos) -> Vec<BridgeSpan> {
+fn spans(plan: &CityPlan, cell: &Cell, decks: &[Option<Bounds>], origin: GridPos) -> Vec<WaySpan> {
     let Some((lo, hi)) = cell.outline.bounds() else { return Vec::new() };
     let touches = |(low, high): Bounds| low.0 <= hi.0 && lo.0 <= high.0 && low.1 <= hi.1 && lo.1 <= high.1;
-    let others = (0..).zip(decks).filter(|(b, bounds)| bounds.is_some_and(touches) && cell.bridges.binary_search(b).is_err());
-    let here = cell.bridges.iter().copied().chain(others.map(|(b, _)| b));
-    let station = |s: &BridgeStation| BridgeStation { left: local(s.left, origin), right: local(s.right, origin), z: s.z };
-    let spans = here.filter_map(|b| plan.bridges.get(b as usize));
-    spans.map(|span| BridgeSpan { stations: span.stations.iter().map(station).collect(), ..span.clone() }).collect()
+    let others = (0..).zip(decks).filter(|(b, bounds)| bounds.is_some_and(touches) && cell.spans.binary_search(b).is_err());
+    let here = cell.spans.iter().copied().chain(others.map(|(b, _)| b));
+    let station = |s: &SpanStation| SpanStation { left: local(s.left, origin), right: local(s.right, origin), z: s.z };
+    let spans = here.filter_map(|b| plan.spans.get(b as usize));
+    spans.map(|span| WaySpan { stations: span.stations.iter().map(station).collect(), ..span.clone() }).collect()
 }
 
 fn blind(cells: &Cells, cell: &Cell, origin: GridPos) -> Vec<Portal> {

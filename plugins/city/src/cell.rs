@@ -42,9 +42,9 @@ pub struct Cell {
     /// Markings whose middles lie in it, as indices of the plan, ascending.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub markings: Vec<u32>,
-    /// Spans of bridges whose middles lie in it, as indices of the plan, ascending.
+    /// Spans of ways whose middles lie in it, as indices of the plan, ascending.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub bridges: Vec<u32>,
+    pub spans: Vec<u32>,
     /// Free space that nobody can reach (enclosed courtyards), nearer to this cell than to any other: its ground comes with the
     /// cell, so that nothing is missing from above.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

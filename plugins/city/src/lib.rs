@@ -22,7 +22,6 @@
 
 mod anchor;
 mod arcade;
-mod bridge;
 mod cell;
 mod colour;
 mod course;
@@ -46,6 +45,7 @@ mod packet;
 mod place;
 mod plan;
 mod season;
+mod span;
 mod style;
 mod terrain;
 #[cfg(test)]
@@ -56,7 +56,6 @@ mod width;
 
 pub use anchor::Anchor;
 pub use arcade::Arcade;
-pub use bridge::{BridgeForm, BridgeSpan, BridgeStation, SpanMarking};
 pub use cell::{Cell, Cells, Portal, PortalSide};
 pub use colour::{ParseColourError, Rgb};
 pub use course::Course;
@@ -83,6 +82,7 @@ pub use plan::{
     SurfaceKind, Volume, Wall, WallKind,
 };
 pub use season::Season;
+pub use span::{BoreEnd, SpanForm, SpanMarking, SpanStation, WaySpan};
 pub use style::{Gable, Range, Stand, Style, StyleDraft, StyleError, Styles};
 pub use terrain::{PlanTerrain, Terrain};
 pub use tile::Tile;

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{BridgeSpan, CityPlan, GridPolygon, GridPos, Id, ObjectKind, PlanStreet, PlanTerrain, SurfaceKind, Volume};
+use crate::{CityPlan, GridPolygon, GridPos, Id, ObjectKind, PlanStreet, PlanTerrain, SurfaceKind, Volume, WaySpan};
 
 /// What maps, search and routes need of a whole city, without its façades.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -20,9 +20,9 @@ pub struct Overview {
     pub names: Vec<HouseName>,
     /// What stands in the streets.
     pub objects: Vec<(ObjectKind, GridPos)>,
-    /// Spans of bridges.
+    /// Spans of ways on bridges and below the ground.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub bridges: Vec<BridgeSpan>,
+    pub spans: Vec<WaySpan>,
 }
 
 /// How people call a house.
@@ -46,7 +46,7 @@ impl Overview {
             streets: plan.streets.clone(),
             areas: plan.ground.iter().map(|patch| (patch.surface, patch.outline.clone())).collect(),
             objects: plan.objects.iter().map(|object| (object.kind, object.pos)).collect(),
-            bridges: plan.bridges.clone(),
+            spans: plan.spans.clone(),
             ..Self::default()
         };
         for house in &plan.houses {

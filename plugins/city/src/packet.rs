@@ -3,8 +3,8 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Arcade, BridgeSpan, Course, Design, Gable, GridPolygon, GridPos, GroundPatch, Id, Marking, PlacedMonument, PlanObject,
-    PlanRoof, PlanTerrain, Portal, Rgb, Volume, Wall,
+    Arcade, Course, Design, Gable, GridPolygon, GridPos, GroundPatch, Id, Marking, PlacedMonument, PlanObject, PlanRoof,
+    PlanTerrain, Portal, Rgb, Volume, Wall, WaySpan,
 };
 
 /// Urban level of detail of a façade.
@@ -112,12 +112,12 @@ pub struct CellShell {
     /// Paint and rails on the ground.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub markings: Vec<Marking>,
-    /// Spans of bridges that lie over the cell, or end at it: first those that it draws.
+    /// Spans of ways that lie over or under the cell, or end at it: first those that it draws.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub bridges: Vec<BridgeSpan>,
+    pub spans: Vec<WaySpan>,
     /// How many of them it draws.
     #[serde(default)]
-    pub drawn_bridges: u32,
+    pub drawn_spans: u32,
     /// Designs of the monuments.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub designs: Vec<Design>,

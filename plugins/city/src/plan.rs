@@ -1,8 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Anchor, Arcade, BridgeSpan, Course, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Ornament, Place, PlacedMonument,
-    PlanTerrain, Rgb, RoofShape, Styles, Viewpoint,
+    Anchor, Arcade, Course, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Ornament, Place, PlacedMonument, PlanTerrain, Rgb,
+    RoofShape, Styles, Viewpoint, WaySpan,
 };
 
 /// The city plan: everything that will stand and lie in the city, on the grid, with every choice made that looks at
@@ -45,9 +45,9 @@ pub struct CityPlan {
     /// What is painted on carriageways, and rails.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub markings: Vec<Marking>,
-    /// Spans of bridges, those of each one after another.
+    /// Where ways leave the ground, on bridges and in tunnels: the spans of each one after another.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub bridges: Vec<BridgeSpan>,
+    pub spans: Vec<WaySpan>,
     /// Centre lines with names, for maps, routes and labels.
     pub streets: Vec<PlanStreet>,
     /// Things with a name.
@@ -75,13 +75,15 @@ pub enum SurfaceKind {
     Water,
     /// Rails in ballast.
     Ballast,
+    /// Nothing: the ground is open there, above a ramp that leads down to a tunnel. Not drawn and not walkable.
+    Opening,
 }
 
 impl SurfaceKind {
     /// Whether people may walk on it.
     #[must_use]
     pub const fn is_walkable(self) -> bool {
-        !matches!(self, Self::Water)
+        !matches!(self, Self::Water | Self::Opening)
     }
 
     /// Whether it belongs to streets and squares, where cells begin.

@@ -2,7 +2,7 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::system::SystemParam;
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use veduta_city::{BridgeSpan, GridPos};
+use veduta_city::{GridPos, WaySpan};
 
 use crate::{City, Eye, StandingCells, Viewer};
 
@@ -20,41 +20,35 @@ const LEAST_AROUND_M: f64 = 1.0;
 
 /// Whoever is so far below a bridge goes under it, metres.
 const HEADROOM_M: f64 = 2.0;
-/// No span of a bridge reaches so far from its first station, metres.
+/// Ways that lie no farther below the ground than this end there: it goes on above them; metres.
+const UNDER_M: f64 = 0.3;
+/// No span of a way reaches so far from its first station, metres.
 const LONGEST_SPAN_M: f64 = 100.0;
 
 /// What one stands on somewhere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Floor {
     z_m: f64,
-    is_bridge: bool,
+    /// Whether it is a bridge, a ramp or a tunnel.
+    is_span: bool,
 }
 
 impl Ground<'_> {
     /// Height of what one stands on at a plan position who is at a height there, metres above the city's zero: of the ground, or of
-    /// the highest bridge over it that is not a man's height above. 0 where nothing is known of the ground.
+    /// the highest way on a bridge or in a tunnel there that is not a man's height above. 0 where nothing is known of the ground.
     #[must_use]
     pub fn at(&self, plan_pos: DVec2, near_m: f64) -> f64 {
         self.floor(plan_pos, near_m).map_or(0.0, |floor| floor.z_m)
     }
 
     fn floor(&self, plan_pos: DVec2, near_m: f64) -> Option<Floor> {
-        let over = |spans: &[BridgeSpan], p: DVec2| {
-            let near = spans.iter().filter(|span| {
-                let first = span.stations.first().map(|station| station.left.to_metres());
-                first.is_some_and(|first| first.distance_squared(p) < LONGEST_SPAN_M * LONGEST_SPAN_M)
-            });
-            let heights = near.filter_map(|span| span.height_m(p)).filter(|height| *height < near_m + HEADROOM_M);
-            heights.max_by(f64::total_cmp).map(|z_m| Floor { z_m, is_bridge: true })
-        };
-        let ground = |z_m: f64| Floor { z_m, is_bridge: false };
         if let Some(overview) = self.city.as_ref().and_then(|city| city.overview.as_ref()) {
-            return over(&overview.bridges, plan_pos).or_else(|| Some(ground(overview.terrain.height_m(plan_pos))));
+            return Some(floor(&overview.spans, overview.terrain.height_m(plan_pos), plan_pos, near_m));
         }
         let pos = GridPos::from_metres(plan_pos);
         let (_, _, shell) = self.standing.iter().find(|(_, _, shell)| shell.outline.contains(pos - shell.origin))?;
         let p = plan_pos - shell.origin.to_metres();
-        over(&shell.bridges, p).or_else(|| Some(ground(shell.terrain.height_m(p))))
+        Some(floor(&shell.spans, shell.terrain.height_m(p), p, near_m))
     }
 
     /// The floor that an eye so far above it rises and sinks with, smoother, the higher it is; as [`Ground::at`] else.
@@ -66,9 +60,32 @@ impl Ground<'_> {
         let ways = [(1.0, 0.0), (diagonal, diagonal), (0.0, 1.0), (-diagonal, diagonal)];
         let around = ways.into_iter().map(|(x, y)| DVec2::new(x, y) * reach).flat_map(|way| [plan_pos + way, plan_pos - way]);
         // Where the ground lies beside a bridge does not move whoever is on it.
-        let like = around.filter_map(|pos| self.floor(pos, here.z_m)).filter(|floor| floor.is_bridge == here.is_bridge);
+        let like = around.filter_map(|pos| self.floor(pos, here.z_m)).filter(|floor| floor.is_span == here.is_span);
         let (sum, count) = like.fold((2.0 * here.z_m, 2.0), |(sum, count), floor| (sum + floor.z_m, count + 1.0));
         sum / count
+    }
+}
+
+/// What one stands on who is at a height over ground of another.
+fn floor(spans: &[WaySpan], ground_m: f64, p: DVec2, near_m: f64) -> Floor {
+    let near = spans.iter().filter(|span| {
+        let first = span.stations.first().map(|station| station.left.to_metres());
+        first.is_some_and(|first| first.distance_squared(p) < LONGEST_SPAN_M * LONGEST_SPAN_M)
+    });
+    let (mut best, mut has_ground, mut open) = (None::<f64>, true, ground_m);
+    for (span, height) in near.filter_map(|span| Some((span, span.height_m(p)?))) {
+        if span.is_ramp() {
+            (has_ground, open) = (false, height);
+        }
+        if height < near_m + HEADROOM_M {
+            best = Some(best.map_or(height, |best| best.max(height)));
+        }
+    }
+    let is_reached = has_ground && ground_m < near_m + HEADROOM_M;
+    match best {
+        Some(z_m) if !is_reached || z_m >= ground_m || ground_m - z_m < UNDER_M => Floor { z_m, is_span: true },
+        _ if has_ground => Floor { z_m: ground_m, is_span: false },
+        _ => Floor { z_m: open, is_span: true },
     }
 }
 

@@ -52,12 +52,13 @@ mod outline;
 mod roof;
 mod roof_detail;
 mod shape;
+pub(crate) mod tunnel;
 mod wall;
 
 #[cfg(test)]
 mod proof;
 
-pub use bridge::bridges;
+pub use bridge::spans;
 pub use collision::{Collision, Pillar, Trimesh, collision};
 pub use data::{MeshData, MeshError};
 pub use footing::footings;

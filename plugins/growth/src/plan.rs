@@ -75,6 +75,7 @@ mod stand;
 mod stock;
 mod streets;
 mod terrain;
+mod tunnels;
 mod variety;
 mod walks;
 mod walls;
@@ -87,7 +88,7 @@ use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, 
 pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 14;
+pub const GROWTH_VERSION: u32 = 15;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -159,10 +160,17 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     );
     let depths = water::Depths::of(graph.terrain.as_ref());
     let works = earthworks::Earthworks::of(graph);
-    let bridges = bridges::Bridges::of(graph, &water::Waters::of(graph, &areas, depths), &works);
-    let layers = streets::layers(graph, &areas, (&bridges, depths, &courses), &mut findings);
+    let waters = water::Waters::of(graph, &areas, depths);
+    let mut bridges = bridges::Bridges::of(graph, &waters, &works);
+    let terrain = terrain::terrain(graph, (&bridges, &works), &extent);
+    let mut spans = spans::spans(graph, &bridges, &terrain);
     let book = houses::StyleBook::new(styles, &areas, &mut findings);
     let mut drafts = houses::given(graph, &book, &extent, &mut findings);
+    let below = tunnels::Ground { graph, terrain: &terrain, waters: &waters, bridges: &bridges, given: &drafts, extent: &extent };
+    let tunnels = tunnels::Tunnels::of(&below, &mut findings);
+    spans.extend(tunnels.spans);
+    bridges.add(tunnels.ways);
+    let layers = streets::layers(graph, &areas, (&bridges, depths, &courses), tunnels.openings, &mut findings);
 
     let mut ground = ground::partition(&extent, &layers);
     ground::pave_verges(&mut ground, &extent, &facing::bodies(&drafts));
@@ -172,8 +180,6 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     drafts.extend(grown);
     drop(layers);
     let facing = facing::facing(&drafts, &on_ground);
-    let terrain = terrain::terrain(graph, (&bridges, &works), &extent);
-    let spans = spans::spans(graph, &bridges, &terrain);
     let floors = floors::floors(&drafts, &facing, &terrain);
     let masses = massing::masses(&drafts, &facing, &floors, &book, &mut findings);
     let looks = variety::looks(&drafts, &facing, &book);
@@ -211,8 +217,8 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
         houses,
         objects,
         markings,
-        bridges: spans,
-        streets: streets::centre_lines(graph),
+        spans,
+        streets: streets::centre_lines(graph, &bridges),
     };
     Ok(Growth { plan, findings })
 }

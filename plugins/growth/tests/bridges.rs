@@ -3,8 +3,8 @@
 use glam::DVec2;
 use proptest::prelude::*;
 use veduta_city::{
-    BridgeForm, BridgeSpan, CellShell, CityGraph, CityPlan, GRID_PER_METRE, GridPos, Id, MarkingKind, ObjectKind, SurfaceKind,
-    Terrain, file, metres,
+    CellShell, CityGraph, CityPlan, GRID_PER_METRE, GridPos, Id, MarkingKind, ObjectKind, SpanForm, SurfaceKind, Terrain, WaySpan,
+    file, metres,
 };
 use veduta_growth::mesh;
 use veduta_growth::plan::{Stock, grow};
@@ -36,7 +36,7 @@ fn ground(plan: &CityPlan, p: DVec2) -> (SurfaceKind, f64) {
 }
 
 /// Spans of one bridge share their stations; those at both ends lie on the ground, and what is between is off it.
-fn prove(plan: &CityPlan, spans: &[&BridgeSpan]) {
+fn prove(plan: &CityPlan, spans: &[&WaySpan]) {
     let (first, last) = (spans[0], spans[spans.len() - 1]);
     for pair in spans.windows(2) {
         assert_eq!(pair[0].stations.last(), pair[1].stations.first());
@@ -63,11 +63,11 @@ fn prove(plan: &CityPlan, spans: &[&BridgeSpan]) {
     let shell = CellShell {
         terrain: plan.terrain.clone(),
         ground: plan.ground.clone(),
-        bridges: spans.iter().map(|&span| span.clone()).collect(),
-        drawn_bridges: spans.len() as u32,
+        spans: spans.iter().map(|&span| span.clone()).collect(),
+        drawn_spans: spans.len() as u32,
         ..CellShell::default()
     };
-    let mesh = mesh::bridges(&shell);
+    let mesh = mesh::spans(&shell);
     assert_eq!(mesh.validate(), Ok(()));
     assert!(!mesh.is_empty());
     // Normals look the way their faces turn.
@@ -103,8 +103,8 @@ fn height_on(mesh: &mesh::Trimesh, triangle: [u32; 3], p: DVec2) -> Option<f64> 
 #[test]
 fn a_street_crosses_a_river_on_arches_of_stone() {
     let plan = grown(&river(MAIN));
-    let spans: Vec<&BridgeSpan> = plan.bridges.iter().collect();
-    assert!(spans.len() > 2 && spans.iter().all(|span| span.id == Id(12) && span.form == BridgeForm::Arches));
+    let spans: Vec<&WaySpan> = plan.spans.iter().collect();
+    assert!(spans.len() > 2 && spans.iter().all(|span| span.id == Id(12) && span.form == SpanForm::Arches));
     prove(&plan, &spans);
     // Below it the river flows on, deep under its banks; beside it the street's ground ends in the water.
     assert_eq!(ground(&plan, DVec2::new(0.0, 3.0)).0, SurfaceKind::Water);
@@ -130,7 +130,7 @@ fn streets_beside_one_another_share_their_bridge_and_paths_lie_on_it() {
         (id: 32, from: 2, to: 3, via: [(0, 1)], kind: Street(Path), width_m: 2, layer: 1)"
     );
     let plan = grown(&river(&links));
-    let of = |id: u64| plan.bridges.iter().filter(move |span| span.id == Id(id)).collect::<Vec<_>>();
+    let of = |id: u64| plan.spans.iter().filter(move |span| span.id == Id(id)).collect::<Vec<_>>();
     assert!(of(32).is_empty(), "the footway lies on the bridge");
     let (south, north) = (of(12), of(22));
     prove(&plan, &south);
@@ -144,11 +144,11 @@ fn rails_cross_on_girders_and_trams_on_the_street() {
         "{MAIN}, (id: 41, from: 2, to: 3, kind: Railway(tram: true), layer: 1), (id: 51, from: 8, to: 9, kind: Railway(tram: false), width_m: 9)"
     );
     let plan = grown(&river(&links));
-    let (rail, street): (Vec<&BridgeSpan>, Vec<_>) = plan.bridges.iter().partition(|span| span.id == Id(51));
+    let (rail, street): (Vec<&WaySpan>, Vec<_>) = plan.spans.iter().partition(|span| span.id == Id(51));
     prove(&plan, &rail);
     prove(&plan, &street);
     assert!(
-        rail.iter().all(|span| span.form == BridgeForm::Girder && span.surface == SurfaceKind::Ballast && span.markings.len() == 2)
+        rail.iter().all(|span| span.form == SpanForm::Girder && span.surface == SurfaceKind::Ballast && span.markings.len() == 2)
     );
     assert!(street.iter().all(|span| span.markings.iter().any(|m| m.kind == MarkingKind::Rails && m.left.0.abs() < 20)));
 }
@@ -157,14 +157,14 @@ fn rails_cross_on_girders_and_trams_on_the_street() {
 fn a_jetty_stands_on_piers_and_a_brook_is_led_under_the_street() {
     let mut graph = river("(id: 12, from: 2, to: 7, kind: Street(Lane), width_m: 4)");
     let plan = grown(&graph);
-    let jetty: Vec<&BridgeSpan> = plan.bridges.iter().collect();
+    let jetty: Vec<&WaySpan> = plan.spans.iter().collect();
     prove(&plan, &jetty);
     let end = jetty[jetty.len() - 1].stations.last().expect("it has an end").at(0.0);
     assert!(jetty.len() > 1 && end.distance(DVec2::new(0.0, 40.0)) < 0.1, "it ends at {end}");
     graph = river(MAIN);
     graph.blocks[0].outline = [(-4.0, -160.0), (4.0, -160.0), (4.0, 140.0), (-4.0, 140.0)].map(|(x, y)| DVec2::new(x, y)).to_vec();
     let plan = grown(&graph);
-    assert!(plan.bridges.is_empty());
+    assert!(plan.spans.is_empty());
     assert_eq!(ground(&plan, DVec2::new(0.0, 3.0)).0, SurfaceKind::Asphalt);
 }
 
@@ -177,12 +177,12 @@ fn a_bridge_leads_over_a_valley() {
     let heights_m = (0..posts * posts).map(|i| 20.0 - depth(f64::from(i % posts) * 4.0 - 160.0)).collect();
     graph.terrain = Some(Terrain { origin: DVec2::splat(-160.0), step_m: 4.0, columns: posts as u32, heights_m });
     let plan = grown(&graph);
-    let spans: Vec<&BridgeSpan> = plan.bridges.iter().collect();
+    let spans: Vec<&WaySpan> = plan.spans.iter().collect();
     prove(&plan, &spans);
-    assert!(spans.iter().all(|span| span.form == BridgeForm::Girder));
+    assert!(spans.iter().all(|span| span.form == SpanForm::Girder));
     let middle = plan.terrain.height_m(DVec2::new(0.0, 3.0));
     assert!((middle - 15.5).abs() < 0.1, "the valley stays: {middle}");
-    assert!(plan.bridges.iter().filter_map(|span| span.height_m(DVec2::new(0.0, 3.0))).all(|height| height > 20.0));
+    assert!(plan.spans.iter().filter_map(|span| span.height_m(DVec2::new(0.0, 3.0))).all(|height| height > 20.0));
 }
 
 /// A level city in which a street of a length leads over a way at x = 0, from streets that begin 200 m away; another street ends at
@@ -208,7 +208,7 @@ fn a_level_city_rises_to_its_overpasses() {
         (120.0, "Street(Motorway), width_m: 16", "Street(Main), width_m: 12", 4.6),
     ] {
         let plan = grown(&overpass(half_m, over, below));
-        let spans: Vec<&BridgeSpan> = plan.bridges.iter().collect();
+        let spans: Vec<&WaySpan> = plan.spans.iter().collect();
         assert!(!spans.is_empty() && spans.iter().all(|span| span.id == Id(12)), "{over} over {below}");
         prove(&plan, &spans);
         let height = |x: f64, y: f64| plan.terrain.height_m(DVec2::new(x, y));
@@ -273,7 +273,7 @@ fn overpasses_on_slopes_and_over_valleys_clear_what_passes_below() {
         in_pieces(&mut graph, count);
         graph.terrain = Some(rising(by, valley_m));
         let plan = grown(&graph);
-        let spans: Vec<&BridgeSpan> = plan.bridges.iter().collect();
+        let spans: Vec<&WaySpan> = plan.spans.iter().collect();
         assert!(!spans.is_empty(), "{half_m} {by} {valley_m} {count}");
         prove(&plan, &spans);
         let deck = spans.iter().find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge over the middle");
@@ -286,7 +286,7 @@ fn overpasses_on_slopes_and_over_valleys_clear_what_passes_below() {
 #[test]
 fn trams_go_over_a_bridge_with_their_street() {
     let mut graph = overpass(15.0, "Street(Main), width_m: 12", "Railway(tram: false), width_m: 9");
-    let deck = |graph: &CityGraph| grown(graph).bridges.iter().find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge");
+    let deck = |graph: &CityGraph| grown(graph).spans.iter().find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge");
     let without = deck(&graph);
     for (id, from, to, layer) in [(61, 1, 2, 0), (62, 2, 3, 1), (63, 3, 4, 0)] {
         let kind = veduta_city::LinkKind::Railway { tram: true };
@@ -313,7 +313,7 @@ fn parting(east_m: f64) -> CityGraph {
 #[test]
 fn a_bridge_that_parts_over_what_it_crosses_clears_it() {
     let plan = grown(&parting(3.0));
-    let deck = plan.bridges.iter().find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge over the rails");
+    let deck = plan.spans.iter().find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge over the rails");
     assert!(deck - plan.terrain.height_m(DVec2::ZERO) > 5.7, "{deck}");
 }
 
@@ -322,10 +322,10 @@ fn where_bridges_part_in_the_air_they_stand_on_piers() {
     let plan = grown(&parting(15.0));
     let part = DVec2::new(15.0, 0.0);
     assert!(plan.terrain.height_m(part).abs() < 0.1, "a mound under the bridges: {}", plan.terrain.height_m(part));
-    let heights: Vec<f64> = plan.bridges.iter().filter_map(|span| span.height_m(part)).collect();
+    let heights: Vec<f64> = plan.spans.iter().filter_map(|span| span.height_m(part)).collect();
     assert!(heights.len() == 3 && heights.iter().all(|h| *h > 5.0 && (h - heights[0]).abs() < 0.15), "{heights:?}");
-    let is_near = |station: &veduta_city::BridgeStation| station.at(0.0).distance(part) < 2.0;
-    let ends = plan.bridges.iter().filter(|span| span.stations.last().is_some_and(is_near));
+    let is_near = |station: &veduta_city::SpanStation| station.at(0.0).distance(part) < 2.0;
+    let ends = plan.spans.iter().filter(|span| span.stations.last().is_some_and(is_near));
     assert!(ends.clone().count() > 0 && ends.into_iter().all(|span| span.piers.1.is_some_and(|foot| metres(foot) < 0.0)));
 }
 
@@ -352,7 +352,7 @@ fn bridges_that_cannot_fly_make_no_dams() {
 fn no_tree_grows_into_a_bridge() {
     let plan = grown(&overpass(30.0, "Street(Main), width_m: 16", "Street(Main), width_m: 18"));
     let trees: Vec<DVec2> = plan.objects.iter().filter(|o| o.kind.is_tree()).map(|o| o.pos.to_metres()).collect();
-    let is_under = |p: DVec2| plan.bridges.iter().any(|span| span.height_m(p).is_some());
+    let is_under = |p: DVec2| plan.spans.iter().any(|span| span.height_m(p).is_some());
     assert!(trees.len() > 20, "{} trees along the streets", trees.len());
     assert!(trees.iter().all(|&p| !is_under(p) && !is_under(p + DVec2::new(0.0, 2.9)) && !is_under(p - DVec2::new(0.0, 2.9))));
     let lamps = plan.objects.iter().filter(|o| o.kind == ObjectKind::Lamp);
@@ -369,7 +369,7 @@ fn ways_over_ways_over_ways_clear_one_another() {
     graph.links.extend(more.links);
     let plan = grown(&graph);
     let deck = |plan: &CityPlan, id: u64| {
-        plan.bridges.iter().filter(|span| span.id == Id(id)).find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge")
+        plan.spans.iter().filter(|span| span.id == Id(id)).find_map(|span| span.height_m(DVec2::ZERO)).expect("a bridge")
     };
     assert!(deck(&plan, 12) > 5.9 && deck(&plan, 32) > deck(&plan, 12) + 5.0, "{} {}", deck(&plan, 12), deck(&plan, 32));
     // High above a valley, too.
@@ -400,9 +400,9 @@ proptest! {
         graph.nodes[0].pos = DVec2::new(ax, ay);
         graph.nodes[3].pos = DVec2::new(bx, by);
         let plan = grown(&graph);
-        let reaches_over = plan.bridges.iter().any(|span| span.stations.iter().any(|s| s.at(0.0).x.abs() < 20.0));
+        let reaches_over = plan.spans.iter().any(|span| span.stations.iter().any(|s| s.at(0.0).x.abs() < 20.0));
         prop_assert!(reaches_over, "it leads over the river");
-        for run in plan.bridges.chunk_by(|a, _| a.piers.1.is_some()) {
+        for run in plan.spans.chunk_by(|a, _| a.piers.1.is_some()) {
             prove(&plan, &run.iter().collect::<Vec<_>>());
         }
     }
@@ -423,12 +423,12 @@ proptest! {
             graph.nodes[node].pos = DVec2::from_angle(turn) * 200.0 * sign;
         }
         let plan = grown(&graph);
-        let deck = plan.bridges.iter().find_map(|span| span.height_m(DVec2::ZERO));
+        let deck = plan.spans.iter().find_map(|span| span.height_m(DVec2::ZERO));
         let needed = if below.starts_with("Railway") { 5.4 } else if below == "Street(Path)" { 2.8 } else { 4.6 };
         let above = deck.map(|deck| deck - plan.terrain.height_m(DVec2::ZERO));
         let has_room = half_m > 24.0 && (0.8..2.3).contains(&turn);
         prop_assert!(!has_room || above.is_some_and(|above| above > needed + 0.3), "{above:?} above {below}");
-        for run in plan.bridges.chunk_by(|a, _| a.piers.1.is_some()) {
+        for run in plan.spans.chunk_by(|a, _| a.piers.1.is_some()) {
             prove(&plan, &run.iter().collect::<Vec<_>>());
         }
     }

@@ -35,7 +35,7 @@ fn prove_streets(graph: &CityGraph, plan: &CityPlan) {
                 let middle = e[0].lerp(e[1], share);
                 // Bridges cut the corners of bends, and carry ways that run along their edges.
                 let near = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|off| middle + aside * off);
-                if near.iter().any(|&p| plan.bridges.iter().any(|span| span.height_m(p).is_some())) {
+                if near.iter().any(|&p| plan.spans.iter().any(|span| span.height_m(p).is_some())) {
                     continue;
                 }
                 // What lies nearer to an edge than this may join what is beside it, as slivers do.

@@ -42,7 +42,7 @@ const fn ink(surface: SurfaceKind) -> Option<Color32> {
         SurfaceKind::Grass => Some(Color32::from_rgb(0xC4, 0xD3, 0xA6)),
         SurfaceKind::Water => Some(Color32::from_rgb(0x9F, 0xC0, 0xCE)),
         SurfaceKind::Ballast => Some(Color32::from_rgb(0xC9, 0xC4, 0xBC)),
-        SurfaceKind::Yard => None,
+        SurfaceKind::Yard | SurfaceKind::Opening => None,
     }
 }
 
@@ -64,7 +64,7 @@ pub(crate) fn cut_tiles(city: Option<Res<City>>, mut tiles: ResMut<MapTiles>) {
             tiles.add(0, outline, ink);
         }
     }
-    for span in &overview.bridges {
+    for span in overview.spans.iter().filter(|span| !span.is_bore()) {
         if let Some(ink) = ink(span.surface) {
             tiles.add(0, &span.outline(), ink);
         }

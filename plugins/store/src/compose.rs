@@ -1,6 +1,6 @@
 use std::borrow::Cow;
 
-use veduta_city::{BridgeSpan, Cell, CellShell, Cells, CityPlan, FacadeSheet, GRID_PER_METRE, GridPos, Level, Overview};
+use veduta_city::{Cell, CellShell, Cells, CityPlan, FacadeSheet, GRID_PER_METRE, GridPos, Level, Overview, WaySpan};
 
 use crate::index::encode_index;
 use crate::overview::{decode_overview, press};
@@ -183,8 +183,8 @@ fn bounds(cell: &Cell, shell: &CellShell) -> (GridPos, GridPos) {
     let houses = shell.houses.iter().flat_map(|house| &house.volumes).flat_map(|volume| &volume.footprint.outer);
     let ground = shell.ground.iter().flat_map(|patch| &patch.outline.outer);
     let objects = shell.objects.iter().map(|object| &object.pos);
-    let bridges = drawn_bridges(shell).flat_map(|span| &span.stations).flat_map(|station| [&station.left, &station.right]);
-    let drawn = houses.chain(ground).chain(objects).chain(bridges).chain(&shell.outline.outer).map(|&pos| pos + shell.origin);
+    let spans = drawn_spans(shell).flat_map(|span| &span.stations).flat_map(|station| [&station.left, &station.right]);
+    let drawn = houses.chain(ground).chain(objects).chain(spans).chain(&shell.outline.outer).map(|&pos| pos + shell.origin);
     let mut all = drawn.chain(cell.outline.outer.iter().copied());
     let first = all.next().unwrap_or(shell.origin);
     all.fold((first, first), |(lo, hi), p| (GridPos(lo.0.min(p.0), lo.1.min(p.1)), GridPos(hi.0.max(p.0), hi.1.max(p.1))))
@@ -195,13 +195,13 @@ fn top(cell: &Cell, shell: &CellShell) -> i32 {
     let houses =
         shell.houses.iter().flat_map(|house| &house.volumes).map(|volume| volume.eaves.saturating_add(volume.roof.height.max(0)));
     let objects = shell.objects.iter().map(|object| object.z.saturating_add(object.height));
-    let bridges = drawn_bridges(shell).flat_map(|span| &span.stations).map(|station| station.z.saturating_add(PARAPET));
-    houses.chain(objects).chain(bridges).fold(cell.floor.1, i32::max)
+    let spans = drawn_spans(shell).flat_map(|span| &span.stations).map(|station| station.z.saturating_add(PARAPET));
+    houses.chain(objects).chain(spans).fold(cell.floor.1, i32::max)
 }
 
 /// Highest that parapets and railings stand above a bridge, grid steps.
 const PARAPET: i32 = 2 * GRID_PER_METRE;
 
-fn drawn_bridges(shell: &CellShell) -> impl Iterator<Item = &BridgeSpan> {
-    shell.bridges.iter().take(shell.drawn_bridges as usize)
+fn drawn_spans(shell: &CellShell) -> impl Iterator<Item = &WaySpan> {
+    shell.spans.iter().take(shell.drawn_spans as usize)
 }

@@ -210,7 +210,7 @@ mod tests {
     #[test]
     fn a_form_that_changed_has_a_new_version() {
         let form = blake3::hash(&to_bytes(&WireIndex::from(&index()))).to_hex();
-        assert_eq!((FORMAT_VERSION, &form[..16]), (8, "e5d0179e08061f6c"), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((FORMAT_VERSION, &form[..16]), (9, "e5d0179e08061f6c"), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

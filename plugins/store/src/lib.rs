@@ -99,7 +99,7 @@ pub use stats::CityStats;
 pub use write::{CityWriter, write_city};
 
 /// Version of the format that this program writes and reads.
-pub const FORMAT_VERSION: u32 = 8;
+pub const FORMAT_VERSION: u32 = 9;
 
 /// Name of the index's file in a city's directory.
 pub const INDEX_NAME: &str = "city.veduta";

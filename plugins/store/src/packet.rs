@@ -102,10 +102,10 @@ mod tests {
         Axis, Content, Head, Hole, HoleShape, Material, Model, ModelVertex, PathPoint, Piece, Repeat, Shape,
     };
     use veduta_city::{
-        Arcade, Articulation, Balconies, BridgeForm, BridgeSpan, BridgeStation, Course, Design, Gable, GridPolygon, GridPos,
-        GroundFloor, GroundPatch, HouseShell, Id, Marking, MarkingKind, Niche, ObjectKind, Opening, Oriel, Ornament, Parapet,
-        PlacedMonument, PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SpanMarking, Storey, SurfaceKind,
-        Tile, VolumeShell, Wall, WallKind,
+        Arcade, Articulation, Balconies, BoreEnd, Course, Design, Gable, GridPolygon, GridPos, GroundFloor, GroundPatch,
+        HouseShell, Id, Marking, MarkingKind, Niche, ObjectKind, Opening, Oriel, Ornament, Parapet, PlacedMonument, PlanObject,
+        PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SpanForm, SpanMarking, SpanStation, Storey, SurfaceKind, Tile,
+        VolumeShell, Wall, WallKind, WaySpan,
     };
 
     use super::*;
@@ -196,11 +196,11 @@ mod tests {
         Design { name: "everything".to_owned(), materials: materials.to_vec(), pieces }
     }
 
-    fn span(z: i32) -> BridgeSpan {
-        let station = |x: i32| BridgeStation { left: GridPos(x, 3000), right: GridPos(x, -3000), z };
-        BridgeSpan {
+    fn span(z: i32) -> WaySpan {
+        let station = |x: i32| SpanStation { left: GridPos(x, 3000), right: GridPos(x, -3000), z };
+        WaySpan {
             id: Id(5),
-            form: BridgeForm::Girder,
+            form: SpanForm::Girder,
             surface: SurfaceKind::Asphalt,
             pavements: (900, 0),
             parapets: (true, false),
@@ -214,14 +214,14 @@ mod tests {
     #[test]
     fn a_packet_with_a_bridge_that_leads_nowhere_is_refused() {
         let (mut shell, _) = full();
-        shell.bridges[0].stations.truncate(1);
-        assert!(refused(shell).contains("bridge 0: it has no stations"));
+        shell.spans[0].stations.truncate(1);
+        assert!(refused(shell).contains("span 0: it has no stations"));
         let (mut shell, _) = full();
-        shell.drawn_bridges = 2;
-        assert!(refused(shell).contains("it draws 2 of 1 bridges"));
+        shell.drawn_spans = 3;
+        assert!(refused(shell).contains("it draws 3 of 2 spans"));
         let (mut shell, _) = full();
-        shell.bridges = vec![span(7); 6_000];
-        assert!(refused(shell).contains("its 6000 bridges are 105469 m long"));
+        shell.spans = vec![span(7); 6_000];
+        assert!(refused(shell).contains("its 6000 spans are 105469 m long"));
     }
 
     fn refused(shell: CellShell) -> String {
@@ -285,8 +285,8 @@ mod tests {
                     objects,
                     blind,
                     markings: vec![marking],
-                    bridges: vec![span(origin.1 % 99); 2],
-                    drawn_bridges: 1,
+                    spans: vec![span(origin.1 % 99); 2],
+                    drawn_spans: 1,
                     designs: vec![design()],
                     monuments,
                 }
@@ -468,8 +468,11 @@ mod tests {
             markings: [MarkingKind::Line, MarkingKind::Dashes, MarkingKind::Zebra, MarkingKind::Rails]
                 .map(|kind| Marking { kind, line: vec![GridPos(1, 2), GridPos(3, 40)], width: 9, z: 8 })
                 .to_vec(),
-            bridges: vec![span(7)],
-            drawn_bridges: 1,
+            spans: vec![
+                span(7),
+                WaySpan { form: SpanForm::Bore { crown: 5000, ends: (BoreEnd::Portal, BoreEnd::Wall) }, ..span(-7) },
+            ],
+            drawn_spans: 1,
             designs: vec![design()],
             monuments: vec![PlacedMonument { design: 0, pos: GridPos(-70, 8), z: 9, heading: 100 }],
         };
@@ -481,8 +484,8 @@ mod tests {
         let (shell, sheet) = full();
         let hash = |content: Vec<u8>| blake3::hash(&content).to_hex()[..16].to_owned();
         let forms = (hash(to_bytes(&WireShell::from(&shell))), hash(to_bytes(&WireSheet::from(&sheet))));
-        let expected = ("399f68483089ac01".to_owned(), "916903869fc9994e".to_owned());
-        assert_eq!((crate::FORMAT_VERSION, forms), (8, expected), "raise FORMAT_VERSION if this is on purpose");
+        let expected = ("ee570d3f17cb497a".to_owned(), "916903869fc9994e".to_owned());
+        assert_eq!((crate::FORMAT_VERSION, forms), (9, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

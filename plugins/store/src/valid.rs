@@ -3,9 +3,7 @@
 //! Plan positions stay within ±2³⁰ steps (1,048 km), positions within a cell and heights within ±2²⁷ (131 km): no sum or
 //! difference of two of them leaves 32 bits.
 
-use veduta_city::{
-    BridgeSpan, BridgeStation, CellShell, Course, GridPolygon, GridPos, HouseShell, Overview, PortalSide, VolumeShell,
-};
+use veduta_city::{CellShell, Course, GridPolygon, GridPos, HouseShell, Overview, PortalSide, SpanStation, VolumeShell, WaySpan};
 
 use crate::blob::BlobKind;
 use crate::{BlobRef, CellEntry, CityIndex};
@@ -17,9 +15,9 @@ type Check = Result<(), String>;
 const MOST_FACES: u64 = 16_000_000;
 /// Most squares of the terrain that patches of ground are cut into, as if each filled the box about it.
 const MOST_SQUARES: u64 = 1 << 20;
-/// Most bridges of a cell, and how long all are together, metres: posts, sleepers and dashes on them are counted by that.
-const MOST_BRIDGES: usize = 1 << 14;
-const MOST_BRIDGES_M: f64 = 100_000.0;
+/// Most spans of ways of a cell, and how long all are together, metres: posts, sleepers and dashes on them are counted by that.
+const MOST_SPANS: usize = 1 << 14;
+const MOST_SPANS_M: f64 = 100_000.0;
 /// Most markings of a span.
 const MOST_MARKINGS: usize = 32;
 const LONGEST_LINE: usize = 256;
@@ -108,15 +106,15 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
             .and_then(|()| check_height("its edge", marking.width))
             .map_err(|reason| format!("marking {i}: {reason}"))?;
     }
-    if shell.drawn_bridges as usize > shell.bridges.len() {
-        return Err(format!("it draws {} of {} bridges", shell.drawn_bridges, shell.bridges.len()));
+    if shell.drawn_spans as usize > shell.spans.len() {
+        return Err(format!("it draws {} of {} spans", shell.drawn_spans, shell.spans.len()));
     }
-    for (i, span) in shell.bridges.iter().enumerate() {
-        check_span(span, NEAR).map_err(|reason| format!("bridge {i}: {reason}"))?;
+    for (i, span) in shell.spans.iter().enumerate() {
+        check_span(span, NEAR).map_err(|reason| format!("span {i}: {reason}"))?;
     }
-    let length: f64 = shell.bridges.iter().map(length_m).sum();
-    if length > MOST_BRIDGES_M || shell.bridges.len() > MOST_BRIDGES {
-        return Err(format!("its {} bridges are {length:.0} m long", shell.bridges.len()));
+    let length: f64 = shell.spans.iter().map(length_m).sum();
+    if length > MOST_SPANS_M || shell.spans.len() > MOST_SPANS {
+        return Err(format!("its {} spans are {length:.0} m long", shell.spans.len()));
     }
     for (i, design) in shell.designs.iter().enumerate() {
         design.check().map_err(|error| format!("design {i}: {error}"))?;
@@ -139,15 +137,15 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
 }
 
 /// Length of a span along its sides, metres.
-fn length_m(span: &BridgeSpan) -> f64 {
-    let step = |pair: &[BridgeStation]| {
+fn length_m(span: &WaySpan) -> f64 {
+    let step = |pair: &[SpanStation]| {
         let side = |a: GridPos, b: GridPos| a.to_metres().distance(b.to_metres());
         side(pair[0].left, pair[1].left).max(side(pair[0].right, pair[1].right))
     };
     span.stations.windows(2).map(step).sum()
 }
 
-fn check_span(span: &BridgeSpan, reach: u32) -> Check {
+fn check_span(span: &WaySpan, reach: u32) -> Check {
     let ends = span.stations.iter().flat_map(|station| [station.left, station.right]);
     if !(2..=LONGEST_LINE).contains(&span.stations.len()) || ends.into_iter().any(|pos| !is_within(pos, reach)) {
         return Err("it has no stations, or ones too far away".to_owned());
@@ -222,8 +220,8 @@ pub(crate) fn check_overview(overview: &Overview) -> Check {
     for (i, (_, outline)) in overview.areas.iter().enumerate() {
         check_polygon("it", outline, FAR).map_err(|reason| format!("area {i}: {reason}"))?;
     }
-    for (i, span) in overview.bridges.iter().enumerate() {
-        check_span(span, FAR).map_err(|reason| format!("bridge {i}: {reason}"))?;
+    for (i, span) in overview.spans.iter().enumerate() {
+        check_span(span, FAR).map_err(|reason| format!("span {i}: {reason}"))?;
     }
     let in_streets = overview.streets.iter().flat_map(|street| &street.line);
     let in_objects = overview.objects.iter().map(|(_, pos)| pos);

@@ -233,7 +233,7 @@ fn draw_ground(surface: SurfaceKind, size: u32, size_m: (f32, f32), draw: Draw) 
         SurfaceKind::Flagstones => paving::flagstones(size, size_m, draw),
         SurfaceKind::Gravel => soil::gravel(size, size_m, draw),
         SurfaceKind::Grass => soil::grass(size, size_m, draw),
-        SurfaceKind::Yard => soil::yard(size, size_m, draw),
+        SurfaceKind::Yard | SurfaceKind::Opening => soil::yard(size, size_m, draw),
         SurfaceKind::Water => soil::water(size, size_m, draw),
         SurfaceKind::Ballast => soil::ballast(size, size_m, draw),
     }

@@ -35,7 +35,7 @@ pub(crate) fn only(mut plan: CityPlan, names: &[String]) -> Result<CityPlan, Fai
         return Err(format!("no house has the name or id `{name}`: `export` of the whole city tells both with every house").into());
     }
     plan.houses.retain(|house| names.iter().any(|name| is_meant(house, name)));
-    (plan.ground, plan.markings, plan.bridges, plan.objects) = Default::default();
+    (plan.ground, plan.markings, plan.spans, plan.objects) = Default::default();
     Ok(plan)
 }
 

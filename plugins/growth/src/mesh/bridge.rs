@@ -1,9 +1,10 @@
 //! Bridges: decks, and the vaults or girders that carry them.
 
 use glam::{DVec2, DVec3};
-use veduta_city::{BridgeForm, BridgeSpan, CellShell, Rgb, SurfaceKind, Tile, metres};
+use veduta_city::{CellShell, Rgb, SpanForm, SurfaceKind, Tile, WaySpan, metres};
 
 use super::data::{MeshData, Paint, newell};
+use super::drape::Drape;
 use super::ground::remainder;
 use super::marking::{Floor, lay};
 use super::outline::{centre_of, engine};
@@ -44,23 +45,27 @@ const VOUSSOIRS: Rgb = Rgb(0xD2, 0xC3, 0xA5);
 const CONCRETE: Rgb = Rgb(0xA9, 0xA6, 0x9F);
 const STEEL: Rgb = Rgb(0x55, 0x66, 0x60);
 
-/// The bridges that a cell draws: decks with what is on them, parapets or railings, and what carries them.
+/// The spans of ways that a cell draws, on bridges and below the ground: carriageways with what is on them, parapets, railings and walls, and
+/// what carries or covers them.
 #[must_use]
-pub fn bridges(shell: &CellShell) -> MeshData {
+pub fn spans(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
+    let drape = Drape::of(shell);
     let offset = DVec2::new(remainder(shell.origin.0), remainder(shell.origin.1));
-    for span in shell.bridges.iter().take(shell.drawn_bridges as usize) {
+    for span in shell.spans.iter().take(shell.drawn_spans as usize) {
         let Some(deck) = Deck::new(span) else { continue };
         deck.way(offset, &mut mesh);
         match span.form {
-            BridgeForm::Arches => {
+            SpanForm::Arches => {
                 deck.parapets(&mut mesh);
                 deck.arch(&mut mesh);
             }
-            BridgeForm::Girder => {
+            SpanForm::Girder => {
                 deck.railings(&mut mesh);
                 deck.girder(&mut mesh);
             }
+            SpanForm::Ramp => deck.ramp(&drape, &mut mesh),
+            SpanForm::Bore { crown, ends } => deck.bore((crown, ends), &drape, &mut mesh),
         }
         deck.markings(&mut mesh);
     }
@@ -69,11 +74,11 @@ pub fn bridges(shell: &CellShell) -> MeshData {
 
 /// A span with where its stations are along it.
 pub(super) struct Deck<'a> {
-    pub span: &'a BridgeSpan,
+    pub span: &'a WaySpan,
     /// Of each station along the middle, metres.
-    lengths: Vec<f64>,
+    pub(super) lengths: Vec<f64>,
     /// Half the width of the way, the narrowest.
-    half_m: f64,
+    pub(super) half_m: f64,
 }
 
 /// A line along a span: how far to the left of its middle, measured from its left (1) or right (−1) end or from the middle (0), and how
@@ -91,7 +96,7 @@ const fn rail(side: f64, left: f64, up: f64) -> Rail {
 
 impl<'a> Deck<'a> {
     /// `None` if it has no length to speak of.
-    pub fn new(span: &'a BridgeSpan) -> Option<Self> {
+    pub fn new(span: &'a WaySpan) -> Option<Self> {
         let middles: Vec<DVec2> = span.stations.iter().map(|station| station.at(0.0)).collect();
         let mut lengths = vec![0.0];
         for pair in middles.windows(2) {
@@ -103,7 +108,7 @@ impl<'a> Deck<'a> {
         (span.stations.len() > 1 && has_length && is_long).then_some(Self { span, lengths, half_m })
     }
 
-    fn length_m(&self) -> f64 {
+    pub(super) fn length_m(&self) -> f64 {
         self.lengths[self.lengths.len() - 1]
     }
 
@@ -114,13 +119,13 @@ impl<'a> Deck<'a> {
     }
 
     /// Height of the carriageway at a distance along the span.
-    fn y(&self, s: f64) -> f64 {
+    pub(super) fn y(&self, s: f64) -> f64 {
         let (i, share) = self.locate(s);
         let [a, b] = [i, i + 1].map(|i| metres(self.span.stations[i].z));
         a + (b - a) * share
     }
 
-    fn plan(&self, s: f64, side: f64, left: f64) -> DVec2 {
+    pub(super) fn plan(&self, s: f64, side: f64, left: f64) -> DVec2 {
         let (i, share) = self.locate(s);
         let [a, b] = [i, i + 1].map(|i| {
             let station = &self.span.stations[i];
@@ -134,11 +139,11 @@ impl<'a> Deck<'a> {
     }
 
     /// At an absolute height.
-    fn at(&self, s: f64, side: f64, left: f64, y: f64) -> DVec3 {
+    pub(super) fn at(&self, s: f64, side: f64, left: f64, y: f64) -> DVec3 {
         engine(self.plan(s, side, left), y)
     }
 
-    fn paint(&self, colour: Rgb, tile: Tile) -> Paint {
+    pub(super) fn paint(&self, colour: Rgb, tile: Tile) -> Paint {
         Paint::new(centre_of(self.plan(self.length_m() / 2.0, 0.0, 0.0)), colour, tile)
     }
 
@@ -250,8 +255,8 @@ impl<'a> Deck<'a> {
     /// Length of its piers along the bridge.
     fn pier_m(&self) -> f64 {
         match self.span.form {
-            BridgeForm::Arches => (self.length_m() * PIER).clamp(PIER_M.0, PIER_M.1).min(self.length_m() / 2.0),
-            BridgeForm::Girder => SHAFT_M.min(self.length_m() / 2.0),
+            SpanForm::Arches => (self.length_m() * PIER).clamp(PIER_M.0, PIER_M.1).min(self.length_m() / 2.0),
+            _ => SHAFT_M.min(self.length_m() / 2.0),
         }
     }
 

@@ -1,5 +1,5 @@
 use glam::DVec2;
-use veduta_city::{BridgeForm, BridgeSpan, BridgeStation, CellShell, GridPos, PlanObject, SurfaceKind, metres};
+use veduta_city::{BoreEnd, CellShell, GridPos, PlanObject, SpanForm, SpanStation, SurfaceKind, WaySpan, metres};
 
 use super::arcade;
 use super::bridge::{Deck, KERB_M};
@@ -68,8 +68,8 @@ pub fn collision(shell: &CellShell) -> Collision {
     }
     banks(shell, &ground, &drape, &mut walls);
     let mut floor = walkable(shell, &drape);
-    for span in shell.bridges.iter().take(shell.drawn_bridges as usize) {
-        bridge(span, &mut walls, &mut floor);
+    for span in shell.spans.iter().take(shell.drawn_spans as usize) {
+        way(span, &drape, &mut walls, &mut floor);
     }
     arcades(shell, &mut walls, &mut floor);
     Collision { walls, ground: floor, objects: shell.objects.iter().map(pillar).collect() }
@@ -145,7 +145,7 @@ fn banks(shell: &CellShell, ground: &GroundHeights<'_>, drape: &Drape<'_>, walls
 /// The parts of a bank from one share of it to another, each with how high the bridge over it is, if there is one; metres.
 fn below_bridges(edge: &Edge, shell: &CellShell) -> Vec<(f64, f64, Option<f64>)> {
     let mut below: Vec<(f64, f64, f64)> = Vec::new();
-    for pair in shell.bridges.iter().flat_map(|span| span.stations.windows(2)) {
+    for pair in shell.spans.iter().flat_map(|span| span.stations.windows(2)) {
         let corners = [pair[0].right, pair[1].right, pair[1].left, pair[0].left].map(GridPos::to_metres);
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
         for (i, &p) in corners.iter().enumerate() {
@@ -179,8 +179,8 @@ fn below_bridges(edge: &Edge, shell: &CellShell) -> Vec<(f64, f64, Option<f64>)>
     parts
 }
 
-/// The deck of a bridge, between its parapets, and its pier.
-fn bridge(span: &BridgeSpan, walls: &mut Trimesh, floor: &mut Trimesh) {
+/// A span's way between its parapets or walls, and what holds it.
+fn way(span: &WaySpan, drape: &Drape<'_>, walls: &mut Trimesh, floor: &mut Trimesh) {
     let Some(deck) = Deck::new(span) else { return };
     let [on_left, on_right] = deck.pavements_m();
     for pair in span.stations.windows(2) {
@@ -193,22 +193,39 @@ fn bridge(span: &BridgeSpan, walls: &mut Trimesh, floor: &mut Trimesh) {
             if right == left {
                 continue;
             }
-            let place = |station: &BridgeStation, (side, left): (f64, f64)| station.at(side * station.half_m() + left);
+            let place = |station: &SpanStation, (side, left): (f64, f64)| station.at(side * station.half_m() + left);
             let corners = [(a, right, ya), (b, right, yb), (b, left, yb), (a, left, ya)];
             let base = floor.positions.len() as u32;
             floor.positions.extend(corners.map(|(station, at, y)| engine(place(station, at), y + lift).as_vec3().to_array()));
             floor.triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
         }
         for (from, to, is_guarded) in [(a.right, b.right, span.parapets.1), (b.left, a.left, span.parapets.0)] {
-            if let Some(edge) = Edge::new(from.to_metres(), to.to_metres()).filter(|_| is_guarded) {
-                walls.upright(&edge, ya.min(yb) - STEP_M, ya.max(yb) + WALL_M);
+            let Some(edge) = Edge::new(from.to_metres(), to.to_metres()).filter(|_| is_guarded) else { continue };
+            let top = match span.form {
+                // Who walks above a bore walks on its roof.
+                SpanForm::Bore { crown, .. } => ya.min(yb) + metres(crown),
+                SpanForm::Ramp => ya.max(yb).max(drape.highest(edge.a, edge.b)) + WALL_M,
+                SpanForm::Arches | SpanForm::Girder => ya.max(yb) + WALL_M,
+            };
+            walls.upright(&edge, ya.min(yb) - STEP_M, top);
+        }
+    }
+    if let SpanForm::Bore { crown, ends } = span.form {
+        let stations = [(span.stations.first(), ends.0), (span.stations.last(), ends.1)];
+        for (station, end) in stations.into_iter().filter_map(|(station, end)| Some((station?, end))) {
+            let Some(edge) = Edge::new(station.right.to_metres(), station.left.to_metres()) else { continue };
+            let (y, top) = (metres(station.z), metres(station.z) + metres(crown));
+            match end {
+                BoreEnd::Bore => {}
+                BoreEnd::Wall => walls.upright(&edge, y - STEP_M, top),
+                BoreEnd::Portal => walls.upright(&edge, top, top.max(drape.highest(edge.a, edge.b)) + WALL_M),
             }
         }
     }
     let (Some(foot), Some(end)) = (span.piers.1, span.stations.last()) else { return };
     let top = match span.form {
-        BridgeForm::Arches => metres(span.springing),
-        BridgeForm::Girder => metres(end.z) - HEADROOM_M,
+        SpanForm::Arches => metres(span.springing),
+        _ => metres(end.z) - HEADROOM_M,
     };
     if let Some(edge) = Edge::new(end.right.to_metres(), end.left.to_metres()) {
         walls.upright(&edge, metres(foot), top);

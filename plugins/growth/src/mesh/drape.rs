@@ -82,6 +82,11 @@ impl<'a> Drape<'a> {
         self.terrain.range_along(a, b).0
     }
 
+    /// Highest ground along a straight way.
+    pub(super) fn highest(&self, a: DVec2, b: DVec2) -> f64 {
+        self.terrain.range_along(a, b).1
+    }
+
     /// Calls `each` with the pieces of a convex polygon on each of which the ground is flat; convex and turned alike.
     pub(super) fn pieces(&self, polygon: &[DVec2], mut each: impl FnMut(&[DVec2])) {
         if self.is_level() {

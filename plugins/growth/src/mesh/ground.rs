@@ -20,7 +20,7 @@ pub fn ground(shell: &CellShell) -> MeshData {
     let level = LevelEdges::new(&shell.ground);
     let drape = Drape::of(shell);
     let offset = DVec2::new(remainder(shell.origin.0), remainder(shell.origin.1));
-    for patch in &shell.ground {
+    for patch in shell.ground.iter().filter(|patch| patch.surface != SurfaceKind::Opening) {
         let tile = Tile::Ground(patch.surface);
         let paint = Paint::new(centre_of(middle(&patch.outline)), Rgb(255, 255, 255), tile);
         let lift = metres(patch.z);

@@ -101,6 +101,12 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
+    /// One below the ground, which goes on over its ends so far.
+    pub fn below(range: Range<f64>, ends_m: (f64, f64), overlap_m: [f64; 2]) -> Self {
+        let below_m = ends_m.0.min(ends_m.1);
+        Self { range, ends_m, camber_m: 0.0, below_m, water: 0.0, is_carried: false, overlap_m }
+    }
+
     /// Height at a distance along the way, metres above the city's zero.
     pub fn height_m(&self, s: f64) -> f64 {
         let share = ((s - self.range.start) / (self.range.end - self.range.start)).clamp(0.0, 1.0);
@@ -130,6 +136,19 @@ impl Stretch {
 }
 
 impl Way {
+    /// A way on the ground.
+    pub fn of(graph: &CityGraph, chain: Chain) -> Self {
+        let at = graph.node_positions();
+        let mut gone = 0.0;
+        let start = |&(link, is_back): &(usize, bool)| {
+            let from = gone;
+            gone += line_of(graph, &at, &graph.links[link]).map_or(0.0, |line| length_m(&line));
+            (link, is_back, from)
+        };
+        let links = chain.links.iter().map(start).collect();
+        Self { length_m: length_m(&chain.line), links, line: chain.line, stretches: Vec::new(), deck: None }
+    }
+
     /// Which link is at a distance along the way, and the share of that link's own length there.
     pub fn link_at(&self, s: f64) -> Option<(usize, f64)> {
         let i = self.links.partition_point(|(_, _, from)| *from <= s).checked_sub(1)?;
@@ -172,13 +191,28 @@ impl Bridges {
             bridges.ways.extend(site.way(chain));
         }
         bridges.carry(graph);
-        for (w, way) in bridges.ways.iter().enumerate() {
-            for (i, &(link, is_back, from)) in way.links.iter().enumerate() {
-                let to = way.links.get(i + 1).map_or(way.length_m, |next| next.2);
-                bridges.of_link.insert(link, (w, is_back, from..to));
-            }
-        }
+        (0..bridges.ways.len()).for_each(|way| bridges.number(way));
         bridges
+    }
+
+    /// Adds ways that leave the ground, of links that belong to none yet.
+    pub fn add(&mut self, ways: Vec<Way>) {
+        let first = self.ways.len();
+        self.ways.extend(ways);
+        (first..self.ways.len()).for_each(|way| self.number(way));
+    }
+
+    fn number(&mut self, number: usize) {
+        let way = &self.ways[number];
+        for (i, &(link, is_back, from)) in way.links.iter().enumerate() {
+            let to = way.links.get(i + 1).map_or(way.length_m, |next| next.2);
+            self.of_link.insert(link, (number, is_back, from..to));
+        }
+    }
+
+    /// Whether a link belongs to a way that leaves the ground.
+    pub fn has(&self, link: usize) -> bool {
+        self.of_link.contains_key(&link)
     }
 
     /// Finds which stretches lie on the bridges of wider ways, as footways do beside carriageways. What of such a stretch does not is
@@ -410,7 +444,7 @@ pub(super) fn chains(graph: &CityGraph, is_wanted: impl Fn(&Link) -> bool) -> Ve
 
 impl Chain {
     /// `None` if it has no length.
-    fn of(graph: &CityGraph, at: &HashMap<Id, DVec2>, links: Vec<(usize, bool)>) -> Option<Self> {
+    pub fn of(graph: &CityGraph, at: &HashMap<Id, DVec2>, links: Vec<(usize, bool)>) -> Option<Self> {
         let mut line = Vec::<DVec2>::new();
         for &(link, is_back) in &links {
             let Some(mut part) = line_of(graph, at, &graph.links[link]) else { continue };
@@ -470,14 +504,7 @@ impl Site<'_> {
                 .map(|(node, height, &p)| self.aloft.contains(&node) && height - self.below_m(p) > ALOFT_M);
             Some(Profile { length_m, ends_m: (from, to), camber_m: self.works.camber_m(first), is_aloft })
         });
-        let mut gone = 0.0;
-        let start = |&(link, is_back): &(usize, bool)| {
-            let from = gone;
-            gone += line_of(self.graph, &self.at, &self.graph.links[link]).map_or(0.0, |line| super::streets::length_m(&line));
-            (link, is_back, from)
-        };
-        let links = chain.links.iter().map(start).collect();
-        let mut way = Way { length_m, links, line: chain.line, stretches: Vec::new(), deck: deck.flatten() };
+        let mut way = Way { deck: deck.flatten(), ..Way::of(self.graph, chain) };
         way.stretches = self.stretches(&way);
         (!way.stretches.is_empty()).then_some(way)
     }

@@ -150,7 +150,8 @@ impl Edges {
 }
 
 /// Bodies, each with how far its foot hangs above the ground, metres.
-type Bodies<'a> = Index<(BodyRef, f64), &'a GridPolygon>;
+/// Bodies with their undersides above their houses' ground, metres.
+pub(super) type Bodies<'a> = Index<(BodyRef, f64), &'a GridPolygon>;
 
 /// An index of all bodies, for questions about places.
 pub(super) fn bodies(drafts: &[Draft]) -> Bodies<'_> {
@@ -378,7 +379,7 @@ impl Before<'_> {
 
 /// Whether a surface makes a façade of a wall that looks at it.
 const fn is_faced(surface: SurfaceKind) -> bool {
-    !matches!(surface, SurfaceKind::Yard | SurfaceKind::Ballast)
+    !matches!(surface, SurfaceKind::Yard | SurfaceKind::Ballast | SurfaceKind::Opening)
 }
 
 #[cfg(test)]

@@ -279,7 +279,7 @@ impl Furnisher<'_> {
 
     /// Whether a place is open ground, though not a carriageway, in no doorway and clear of houses.
     fn is_open(&self, pos: DVec2, clear_m: f64) -> bool {
-        let is_ground = !matches!(self.surface(pos), None | Some(SurfaceKind::Water | SurfaceKind::Ballast));
+        let is_ground = !matches!(self.surface(pos), None | Some(SurfaceKind::Water | SurfaceKind::Ballast | SurfaceKind::Opening));
         is_ground && self.is_out_of_the_way(pos, clear_m)
     }
 

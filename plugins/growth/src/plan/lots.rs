@@ -119,7 +119,8 @@ struct Obstacles<'a> {
 impl<'a> Obstacles<'a> {
     fn new(graph: &'a CityGraph, layers: &[Layer], given: &[Draft]) -> Self {
         let footprints = given.iter().flat_map(|d| &d.bodies).map(|b| (b.footprint.clone(), ()));
-        let is_open = |l: &&Layer| matches!(l.rank, Rank::Square | Rank::Rails | Rank::Monument | Rank::Water | Rank::Park);
+        let is_open =
+            |l: &&Layer| matches!(l.rank, Rank::Opening | Rank::Square | Rank::Rails | Rank::Monument | Rank::Water | Rank::Park);
         // Bands may wind twice about a place, which only a union tells from a hole.
         let whole = |l: &Layer, shape: &GridPolygon| match l.rank {
             Rank::Water | Rank::Rails => boolean::union(&boolean::rings([shape])),

@@ -36,7 +36,7 @@ pub(super) fn polygons(outline: &[DVec2], holes: &[Ring]) -> Vec<GridPolygon> {
     boolean::difference(&[&outer], &clip)
 }
 
-/// Leaves out vertices that bend a wall by less than 2 cm, so that every edge is one wall. Where nothing would be left the
+/// Leaves out vertices that bend a wall by less than 2 cm, so that every edge is one wall, and tips thinner than that. Where nothing would be left the
 /// ring stays as it is.
 pub(super) fn straightened(polygon: &GridPolygon) -> Vec<GridPolygon> {
     let outer = straight_ring(&polygon.outer);
@@ -81,7 +81,8 @@ fn straight_ring(ring: &[GridPos]) -> Vec<GridPos> {
     let mut i = 0;
     while out.len() > 3 && i < out.len() {
         let (a, p, b) = (out[(i + out.len() - 1) % out.len()], out[i], out[(i + 1) % out.len()]);
-        if bend_m(a, p, b) < STRAIGHT_M {
+        let is_tip = || (p - a).to_metres().dot((b - p).to_metres()) < 0.0 && bend_m(a, b, p).min(bend_m(p, a, b)) < STRAIGHT_M;
+        if bend_m(a, p, b) < STRAIGHT_M || is_tip() {
             out.remove(i);
             i = i.saturating_sub(1);
         } else {
@@ -159,6 +160,17 @@ mod tests {
         let mut sound = crossing;
         sound[3].1 = -3000;
         assert!(is_simple(&sound) && is_simple(&crossing[..3]));
+    }
+
+    #[test]
+    fn straight_walls_have_no_tips() {
+        let ring =
+            [(0, 0), (9000, 0), (9000, 9000), (4000, 9000), (4000, 30_000), (3990, 9000), (0, 9000)].map(|(x, y)| GridPos(x, y));
+        let straight = straightened(&GridPolygon::simple(ring.to_vec()));
+        assert_eq!(
+            straight,
+            [GridPolygon::simple([(0, 0), (9000, 0), (9000, 9000), (0, 9000)].map(|(x, y)| GridPos(x, y)).to_vec())]
+        );
     }
 
     #[test]

@@ -5,8 +5,8 @@ use core::ops::Range;
 use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::{
-    BridgeForm, BridgeSpan, BridgeStation, CityGraph, GridPolygon, GridPos, Link, LinkKind, MarkingKind, PlanTerrain, SpanMarking,
-    StreetClass, SurfaceKind, metres,
+    CityGraph, GridPolygon, GridPos, Link, LinkKind, MarkingKind, PlanTerrain, SpanForm, SpanMarking, SpanStation, StreetClass,
+    SurfaceKind, WaySpan, metres,
 };
 
 use super::band::{pieces, stations};
@@ -49,7 +49,7 @@ const STEP_M: f64 = 0.6;
 const LONGEST_MITRE: f64 = 1.5;
 
 /// The spans of all bridges, way by way. Their ends are as high as the ground there.
-pub(super) fn spans(graph: &CityGraph, bridges: &Bridges, terrain: &PlanTerrain) -> Vec<BridgeSpan> {
+pub(super) fn spans(graph: &CityGraph, bridges: &Bridges, terrain: &PlanTerrain) -> Vec<WaySpan> {
     if bridges.ways.is_empty() {
         return Vec::new();
     }
@@ -58,22 +58,29 @@ pub(super) fn spans(graph: &CityGraph, bridges: &Bridges, terrain: &PlanTerrain)
         let stretches = way.stretches.iter().filter(|stretch| !stretch.is_carried);
         stretches.flat_map(|stretch| builder.stretch(way, stretch)).map(|span| (w, span)).collect::<Vec<_>>()
     };
-    let mut spans: Vec<(usize, BridgeSpan)> = bridges.ways.par_iter().enumerate().flat_map_iter(own).collect();
+    let mut spans: Vec<(usize, WaySpan)> = bridges.ways.par_iter().enumerate().flat_map_iter(own).collect();
     join(&mut spans);
-    let mut spans: Vec<BridgeSpan> = spans.into_iter().map(|(_, span)| span).collect();
-    let trams = trams(graph);
+    let mut spans: Vec<WaySpan> = spans.into_iter().map(|(_, span)| span).collect();
+    lay_trams(graph, &mut spans, |layer| layer >= 0);
+    spans
+}
+
+/// Lays the tracks of trams on layers of a kind on spans that they lead along.
+pub(super) fn lay_trams(graph: &CityGraph, spans: &mut [WaySpan], is_on: impl Fn(i8) -> bool) {
+    let at = graph.node_positions();
+    let trams = graph.links.iter().filter(|link| is_on(link.layer) && link.kind == LinkKind::Railway { tram: true });
+    let trams: Vec<Vec<DVec2>> = trams.filter_map(|link| graph.polyline(link, &at)).collect();
     spans.par_iter_mut().for_each(|span| {
         let rails: Vec<SpanMarking> = trams.iter().filter_map(|tram| laid(tram, span)).collect();
         span.markings.extend(rails);
     });
-    spans
 }
 
 /// Leaves out parapets and pavements between the bridges of ways that lie side by side, and lets each reach as far as the other.
-fn join(spans: &mut [(usize, BridgeSpan)]) {
+fn join(spans: &mut [(usize, WaySpan)]) {
     let decks = Decks::new(spans.iter().enumerate().map(|(i, (_, span))| (i, span)));
-    let is_beside = |way: usize, span: &BridgeSpan, side: f64| {
-        let reaches = |station: &&BridgeStation| {
+    let is_beside = |way: usize, span: &WaySpan, side: f64| {
+        let reaches = |station: &&SpanStation| {
             let p = station.at(side * (station.half_m() + JOINED_M));
             let mut others = decks.0.at(GridPos::from_metres(p)).filter(|(i, _)| spans[*i].0 != way);
             others.any(|(_, other)| other.height_m(p).is_some_and(|z| (z - metres(station.z)).abs() < STEP_M))
@@ -121,17 +128,10 @@ fn carriageways(graph: &CityGraph) -> Index<()> {
     Index::new(bands.map(|band| (band, ())).collect())
 }
 
-/// Middle lines of tram tracks.
-fn trams(graph: &CityGraph) -> Vec<Vec<DVec2>> {
-    let at = graph.node_positions();
-    let trams = graph.links.iter().filter(|link| link.layer >= 0 && link.kind == LinkKind::Railway { tram: true });
-    trams.filter_map(|link| graph.polyline(link, &at)).collect()
-}
-
 /// A tram track on a span, if it goes all along it.
-fn laid(tram: &[DVec2], span: &BridgeSpan) -> Option<SpanMarking> {
+fn laid(tram: &[DVec2], span: &WaySpan) -> Option<SpanMarking> {
     let (first, last) = (span.stations.first()?, span.stations.last()?);
-    let left = |station: &BridgeStation| {
+    let left = |station: &SpanStation| {
         let (a, b) = (station.left.to_metres(), station.right.to_metres());
         let across = (a - b).try_normalize()?;
         tram.windows(2).find_map(|pair| {
@@ -152,7 +152,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn stretch(&self, way: &Way, stretch: &Stretch) -> Vec<BridgeSpan> {
+    fn stretch(&self, way: &Way, stretch: &Stretch) -> Vec<WaySpan> {
         let Range { start, end } = stretch.range.clone();
         let Some(link) = way.link_at(stretch.middle()).and_then(|(link, _)| self.graph.links.get(link)) else {
             return Vec::new();
@@ -170,8 +170,8 @@ impl Builder<'_> {
             && rise >= LEAST_RISE_M
             && stretch.water >= WET;
         let (form, widest) = match is_arched {
-            true => (BridgeForm::Arches, (rise * FLATTEST).clamp(ARCH_M.0, ARCH_M.1)),
-            false => (BridgeForm::Girder, GIRDER_M),
+            true => (SpanForm::Arches, (rise * FLATTEST).clamp(ARCH_M.0, ARCH_M.1)),
+            false => (SpanForm::Girder, GIRDER_M),
         };
         let bends = bends(&way.line);
         let mut cuts = self.cuts(way, &stretch.range, widest);
@@ -181,7 +181,7 @@ impl Builder<'_> {
             *cut = bends.iter().copied().find(|&s| start < s && s < end && (s - *cut).abs() < AT_BEND_M).unwrap_or(*cut);
         }
         let places = cuts.windows(2).flat_map(|pair| places(pair[0]..pair[1], &bends).skip(usize::from(pair[0] > start)));
-        let mut stations = laid_out(places.filter_map(|s| Some((s, self.station(way, s, height(s))?))), &bends);
+        let mut stations = laid_out(places.filter_map(|s| Some((s, station(self.graph, way, s, height(s))?))), &bends);
         let last = stations.len().saturating_sub(1);
         for (i, s, by) in
             [(0, start, -MEET_M), (last, end, MEET_M)].into_iter().zip(is_aloft).filter_map(|(at, is)| is.then_some(at))
@@ -197,21 +197,12 @@ impl Builder<'_> {
             Some(GridPos::steps(self.terrain.height_m(p).min(stretch.below_m) - FOOTING_M))
         };
         let cuts: Vec<usize> = (0..stations.len()).filter(|&i| cuts.contains(&stations[i].0)).collect();
-        let span = |pair: &[usize]| {
-            let part = &stations[pair[0]..=pair[1]];
-            BridgeSpan {
-                id: link.id,
-                form,
-                surface: link_surface(link),
-                pavements: (GridPos::steps(pavement_of(link)), GridPos::steps(pavement_of(link))),
-                parapets: (true, true),
-                stations: part.iter().map(|(_, station)| *station).collect(),
-                springing: GridPos::steps(springing),
-                piers: (pier(pair[0]), pier(pair[1])),
-                markings: markings(link),
-            }
+        let part = |pair: &[usize]| WaySpan {
+            springing: GridPos::steps(springing),
+            piers: (pier(pair[0]), pier(pair[1])),
+            ..span(link, form, &stations[pair[0]..=pair[1]])
         };
-        cuts.windows(2).map(span).collect()
+        cuts.windows(2).map(part).collect()
     }
 
     /// Where the piers of a stretch stand, its ends among them: as few as can be, and out of the way of what is below.
@@ -227,32 +218,45 @@ impl Builder<'_> {
         let count = (least..=most).min_by_key(|&count| (blocked(count), count)).unwrap_or(least);
         (0..=count).map(|i| cut(i, count)).collect()
     }
+}
 
-    fn station(&self, way: &Way, s: f64, height_m: f64) -> Option<BridgeStation> {
-        let (before, after) = (way.at(s - 1e-4)?, way.at(s + 1e-4)?);
-        let (a, b) = (before.1, after.1);
-        let mitre = (a + b).perp() / (1.0 + a.dot(b)).max(2.0 / (LONGEST_MITRE * LONGEST_MITRE));
-        let (p, _) = way.at(s)?;
-        let off = mitre * way.half_m(self.graph, s);
-        Some(BridgeStation {
-            left: GridPos::from_metres(p + off),
-            right: GridPos::from_metres(p - off),
-            z: GridPos::steps(height_m),
-        })
+/// The cross-section of a way at a distance along it.
+pub(super) fn station(graph: &CityGraph, way: &Way, s: f64, height_m: f64) -> Option<SpanStation> {
+    let (before, after) = (way.at(s - 1e-4)?, way.at(s + 1e-4)?);
+    let (a, b) = (before.1, after.1);
+    let mitre = (a + b).perp() / (1.0 + a.dot(b)).max(2.0 / (LONGEST_MITRE * LONGEST_MITRE));
+    let (p, _) = way.at(s)?;
+    let off = mitre * way.half_m(graph, s);
+    let (left, right) = (GridPos::from_metres(p + off), GridPos::from_metres(p - off));
+    Some(SpanStation { left, right, z: GridPos::steps(height_m) })
+}
+
+/// A span of a link's way, with what is painted on it.
+pub(super) fn span(link: &Link, form: SpanForm, stations: &[(f64, SpanStation)]) -> WaySpan {
+    WaySpan {
+        id: link.id,
+        form,
+        surface: link_surface(link),
+        pavements: (GridPos::steps(pavement_of(link)), GridPos::steps(pavement_of(link))),
+        parapets: (true, true),
+        stations: stations.iter().map(|(_, station)| *station).collect(),
+        springing: 0,
+        piers: (None, None),
+        markings: markings(link),
     }
 }
 
 /// Those stations between which the way goes on: about sharp bends the inner ends of the others lie behind one another. The first and the
 /// last stay.
-fn laid_out(stations: impl Iterator<Item = (f64, BridgeStation)>, bends: &[f64]) -> Vec<(f64, BridgeStation)> {
-    let goes_on = |a: &BridgeStation, b: &BridgeStation| {
-        let ends = |station: &BridgeStation| [-1.0, 1.0].map(|side| station.at(side * (station.half_m() + BEYOND_M)));
+pub(super) fn laid_out(stations: impl Iterator<Item = (f64, SpanStation)>, bends: &[f64]) -> Vec<(f64, SpanStation)> {
+    let goes_on = |a: &SpanStation, b: &SpanStation| {
+        let ends = |station: &SpanStation| [-1.0, 1.0].map(|side| station.at(side * (station.half_m() + BEYOND_M)));
         let ([a_right, a_left], [b_right, b_left]) = (ends(a), ends(b));
         let ring = [a_right, b_right, b_left, a_left];
         (0..4).all(|i| (ring[(i + 1) % 4] - ring[i]).perp_dot(ring[(i + 2) % 4] - ring[i]) > LEAST_M2)
     };
-    let stations: Vec<(f64, BridgeStation)> = stations.collect();
-    let mut kept: Vec<(f64, BridgeStation)> = Vec::new();
+    let stations: Vec<(f64, SpanStation)> = stations.collect();
+    let mut kept: Vec<(f64, SpanStation)> = Vec::new();
     for &next in &stations {
         // What lies too near before a bend goes, and what lies too near behind it.
         let fits = kept.iter().rposition(|(_, station)| goes_on(station, &next.1)).map(|i| i + 1);
@@ -273,12 +277,12 @@ fn laid_out(stations: impl Iterator<Item = (f64, BridgeStation)>, bends: &[f64])
 }
 
 /// Where a line bends, metres along it.
-fn bends(line: &[DVec2]) -> Vec<f64> {
+pub(super) fn bends(line: &[DVec2]) -> Vec<f64> {
     (1..line.len().saturating_sub(1)).map(|i| length_m(&line[..=i])).collect()
 }
 
 /// Where the cross-sections of a span are: at its ends, at the line's bends, and between.
-fn places(range: Range<f64>, bends: &[f64]) -> impl Iterator<Item = f64> {
+pub(super) fn places(range: Range<f64>, bends: &[f64]) -> impl Iterator<Item = f64> {
     let near = |s: f64, t: f64| (s - t).abs() < STATION_M.1;
     let inside =
         bends.iter().copied().filter(move |&s| range.start < s && s < range.end && !near(s, range.start) && !near(s, range.end));
@@ -318,13 +322,15 @@ fn markings(link: &Link) -> Vec<SpanMarking> {
     }
 }
 
-/// Where bridges are: for questions about places.
-pub(super) struct Decks<'a>(Index<(usize, &'a BridgeSpan)>);
+/// Where bridges and ramps are: for questions about places.
+pub(super) struct Decks<'a>(Index<(usize, &'a WaySpan)>);
 
 impl<'a> Decks<'a> {
-    /// Of spans by their numbers.
-    pub fn new(spans: impl Iterator<Item = (usize, &'a BridgeSpan)>) -> Self {
-        let pieces = spans.flat_map(|(i, span)| span.stations.windows(2).map(move |pair| (piece(pair), (i, span))));
+    /// Of spans by their numbers, bores aside: what is in them is out of the way of what is above.
+    pub fn new(spans: impl Iterator<Item = (usize, &'a WaySpan)>) -> Self {
+        let pieces = spans
+            .filter(|(_, span)| !span.is_bore())
+            .flat_map(|(i, span)| span.stations.windows(2).map(move |pair| (piece(pair), (i, span))));
         Self(Index::new(pieces.collect()))
     }
 
@@ -333,7 +339,7 @@ impl<'a> Decks<'a> {
     }
 
     /// The bridge over a place, and how high it is there above the city's zero, metres.
-    pub fn at(&self, p: DVec2) -> Option<(&'a BridgeSpan, f64)> {
+    pub fn at(&self, p: DVec2) -> Option<(&'a WaySpan, f64)> {
         self.0.at(GridPos::from_metres(p)).find_map(|(_, span)| Some((*span, span.height_m(p)?)))
     }
 
@@ -353,6 +359,6 @@ impl<'a> Decks<'a> {
     }
 }
 
-fn piece(pair: &[BridgeStation]) -> GridPolygon {
+fn piece(pair: &[SpanStation]) -> GridPolygon {
     GridPolygon::simple(vec![pair[0].right, pair[1].right, pair[1].left, pair[0].left])
 }

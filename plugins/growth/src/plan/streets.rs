@@ -27,6 +27,8 @@ const NARROWEST_WITH_PAVEMENTS_M: f64 = 6.0;
 /// Priority of what covers the ground, highest first: where two overlap the first lies on top.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Rank {
+    /// Ramps that lead below the ground.
+    Opening,
     /// Between kerbs.
     Carriageway,
     /// Beside a carriageway.
@@ -111,9 +113,13 @@ pub(super) fn layers(
     graph: &CityGraph,
     areas: &[Area<'_>],
     (bridges, depths, courses): (&Bridges, Depths, &Courses),
+    openings: Vec<GridPolygon>,
     findings: &mut Vec<Finding>,
 ) -> Vec<Layer> {
     let mut shapes: BTreeMap<Key, Vec<GridPolygon>> = BTreeMap::new();
+    if !openings.is_empty() {
+        shapes.insert(key(Rank::Opening, SurfaceKind::Opening, None), openings);
+    }
     link_shapes(graph, areas, (bridges, depths, courses), &mut shapes, findings);
     for (i, square) in graph.squares.iter().enumerate() {
         let found = outline::polygons(&square.outline, &square.holes);
@@ -179,19 +185,8 @@ fn link_shapes(
             );
             findings.push(Finding::new(Severity::Repaired, link.id, at.get(&link.from).copied(), message));
         }
-        if link.layer < 0 {
-            let what = match link.kind {
-                LinkKind::Street(_) => "tunnel",
-                LinkKind::Railway { .. } => "railway tunnel",
-                LinkKind::Watercourse => "covered watercourse",
-            };
-            let place = at.get(&link.from).copied();
-            findings.push(Finding::new(
-                Severity::Dropped,
-                link.id,
-                place,
-                format!("{what}: not laid, for it lies below the ground"),
-            ));
+        // Below the ground there are tunnels' ways alone.
+        if link.layer < 0 && !bridges.has(i) {
             continue;
         }
         let on_ground = bridges.on_ground(i);
@@ -343,9 +338,9 @@ pub(super) fn along(line: &[DVec2], s_m: f64) -> Option<(DVec2, DVec2)> {
 }
 
 /// Centre lines for maps, routes and labels.
-pub(super) fn centre_lines(graph: &CityGraph) -> Vec<PlanStreet> {
+pub(super) fn centre_lines(graph: &CityGraph, bridges: &Bridges) -> Vec<PlanStreet> {
     let at = graph.node_positions();
-    let street = |link: &Link| {
+    let street = |(i, link): (usize, &Link)| {
         let LinkKind::Street(_) = link.kind else { return None };
         let mut line: Vec<GridPos> = graph.polyline(link, &at)?.into_iter().map(GridPos::from_metres).collect();
         line.dedup();
@@ -354,11 +349,11 @@ pub(super) fn centre_lines(graph: &CityGraph) -> Vec<PlanStreet> {
             name: link.name.clone(),
             line,
             width: GridPos::steps(width_m(link)),
-            walkable: link.layer >= 0,
+            walkable: link.layer >= 0 || bridges.has(i),
             layer: link.layer,
         })
     };
-    graph.links.iter().filter_map(street).collect()
+    graph.links.iter().enumerate().filter_map(street).collect()
 }
 
 /// The areas of a graph's blocks as valid polygons; blocks without area are reported.
@@ -392,7 +387,7 @@ mod tests {
             );
             let graph: CityGraph = veduta_city::file::parse(&text, "t").unwrap_or_else(|e| panic!("{e}"));
             let mut findings = Vec::new();
-            layers(&graph, &[], (&Bridges::default(), Depths::of(None), &Courses::of(&graph)), &mut findings);
+            layers(&graph, &[], (&Bridges::default(), Depths::of(None), &Courses::of(&graph)), Vec::new(), &mut findings);
             assert_eq!(findings.len(), usize::from(taken.is_some()), "{given}: {findings:?}");
             let is_told =
                 |f: &Finding| f.id == Id(3) && f.plan_pos == Some(DVec2::ZERO) && taken.is_some_and(|t| f.message.contains(t));

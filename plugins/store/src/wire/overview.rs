@@ -1,5 +1,5 @@
 use serde::{Deserialize, Serialize};
-use veduta_city::{BridgeSpan, HouseName, ObjectKind, Overview, PlanStreet, PlanTerrain, SurfaceKind};
+use veduta_city::{HouseName, ObjectKind, Overview, PlanStreet, PlanTerrain, SurfaceKind, WaySpan};
 
 use super::{
     Malformed,
@@ -24,7 +24,7 @@ pub(crate) struct WireOverview {
     tops: Deltas,
     named: Deltas,
     objects: Vec<ObjectKind>,
-    bridges: Vec<BridgeSpan>,
+    spans: Vec<WaySpan>,
 }
 
 impl From<&Overview> for WireOverview {
@@ -56,7 +56,7 @@ impl From<&Overview> for WireOverview {
             tops: Deltas::of(overview.houses.iter().map(|&(_, _, top)| top)),
             named: Deltas::of(overview.names.iter().map(|name| name.house as i32)),
             objects: overview.objects.iter().map(|&(kind, _)| kind).collect(),
-            bridges: overview.bridges.clone(),
+            spans: overview.spans.clone(),
         }
     }
 }
@@ -83,7 +83,7 @@ impl TryFrom<WireOverview> for Overview {
             .map(|house| Ok(HouseName { house: house as u32, name: texts.take()?, number: texts.take()? }))
             .collect::<Result<_, _>>()?;
         texts.finish()?;
-        Ok(Self { terrain: PlanTerrain::try_from(wire.terrain)?, streets, areas, houses, names, objects, bridges: wire.bridges })
+        Ok(Self { terrain: PlanTerrain::try_from(wire.terrain)?, streets, areas, houses, names, objects, spans: wire.spans })
     }
 }
 

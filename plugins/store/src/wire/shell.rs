@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
-    Arcade, BridgeSpan, CellShell, Course, Design, Gable, GridPos, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind,
-    PlacedMonument, PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SurfaceKind, VolumeShell,
+    Arcade, CellShell, Course, Design, Gable, GridPos, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind,
+    PlacedMonument, PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SurfaceKind, VolumeShell, WaySpan,
 };
 
 use super::{
@@ -26,8 +26,8 @@ pub(crate) struct WireShell {
     markings: WireMarkings,
     designs: Vec<Design>,
     monuments: Vec<PlacedMonument>,
-    bridges: Vec<BridgeSpan>,
-    drawn_bridges: u32,
+    spans: Vec<WaySpan>,
+    drawn_spans: u32,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -156,8 +156,8 @@ impl From<&CellShell> for WireShell {
             },
             designs: shell.designs.clone(),
             monuments: shell.monuments.clone(),
-            bridges: shell.bridges.clone(),
-            drawn_bridges: shell.drawn_bridges,
+            spans: shell.spans.clone(),
+            drawn_spans: shell.drawn_spans,
         }
     }
 }
@@ -216,7 +216,7 @@ impl TryFrom<WireShell> for CellShell {
         let courses = starts.into_iter().map(course).collect::<Result<_, _>>()?;
         points.finish()?;
         colours.finish()?;
-        let WireShell { origin, designs, monuments, bridges, drawn_bridges, .. } = wire;
+        let WireShell { origin, designs, monuments, spans, drawn_spans, .. } = wire;
         let terrain = PlanTerrain::try_from(wire.terrain)?;
         Ok(Self {
             origin,
@@ -228,8 +228,8 @@ impl TryFrom<WireShell> for CellShell {
             objects,
             blind,
             markings,
-            bridges,
-            drawn_bridges,
+            spans,
+            drawn_spans,
             designs,
             monuments,
         })

@@ -3,46 +3,68 @@ use serde::{Deserialize, Serialize};
 
 use crate::{GridPolygon, GridPos, Id, MarkingKind, SurfaceKind, metres};
 
-/// What carries a bridge.
+/// What holds a way that leaves the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
-pub enum BridgeForm {
-    /// Stone vaults on piers, with stone parapets.
+pub enum SpanForm {
+    /// A bridge: stone vaults on piers, with stone parapets.
     #[default]
     Arches,
-    /// Beams on slender piers, with railings.
+    /// A bridge: beams on slender piers, with railings.
     Girder,
+    /// A cutting between retaining walls, open to the sky, that leads down to a tunnel. Its walls stand beyond its stations.
+    Ramp,
+    /// A vault below the ground.
+    Bore {
+        /// From the carriageway to the vault's crown, grid steps.
+        crown: i32,
+        /// What is at its start and at its end.
+        ends: (BoreEnd, BoreEnd),
+    },
 }
 
-/// A stretch of a bridge from one of its piers, or the land, to the next. The spans of a bridge share their end stations.
+/// What is at an end of a bore.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
+pub enum BoreEnd {
+    /// The next bore.
+    #[default]
+    Bore,
+    /// A portal, before which a ramp ends or the ground lies as low.
+    Portal,
+    /// A wall: nothing is known of how it goes on.
+    Wall,
+}
+
+/// A stretch of a way that is off the ground: on a bridge, from one of its piers or the land to the next; or below the ground. The spans of
+/// a way share their end stations.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct BridgeSpan {
+pub struct WaySpan {
     /// Id of the link that it carries.
     pub id: Id,
-    /// What carries it.
-    pub form: BridgeForm,
+    /// What holds it.
+    pub form: SpanForm,
     /// What the carriageway is covered with, or all of it where there is no pavement.
     pub surface: SurfaceKind,
     /// Widths of the pavements on its left and on its right, grid steps; 0 where there is none.
     pub pavements: (i32, i32),
-    /// Whether it has a parapet or railing on its left and on its right: not where another bridge lies beside it.
+    /// Whether it has a parapet, railing or wall on its left and on its right: not where another bridge lies beside it.
     pub parapets: (bool, bool),
     /// Cross-sections along it: two or more.
-    pub stations: Vec<BridgeStation>,
+    pub stations: Vec<SpanStation>,
     /// Arches: where they spring from above the city's zero, grid steps.
     pub springing: i32,
-    /// Feet of the piers under its start and its end above the city's zero, grid steps; none where that is on land. The pier between
-    /// two spans is drawn with the one that ends there.
+    /// Bridges: feet of the piers under its start and its end above the city's zero, grid steps; none where that is on land. The pier
+    /// between two spans is drawn with the one that ends there.
     pub piers: (Option<i32>, Option<i32>),
     /// Paint and rails on it.
     #[serde(default)]
     pub markings: Vec<SpanMarking>,
 }
 
-/// A cross-section of a bridge's way: level across.
+/// A cross-section of a way: level across.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct BridgeStation {
+pub struct SpanStation {
     /// Its left end, seen along the way: parapets stand beyond it.
     pub left: GridPos,
     /// Its right end.
@@ -51,7 +73,7 @@ pub struct BridgeStation {
     pub z: i32,
 }
 
-impl BridgeStation {
+impl SpanStation {
     /// A place so far to the left of its middle, metres.
     #[must_use]
     pub fn at(&self, left_m: f64) -> DVec2 {
@@ -78,7 +100,19 @@ pub struct SpanMarking {
     pub width: i32,
 }
 
-impl BridgeSpan {
+impl WaySpan {
+    /// Whether it lies below the ground with a roof of earth.
+    #[must_use]
+    pub const fn is_bore(&self) -> bool {
+        matches!(self.form, SpanForm::Bore { .. })
+    }
+
+    /// Whether it lies below the ground and the ground is open above it.
+    #[must_use]
+    pub const fn is_ramp(&self) -> bool {
+        matches!(self.form, SpanForm::Ramp)
+    }
+
     /// The way's outline in plan, counter-clockwise.
     #[must_use]
     pub fn outline(&self) -> GridPolygon {
@@ -124,15 +158,15 @@ const NEAR_M: f64 = 1e-3;
 mod tests {
     use super::*;
 
-    fn span() -> BridgeSpan {
-        let station = |x: f64, y: f64, z: f64| BridgeStation {
+    fn span() -> WaySpan {
+        let station = |x: f64, y: f64, z: f64| SpanStation {
             left: GridPos::from_metres(DVec2::new(x, y + 3.0)),
             right: GridPos::from_metres(DVec2::new(x, y - 3.0)),
             z: GridPos::steps(z),
         };
-        BridgeSpan {
+        WaySpan {
             id: Id(1),
-            form: BridgeForm::Arches,
+            form: SpanForm::Arches,
             surface: SurfaceKind::Cobbles,
             pavements: (0, 0),
             parapets: (true, true),

@@ -1,0 +1,538 @@
+//! Ways below the ground: how deep they lie, where they come out, and the ramps that lead down to them.
+//!
+//! Maps tell which links lie below the ground, not how deep. A tunnel keeps under everything that stands above it, comes out where its map
+//! says, or farther in where a hillside or a short street leaves no room before it, and its ramps begin as near as their grade allows.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::DVec2;
+use veduta_city::{
+    BoreEnd, CityGraph, Finding, GridPolygon, GridPos, Id, Link, LinkKind, PlanTerrain, Severity, SpanForm, StreetClass, WaySpan,
+};
+
+use super::band::{self, stations};
+use super::bridges::{Bridges, Chain, Stretch, Way, chains};
+use super::extent::Extent;
+use super::facing::{self, Bodies};
+use super::houses::Draft;
+use super::index::Index;
+use super::spans::{bends, laid_out, lay_trams, places, span, station};
+use super::streets::width_at_m;
+use super::water::Waters;
+use crate::mesh::tunnel::WALL_M;
+
+/// From the way to the crown of its vault, metres: railways, streets with carriageways, and other ways.
+const CROWN_M: [f64; 3] = [5.8, 5.0, 2.9];
+/// From there to the ground at least, metres: foundations are as deep.
+const COVER_M: f64 = 1.2;
+/// Steepest that ways lead down, a metre for each metre: railways, motorways, other carriageways, other ways, steps; and so many times that
+/// where there is no room.
+const GRADE: [f64; 5] = [0.03, 0.06, 0.1, 0.14, 0.6];
+const STEEPER: f64 = 1.5;
+/// Ramps begin no farther from the tunnel than this, and so far from what lies across; metres.
+const REACH_M: f64 = 160.0;
+const MARGIN_M: f64 = 1.5;
+/// Ramps do not bend at nodes by more than the angle with this cosine, as ways lie so far from there; metres.
+const STRAIGHT: f64 = 0.5;
+const AHEAD_M: f64 = 6.0;
+/// What lies across where a map says that a tunnel begins reaches no farther into it than this; metres.
+const ENTRY_M: f64 = 16.0;
+/// A mouth farther in is worth it if the ramp is shorter by more than this; metres.
+const WORTH_M: f64 = 2.0;
+/// Shorter bores are none, metres.
+const LEAST_M: f64 = 2.0;
+/// The ground is looked at so often along a way; metres.
+const STEP_M: f64 = 1.0;
+/// Spans are no longer than this; metres.
+const SPAN_M: f64 = 24.0;
+/// How far the ground goes on over the upper end of a ramp, which begins so far above it; metres.
+const OVERLAP_M: f64 = 0.25;
+const LIFT_M: f64 = 0.02;
+/// A way's sides have so much room beyond its walls, metres.
+const ROOM_M: f64 = 0.2;
+
+/// The tunnels of a city.
+#[derive(Default)]
+pub(super) struct Tunnels {
+    pub ways: Vec<Way>,
+    pub spans: Vec<WaySpan>,
+    /// Where the ground is open above ramps.
+    pub openings: Vec<GridPolygon>,
+}
+
+/// What tunnels are dug under.
+pub(super) struct Ground<'a> {
+    pub graph: &'a CityGraph,
+    pub terrain: &'a PlanTerrain,
+    pub waters: &'a Waters,
+    pub bridges: &'a Bridges,
+    pub given: &'a [Draft],
+    pub extent: &'a Extent,
+}
+
+impl Tunnels {
+    /// All that can be laid; of the others a finding tells why not.
+    pub fn of(ground: &Ground<'_>, findings: &mut Vec<Finding>) -> Self {
+        let graph = ground.graph;
+        let mut tunnels = Self::default();
+        let chains = chains(graph, |link| link.layer < 0);
+        if !chains.is_empty() {
+            let digger = Digger::of(ground);
+            for chain in &chains {
+                if let Err(why) = digger.dig(chain, &mut tunnels) {
+                    let link = chain.links.first().map(|&(link, _)| &graph.links[link]);
+                    let what = if link.is_some_and(|link| matches!(link.kind, LinkKind::Railway { .. })) {
+                        "railway tunnel"
+                    } else {
+                        "tunnel"
+                    };
+                    let message = format!("{what}: not laid, for {why}");
+                    let id = link.map_or(Id::NONE, |link| link.id);
+                    findings.push(Finding::new(Severity::Dropped, id, chain.line.first().copied(), message));
+                }
+            }
+        }
+        let at = graph.node_positions();
+        for link in graph.links.iter().filter(|link| link.layer < 0) {
+            let what = match link.kind {
+                LinkKind::Watercourse => "covered watercourse",
+                LinkKind::Railway { tram: true } if !tunnels.carry(graph, link) => "tram tunnel",
+                _ => continue,
+            };
+            let message = format!("{what}: not laid, for it lies below the ground");
+            findings.push(Finding::new(Severity::Dropped, link.id, at.get(&link.from).copied(), message));
+        }
+        tunnels
+    }
+
+    /// Links that are laid below the ground.
+    pub fn links(&self) -> HashSet<usize> {
+        self.ways.iter().flat_map(|way| &way.links).map(|&(link, ..)| link).collect()
+    }
+
+    /// Whether a tram's middle lies in one of the tunnels.
+    fn carry(&self, graph: &CityGraph, tram: &Link) -> bool {
+        let line = graph.polyline(tram, &graph.node_positions()).unwrap_or_default();
+        let Some((middle, _)) = super::streets::middle_of(&line) else { return false };
+        self.spans.iter().any(|span| span.height_m(middle).is_some())
+    }
+
+    /// How high the ways of those tunnels are that lie above or below a place, metres above the city's zero.
+    fn heights_at(&self, p: DVec2) -> impl Iterator<Item = f64> {
+        self.spans.iter().filter_map(move |span| span.height_m(p))
+    }
+}
+
+/// How a tunnel goes on beyond an end of what the map says lies below the ground.
+enum Mouth {
+    /// Streets on the ground: those that it alone goes on in, away from it.
+    Ground(Vec<(usize, bool)>),
+    /// Nothing.
+    Wall,
+}
+
+/// A place along a way.
+#[derive(Clone, Copy)]
+struct Sample {
+    s: f64,
+    /// The ground in its middle, and the lowest ground or water bed across it, metres above the city's zero.
+    ground_m: f64,
+    low_m: f64,
+    /// How much the way may climb to here from where it begins.
+    climb_m: f64,
+    /// Whether something stands or leads across.
+    is_blocked: bool,
+}
+
+/// Where a ramp begins and ends, as numbers of samples.
+#[derive(Clone, Copy)]
+struct Ramp {
+    top: usize,
+    mouth: usize,
+}
+
+struct Digger<'a> {
+    ground: &'a Ground<'a>,
+    houses: Bodies<'a>,
+    /// Ways on the ground, with the numbers of their links.
+    ways: Index<usize>,
+    at: HashMap<Id, DVec2>,
+    /// Numbers of the links of ways at each node.
+    meet: HashMap<Id, Vec<usize>>,
+}
+
+/// What a way carries, by which it is known whether another goes on in it.
+const fn traffic(link: &Link) -> u8 {
+    match link.kind {
+        LinkKind::Street(StreetClass::Path | StreetClass::Steps) => 0,
+        LinkKind::Street(_) => 1,
+        LinkKind::Railway { .. } | LinkKind::Watercourse => 2,
+    }
+}
+
+const fn is_way(link: &Link) -> bool {
+    matches!(link.kind, LinkKind::Street(_) | LinkKind::Railway { tram: false })
+}
+
+impl<'a> Digger<'a> {
+    fn of(ground: &'a Ground<'a>) -> Self {
+        let graph = ground.graph;
+        let at = graph.node_positions();
+        let mut meet: HashMap<Id, Vec<usize>> = HashMap::new();
+        let mut bands = Vec::new();
+        for (i, link) in graph.links.iter().enumerate().filter(|(_, link)| is_way(link)) {
+            meet.entry(link.from).or_default().push(i);
+            meet.entry(link.to).or_default().push(i);
+            if link.layer >= 0 {
+                let stations = stations(&graph.polyline(link, &at).unwrap_or_default(), link);
+                let parts = ground.bridges.on_ground(i).into_iter().map(|part| band::part(&stations, part));
+                let pieces = parts.flat_map(|part| band::pieces(&part, |share| width_at_m(link, share) / 2.0));
+                bands.extend(pieces.map(|band| (band, i)));
+            }
+        }
+        Self { ground, houses: facing::bodies(ground.given), ways: Index::new(bands), at, meet }
+    }
+
+    /// What lies beyond an end of what lies below the ground.
+    fn mouth(&self, node: Id, inner: usize, dug: &HashSet<usize>) -> Result<Mouth, &'static str> {
+        let links = &self.ground.graph.links;
+        let others: Vec<usize> = self.meet.get(&node).into_iter().flatten().copied().filter(|&link| link != inner).collect();
+        if others.iter().any(|&link| links[link].layer < 0) {
+            return Err("it meets others below the ground");
+        }
+        if others.is_empty() {
+            return Ok(Mouth::Wall);
+        }
+        let goes_on = |from: usize, to: usize, node: Id| {
+            let is_straight = self.leave(from, node).dot(self.leave(to, node)) < -STRAIGHT;
+            let is_free = !dug.contains(&to) && !self.ground.bridges.has(to);
+            links[to].layer == 0 && traffic(&links[from]) == traffic(&links[to]) && is_straight && is_free
+        };
+        let (mut out, mut here, mut at, mut gone) = (Vec::new(), inner, node, 0.0);
+        while gone < REACH_M {
+            let next: Vec<usize> = self.meet.get(&at).into_iter().flatten().copied().filter(|&link| link != here).collect();
+            let [next] = next[..] else { break };
+            if !goes_on(here, next, at) || out.iter().any(|&(link, _)| link == next) {
+                break;
+            }
+            let is_back = links[next].from != at;
+            at = if is_back { links[next].from } else { links[next].to };
+            gone += self.ground.graph.polyline(&links[next], &self.at).map_or(0.0, |line| super::streets::length_m(&line));
+            out.push((next, is_back));
+            here = next;
+        }
+        Ok(Mouth::Ground(out))
+    }
+
+    /// The direction in which a way leaves a node.
+    fn leave(&self, link: usize, node: Id) -> DVec2 {
+        let link = &self.ground.graph.links[link];
+        let mut line = self.ground.graph.polyline(link, &self.at).unwrap_or_default();
+        if link.from != node {
+            line.reverse();
+        }
+        super::streets::along(&line, AHEAD_M.min(super::streets::length_m(&line) / 2.0))
+            .map_or(DVec2::ZERO, |(p, _)| (p - line[0]).normalize_or_zero())
+    }
+
+    /// Lays a tunnel along a chain of links.
+    fn dig(&self, chain: &Chain, tunnels: &mut Tunnels) -> Result<(), &'static str> {
+        let graph = self.ground.graph;
+        let (Some(ends), Some(&(first, _)), Some(&(last, _))) = (chain.ends(graph), chain.links.first(), chain.links.last()) else {
+            return Err("it has no length");
+        };
+        let dug = tunnels.links();
+        let mouths = [self.mouth(ends[0], first, &dug)?, self.mouth(ends[1], last, &dug)?];
+        if mouths.iter().all(|mouth| matches!(mouth, Mouth::Wall)) || ends[0] == ends[1] {
+            return Err("all of it lies below the ground");
+        }
+        let outer = |mouth: &Mouth| match mouth {
+            Mouth::Ground(links) => links.clone(),
+            Mouth::Wall => Vec::new(),
+        };
+        let before: Vec<(usize, bool)> = outer(&mouths[0]).into_iter().rev().map(|(link, is_back)| (link, !is_back)).collect();
+        let after = outer(&mouths[1]);
+        let (from, to) = (before.len(), before.len() + chain.links.len());
+        let links = before.into_iter().chain(chain.links.iter().copied()).chain(after).collect();
+        let whole = Chain::of(graph, &self.at, links).ok_or("it has no length")?;
+        let mut way = Way::of(graph, whole);
+        let begin = |i: usize| way.links.get(i).map_or(way.length_m, |link| link.2);
+        let mapped = begin(from)..begin(to);
+        let depth_m = self.crown_m(chain) + COVER_M;
+        let mut samples = self.samples(&way, 1.0);
+        let is_wall = [0, 1].map(|end| matches!(mouths[end], Mouth::Wall));
+        let ramps = ramps(&samples, &mapped, is_wall, depth_m).or_else(|_| {
+            samples = self.samples(&way, STEEPER);
+            ramps(&samples, &mapped, is_wall, depth_m)
+        })?;
+        let floor = floor(&samples, ramps, is_wall, depth_m)?;
+        if self.meets(&way, &floor, depth_m, tunnels) {
+            return Err("another lies too near below or above");
+        }
+        let mut laid = self.lay(&way, &floor, (ramps.map(|ramp| samples[ramp.mouth].s), is_wall), self.crown_m(chain))?;
+        let (Some(start), Some(end)) = (floor.0.first(), floor.0.last()) else { return Err("it has no length") };
+        way.stretches = vec![Stretch::below(start.0..end.0, (start.1, end.1), is_wall.map(|is| if is { 0.0 } else { OVERLAP_M }))];
+        lay_trams(graph, &mut laid, |layer| layer <= 0);
+        tunnels.openings.extend(laid.iter().enumerate().filter(|(_, span)| span.is_ramp()).flat_map(|(i, span)| {
+            let is_ramp = |i: Option<usize>| i.and_then(|i| laid.get(i)).is_none_or(WaySpan::is_ramp);
+            let edge = |i: Option<usize>| match i.and_then(|i| laid.get(i)) {
+                None => -OVERLAP_M,
+                Some(_) if is_ramp(i) => 0.0,
+                Some(_) => WALL_M / 2.0,
+            };
+            opening(span, [edge(i.checked_sub(1)), edge(Some(i + 1))])
+        }));
+        tunnels.spans.extend(laid);
+        tunnels.ways.push(way);
+        Ok(())
+    }
+
+    fn crown_m(&self, chain: &Chain) -> f64 {
+        let links = chain.links.iter().map(|&(link, _)| &self.ground.graph.links[link]);
+        let crown = |link: &Link| match link.kind {
+            LinkKind::Railway { .. } => CROWN_M[0],
+            LinkKind::Street(class) if class.has_carriageway() || class == StreetClass::Service => CROWN_M[1],
+            _ => CROWN_M[2],
+        };
+        links.map(crown).fold(0.0, f64::max)
+    }
+
+    /// `steeper`: how many times its kind's grade the way may climb.
+    fn samples(&self, way: &Way, steeper: f64) -> Vec<Sample> {
+        let graph = self.ground.graph;
+        let own: HashSet<usize> = way.links.iter().map(|&(link, ..)| link).collect();
+        let count = (way.length_m / STEP_M).ceil().max(2.0) as u32;
+        let step = way.length_m / f64::from(count);
+        let mut climb_m = 0.0;
+        let sample = |i: u32| {
+            let s = step * f64::from(i);
+            let (p, along) = way.at(s)?;
+            let half = way.half_m(graph, s);
+            let room = half + WALL_M + ROOM_M;
+            let across = |share: f64, reach: f64| p + along.perp() * (reach * share);
+            let is_blocked = [-1.0, -0.5, 0.0, 0.5, 1.0].into_iter().any(|share| {
+                let pos = GridPos::from_metres(across(share, room));
+                !self.ground.extent.holds(pos)
+                    || self.ways.at(pos).any(|link| !own.contains(link))
+                    || self.houses.at(pos).next().is_some()
+                    || self.ground.waters.depth_m(pos).is_some()
+            });
+            let below =
+                |q: DVec2| self.ground.terrain.height_m(q) - self.ground.waters.depth_m(GridPos::from_metres(q)).unwrap_or(0.0);
+            let low_m =
+                [-1.0, -0.5, 0.0, 0.5, 1.0].into_iter().map(|share| below(across(share, half))).fold(f64::INFINITY, f64::min);
+            let here = climb_m;
+            climb_m += step * steeper * way.link_at(s).map_or(GRADE[0], |(link, _)| grade(&graph.links[link]));
+            Some(Sample { s, ground_m: self.ground.terrain.height_m(p), low_m, climb_m: here, is_blocked })
+        };
+        (0..=count).filter_map(sample).collect()
+    }
+
+    /// Whether another tunnel lies so near above or below that there is no room.
+    fn meets(&self, way: &Way, floor: &Floor, depth_m: f64, tunnels: &Tunnels) -> bool {
+        let (Some(start), Some(end)) = (floor.0.first(), floor.0.last()) else { return false };
+        let count = ((end.0 - start.0) / STEP_M).ceil().max(1.0) as u32;
+        let is_met = |i: u32| {
+            let s = start.0 + (end.0 - start.0) * f64::from(i) / f64::from(count);
+            let Some((p, along)) = way.at(s) else { return false };
+            let half = way.half_m(self.ground.graph, s) + WALL_M;
+            let z = floor.at(s);
+            [-half, 0.0, half]
+                .into_iter()
+                .any(|left| tunnels.heights_at(p + along.perp() * left).any(|other| (other - z).abs() < depth_m))
+        };
+        !tunnels.spans.is_empty() && (0..=count).any(is_met)
+    }
+
+    fn lay(
+        &self,
+        way: &Way,
+        floor: &Floor,
+        (mouths, is_wall): ([f64; 2], [bool; 2]),
+        crown_m: f64,
+    ) -> Result<Vec<WaySpan>, &'static str> {
+        let (Some(&(start, _)), Some(&(end, _))) = (floor.0.first(), floor.0.last()) else { return Err("it has no length") };
+        let bends = bends(&way.line);
+        let mut cuts = vec![start];
+        for to in [mouths[0], mouths[1], end] {
+            let from = cuts[cuts.len() - 1];
+            let count = ((to - from) / SPAN_M).ceil() as u32;
+            cuts.extend((1..=count).map(|i| if i == count { to } else { from + (to - from) * f64::from(i) / f64::from(count) }));
+        }
+        let mut kinks: Vec<f64> = bends.iter().copied().chain(floor.0.iter().map(|kink| kink.0)).collect();
+        kinks.sort_by(f64::total_cmp);
+        let all = cuts.windows(2).flat_map(|pair| places(pair[0]..pair[1], &kinks).skip(usize::from(pair[0] > start)));
+        let stations = all.filter_map(|s| Some((s, station(self.ground.graph, way, s, floor.at(s))?)));
+        let stations = laid_out(stations, &bends);
+        let kept: Vec<usize> = (0..stations.len()).filter(|&i| cuts.contains(&stations[i].0)).collect();
+        let is_kept = |s: f64| kept.iter().any(|&i| stations[i].0 == s);
+        if ![start, mouths[0], mouths[1], end].into_iter().all(is_kept) {
+            return Err("it bends too sharply where it comes out");
+        }
+        let laid = |pair: &[usize]| {
+            let (from, to) = (stations[pair[0]].0, stations[pair[1]].0);
+            let (link, _) = way.link_at((from + to) / 2.0)?;
+            let is_bore = mouths[0] <= from && to <= mouths[1];
+            let end = |s: f64, mouth: usize| match s == mouths[mouth] {
+                false => BoreEnd::Bore,
+                true if is_wall[mouth] => BoreEnd::Wall,
+                true => BoreEnd::Portal,
+            };
+            let form = match is_bore {
+                true => SpanForm::Bore { crown: GridPos::steps(crown_m), ends: (end(from, 0), end(to, 1)) },
+                false => SpanForm::Ramp,
+            };
+            Some(span(&self.ground.graph.links[link], form, &stations[pair[0]..=pair[1]]))
+        };
+        Ok(kept.windows(2).filter_map(laid).collect())
+    }
+}
+
+/// Where the ground is open above a ramp, which is longer by so much at its start and at its end; metres.
+fn opening(ramp: &WaySpan, longer_m: [f64; 2]) -> Vec<GridPolygon> {
+    let sides = |i: usize, by: f64| {
+        let (here, next) = (&ramp.stations[i], &ramp.stations[if i == 0 { 1 } else { i - 1 }]);
+        let off = (here.at(0.0) - next.at(0.0)).normalize_or_zero() * by;
+        let half = here.half_m() + WALL_M / 2.0;
+        [here.at(-half) + off, here.at(half) + off]
+    };
+    let last = ramp.stations.len() - 1;
+    let at = |i: usize| {
+        sides(
+            i,
+            if i == 0 {
+                longer_m[0]
+            } else if i == last {
+                longer_m[1]
+            } else {
+                0.0
+            },
+        )
+    };
+    let piece = |i: usize| {
+        let ([a, b], [c, d]) = (at(i - 1), at(i));
+        GridPolygon::simple([a, c, d, b].map(GridPos::from_metres).to_vec())
+    };
+    (1..=last).map(piece).collect()
+}
+
+const fn grade(link: &Link) -> f64 {
+    match link.kind {
+        LinkKind::Railway { .. } | LinkKind::Watercourse => GRADE[0],
+        LinkKind::Street(StreetClass::Motorway) => GRADE[1],
+        LinkKind::Street(StreetClass::Steps) => GRADE[4],
+        LinkKind::Street(class) if class.has_carriageway() => GRADE[2],
+        LinkKind::Street(_) => GRADE[3],
+    }
+}
+
+/// Where the ramps of a tunnel begin and end. `mapped`: what a map says lies below the ground.
+fn ramps(samples: &[Sample], mapped: &core::ops::Range<f64>, is_wall: [bool; 2], depth_m: f64) -> Result<[Ramp; 2], &'static str> {
+    let first = samples.partition_point(|sample| sample.s < mapped.start - 1e-6);
+    let last = samples.partition_point(|sample| sample.s <= mapped.end + 1e-6) - 1;
+    let blocked = |range: core::ops::RangeInclusive<usize>| range.filter(|&i| samples[i].is_blocked).collect::<Vec<_>>();
+    // What lies across the ends themselves is the street that the tunnel comes out to.
+    let entry = |end: usize, i: usize| (samples[end].s - samples[i].s).abs() < ENTRY_M;
+    let is_clear = |i: &usize| !samples[*i].is_blocked;
+    let from = (first..=last).find(is_clear).filter(|&i| entry(first, i)).ok_or("something stands where it begins")?;
+    let to = (first..=last).rev().find(is_clear).filter(|&i| entry(last, i)).ok_or("something stands where it ends")?;
+    if from >= to {
+        return Err("it is too short");
+    }
+    let above = blocked(from..=to);
+    let middle = (from + to) / 2;
+    let (least, most) = (above.first().map_or(middle, |i| i - 1), above.last().map_or(middle + 1, |i| i + 1));
+    let count = samples.len();
+    let end = samples[count - 1];
+    let turn = |sample: &Sample| Sample { s: end.s - sample.s, climb_m: end.climb_m - sample.climb_m, ..*sample };
+    let turned: Vec<Sample> = samples.iter().rev().map(turn).collect();
+    let back = |i: usize| count - 1 - i;
+    let none = |i: usize| Ramp { top: i, mouth: i };
+    let far = if is_wall[1] { last } else { most };
+    let near = if is_wall[0] { first } else { least };
+    let start =
+        if is_wall[0] { none(first) } else { ramp(samples, from, least, far, depth_m).ok_or("its first ramp has no room")? };
+    let stop = if is_wall[1] {
+        none(last)
+    } else {
+        let Ramp { top, mouth } = ramp(&turned, back(to), back(most), back(near), depth_m).ok_or("its last ramp has no room")?;
+        Ramp { top: back(top), mouth: back(mouth) }
+    };
+    if samples[stop.mouth].s - samples[start.mouth].s < LEAST_M {
+        return Err("it is too short");
+    }
+    Ok([start, stop])
+}
+
+/// The ramp at the start of a tunnel whose mouth lies between two samples and which is covered from there to a third.
+fn ramp(samples: &[Sample], from: usize, to: usize, covered: usize, depth_m: f64) -> Option<Ramp> {
+    let mut lowest = from;
+    while lowest > 0 && !samples[lowest - 1].is_blocked {
+        lowest -= 1;
+    }
+    let edge = samples[lowest].s + if lowest > 0 { MARGIN_M } else { 0.0 };
+    let lowest = samples.partition_point(|sample| sample.s < edge);
+    // As high as the way may be at its start so that it is low enough everywhere: from the last mouth to the first.
+    let bound = |i: usize| samples[i].low_m - depth_m + samples[i].climb_m;
+    let mut bounds: Vec<f64> = (from..=covered)
+        .rev()
+        .scan(f64::INFINITY, |least, i| {
+            *least = least.min(bound(i));
+            Some(*least)
+        })
+        .collect();
+    bounds.reverse();
+    let mut best: Option<Ramp> = None;
+    let length = |ramp: &Ramp| samples[ramp.mouth].s - samples[ramp.top].s;
+    for mouth in from..=to.min(covered) {
+        let bound = bounds[mouth - from];
+        let top = (lowest..=mouth).rev().find(|&i| samples[i].ground_m + LIFT_M + samples[i].climb_m <= bound);
+        let found = top.map(|top| Ramp { top, mouth });
+        if let Some(ramp) = found.filter(|ramp| best.is_none_or(|best| length(ramp) < length(&best) - WORTH_M)) {
+            best = Some(ramp);
+        }
+    }
+    best
+}
+
+/// Heights along a way, metres above the city's zero: straight between places along it.
+struct Floor(Vec<(f64, f64)>);
+
+impl Floor {
+    fn at(&self, s: f64) -> f64 {
+        let i = self.0.partition_point(|(at, _)| *at <= s).clamp(1, self.0.len() - 1);
+        let ((from, low), (to, high)) = (self.0[i - 1], self.0[i]);
+        low + (high - low) * ((s - from) / (to - from).max(1e-9)).clamp(0.0, 1.0)
+    }
+}
+
+/// The highest way that lies below everything and never turns down again: the lower hull of what it may not rise above.
+fn floor(samples: &[Sample], ramps: [Ramp; 2], is_wall: [bool; 2], depth_m: f64) -> Result<Floor, &'static str> {
+    let [start, stop] = ramps;
+    let most = |i: usize| {
+        let Sample { s, ground_m, low_m, climb_m, .. } = samples[i];
+        let is_end = (i == start.top && !is_wall[0]) || (i == stop.top && !is_wall[1]);
+        let is_bore = (start.mouth..=stop.mouth).contains(&i);
+        let height = if is_end {
+            ground_m + LIFT_M
+        } else if is_bore {
+            low_m - depth_m
+        } else {
+            ground_m
+        };
+        (s, height, climb_m)
+    };
+    let mut hull: Vec<(f64, f64, f64)> = Vec::new();
+    for next in (start.top..=stop.top).map(most) {
+        let is_above = |[a, b]: [(f64, f64, f64); 2]| (b.1 - a.1) * (next.0 - a.0) >= (next.1 - a.1) * (b.0 - a.0);
+        while hull.len() > 1 && is_above([hull[hull.len() - 2], hull[hull.len() - 1]]) {
+            hull.pop();
+        }
+        hull.push(next);
+    }
+    let is_steep = |pair: &[(f64, f64, f64)]| (pair[1].1 - pair[0].1).abs() > (pair[1].2 - pair[0].2) * 1.05 + 0.1;
+    if hull.len() < 2 || hull.windows(2).any(is_steep) {
+        return Err("its ramps would be too steep");
+    }
+    Ok(Floor(hull.into_iter().map(|(s, height, _)| (s, height)).collect()))
+}
