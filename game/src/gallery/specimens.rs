@@ -221,8 +221,11 @@ const OVERPASSES: [(&str, &str, &str); 3] = [
 ];
 
 /// What leads under a street.
-const TUNNELS: [(&str, &str); 3] =
-    [("a_street_under_a_street", "Street(Main)"), ("a_footway_under_a_street", "Street(Path)"), ("rails_under_a_street", "Railway(tram: false)")];
+const TUNNELS: [(&str, &str); 3] = [
+    ("a_street_under_a_street", "Street(Main)"),
+    ("a_footway_under_a_street", "Street(Path)"),
+    ("rails_under_a_street", "Railway(tram: false)"),
+];
 
 fn crossings(town: &mut Town) {
     for (name, arms, classes) in CROSSINGS {

@@ -145,7 +145,7 @@ fn make(order: Order, season: Season) -> Made {
         Level::One => {
             let mut base = mesh::ground(shell);
             base.append(&mesh::markings(shell));
-            base.append(&mesh::bridges(shell));
+            base.append(&mesh::spans(shell));
             base.append(&mesh::roofs(shell));
             base.append(&mesh::objects(shell, season));
             parts.push((CellMeshKind::Base, base));
