@@ -259,7 +259,7 @@ fn crossings(town: &mut Town) {
         }
         let (south, north) = (town.node(x, -110.0), town.node(x, 190.0));
         town.way(south, north, "Street(Street)", 0);
-        town.specimen(name, DVec2::new(x - 40.0, 38.5), 2.6, (88.0, 2.0));
+        town.specimen(name, DVec2::new(x - 38.0, 40.0), 2.4, (90.0, 3.0));
     }
 }
 

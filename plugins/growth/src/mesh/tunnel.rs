@@ -12,6 +12,8 @@ use super::outline::engine;
 pub(crate) const WALL_M: f64 = 0.4;
 const PARAPET_M: f64 = 1.0;
 const DEEP_M: f64 = 0.5;
+/// The ground is looked at so far along a wall from each station, more than half the way to the next; metres.
+const NEAR_M: f64 = 4.0;
 /// How far copings reach beyond walls, and their height; metres.
 const COPING_M: (f64, f64) = (0.06, 0.16);
 /// A vault rises by this share of its height, at most by half its breadth; its pieces.
@@ -24,10 +26,10 @@ const BESIDE_M: f64 = 0.6;
 const ABOVE_M: f64 = 0.25;
 /// Distance of lamps under a crown, and their length, breadth and height; metres.
 const LAMP_STEP_M: f64 = 9.0;
-const LAMP_M: [f64; 3] = [1.2, 0.24, 0.1];
+const LAMP_M: [f64; 3] = [1.2, 0.3, 0.08];
 
-const GRANITE: Rgb = Rgb(0xA6, 0xA1, 0x98);
-const VOUSSOIRS: Rgb = Rgb(0xBD, 0xB7, 0xAB);
+const GRANITE: Rgb = Rgb(0xB0, 0xAA, 0x9E);
+const VOUSSOIRS: Rgb = Rgb(0xD6, 0xCF, 0xC0);
 const LINING: Rgb = Rgb(0x9C, 0x99, 0x92);
 const BRICK: Rgb = Rgb(0x8A, 0x6A, 0x58);
 const LAMPS: Rgb = Rgb(0xFF, 0xF4, 0xD6);
@@ -91,12 +93,12 @@ impl Deck<'_> {
         self.beside(side, f64::min, |a, b| drape.lowest(a, b)).map(|ground| ground - DEEP_M).collect()
     }
 
-    /// Of the way and the ground outside of a wall, the highest or lowest about each station.
+    /// Of the way and the ground outside of a wall, the highest or lowest about each station: the same for both spans that share it.
     fn beside(&self, side: f64, of: fn(f64, f64) -> f64, ground: impl Fn(DVec2, DVec2) -> f64) -> impl Iterator<Item = f64> {
-        let places: Vec<DVec2> = self.lengths.iter().map(|&s| self.plan(s, side, side * WALL_M)).collect();
-        (0..places.len()).map(move |i| {
-            let near = [i.saturating_sub(1), (i + 1).min(places.len() - 1)];
-            near.map(|j| ground(places[i], places[j])).into_iter().fold(self.y(self.lengths[i]), of)
+        self.lengths.iter().zip(&self.span.stations).map(move |(&s, station)| {
+            let across = (station.at(1.0) - station.at(0.0)) * side;
+            let (p, ahead) = (station.at(0.0) + across * (station.half_m() + WALL_M), across.perp() * NEAR_M);
+            of(self.y(s), ground(p - ahead, p + ahead))
         })
     }
 
@@ -151,7 +153,7 @@ impl Deck<'_> {
     }
 
     fn lamps(&self, crown: f64, mesh: &mut MeshData) {
-        let paint = self.paint(LAMPS, Tile::Glass);
+        let paint = self.paint(LAMPS, Tile::Plaster);
         let [long, broad, high] = LAMP_M;
         let count = (self.length_m() / LAMP_STEP_M).floor() as u32;
         for i in 0..count {
