@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3, Vec3};
 use proptest::prelude::*;
 use veduta_city::{
-    BoreEnd, CellShell, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, MarkingKind, SpanForm, SurfaceKind, Terrain,
-    WaySpan, file, metres,
+    BoreEnd, CellShell, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, MarkingKind, ObjectKind, PlanObject, SpanForm,
+    SurfaceKind, Terrain, WaySpan, file, metres,
 };
 use veduta_growth::mesh;
 use veduta_growth::plan::{Growth, Stock, grow};
@@ -191,6 +191,7 @@ fn a_street_dives_under_another_on_level_ground() {
         let floor = growth.plan.spans.iter().find_map(|span| span.height_m(object.pos.to_metres()));
         assert!(floor.is_some_and(|floor| (floor - metres(object.z)).abs() < 0.3), "{object:?}");
     }
+    assert!(growth.plan.objects.iter().any(|object| over(object.pos) && object.kind == ObjectKind::Lamp), "its ramps are lit");
     // People find their way through it.
     assert!(growth.plan.streets.iter().any(|street| street.id == Id(12) && street.walkable));
 }
@@ -244,6 +245,35 @@ fn railways_and_footways_have_tunnels_of_their_size() {
             let SpanForm::Bore { crown: high, .. } = span.form else { panic!("a bore") };
             assert!(crown.contains(&metres(high)));
         }
+    }
+}
+
+#[test]
+fn what_grows_or_stands_beside_a_ramp_does_not_reach_over_it() {
+    // A park all about a footway, with a tree where its ramp is and one on its wall.
+    let text = "(name: \"T\", anchor: (lat: 50, lon: 14), seed: 3,
+        nodes: [(id: 1, pos: (-90, 0)), (id: 2, pos: (-20, 0)), (id: 3, pos: (20, 0)), (id: 4, pos: (90, 0)), (id: 5, pos: (0, -90)),
+          (id: 6, pos: (0, 90)), (id: 7, pos: (-90, 80)), (id: 8, pos: (-90, -80))],
+        links: [(id: 11, from: 1, to: 2, kind: Street(Path), width_m: 3), (id: 12, from: 2, to: 3, kind: Street(Path), width_m: 3, layer: -1),
+          (id: 13, from: 3, to: 4, kind: Street(Path), width_m: 3), (id: 14, from: 5, to: 6, kind: Street(Street)), (id: 15, from: 7, to: 8, kind: Street(Street))],
+        objects: [(id: 70, kind: Tree, pos: (-30, 0)), (id: 71, kind: Tree, pos: (-32, 1.6))],
+        blocks: [(id: 80, kind: Park, outline: [(-86, -60), (-6, -60), (-6, 60), (-86, 60)])])";
+    let growth = grown(&file::parse(text, "t").unwrap_or_else(|e| panic!("{e}")));
+    prove(&growth);
+    let trees: Vec<&PlanObject> = growth.plan.objects.iter().filter(|object| object.kind.is_tree()).collect();
+    assert!(trees.len() > 20 && [70, 71].iter().all(|&id| trees.iter().any(|tree| tree.id == Id(id))));
+    let ramps: Vec<&WaySpan> = growth.plan.spans.iter().filter(|span| span.is_ramp()).collect();
+    for tree in trees {
+        assert!(
+            ramps.iter().all(|ramp| ramp.height_m(tree.pos.to_metres()).is_none_or(|z| z > -0.4)),
+            "a tree in a ramp: {tree:?}"
+        );
+    }
+    for object in growth.plan.objects.iter().filter(|object| object.kind != ObjectKind::Lamp && ![70, 71].contains(&object.id.0)) {
+        let p = object.pos.to_metres();
+        let reaches = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y].map(|way| p + way * 0.6);
+        let is_over = reaches.iter().any(|&p| ramps.iter().any(|ramp| ramp.height_m(p).is_some_and(|z| z < -0.4)));
+        assert!(!is_over || ramps.iter().any(|ramp| ramp.height_m(p).is_some()), "{object:?}");
     }
 }
 

@@ -127,7 +127,7 @@ impl Furnisher<'_> {
                 _ => PIECE_M,
             };
             let is_on_bridge = || furnishing.kind.is_tree() && self.site.deck(wish.pos).is_some();
-            if is_on_bridge() || self.site.meets_bridge(wish.pos, reach_m, top_m) {
+            if is_on_bridge() || self.site.meets_span(wish.pos, reach_m, top_m) {
                 continue;
             }
             let radius = furnishing.kind.radius_m();

@@ -28,6 +28,9 @@ const MOST_GROWN: usize = 2_000_000;
 const AT_ONCE: usize = 1 << 14;
 /// From the top of a bridge to its underside, metres.
 const DECK_M: f64 = 1.2;
+/// Ways so far below the ground lie in ramps, and their walls reach so far; metres.
+const DEEP_M: f64 = 0.3;
+const BESIDE_RAMP_M: f64 = 0.7;
 /// Tallest object that is meant; metres.
 const TALLEST_M: f64 = 200.0;
 
@@ -56,11 +59,15 @@ impl Site<'_> {
         if self.is_free(pos) { Some(pos) } else { about(pos, 0.0, within_m).find(|&p| self.is_free(p)) }
     }
 
-    /// The nearest free place on land for something that stands in the water, bridges aside, and would not: `None` if it is not so, or
-    /// there is no such place near.
+    /// The nearest free place on land for something that stands in the water, bridges aside, and would not, or in the wall of a ramp:
+    /// `None` if it is not so, or there is no such place near.
     fn bank(&self, object: &StandingObject) -> Option<DVec2> {
-        let is_wet =
-            |pos: DVec2| self.deck(pos).is_none() && self.surface(pos).is_some_and(|(surface, _)| surface == SurfaceKind::Water);
+        let is_off = |pos: DVec2, surface: SurfaceKind| match surface {
+            SurfaceKind::Water => self.deck(pos).is_none(),
+            SurfaceKind::Opening => object.kind.is_tree() || self.deck(pos).is_none(),
+            _ => false,
+        };
+        let is_wet = |pos: DVec2| self.surface(pos).is_some_and(|(surface, _)| is_off(pos, surface));
         let may_be_wet = object.kind == ObjectKind::Fountain || !object.monument.is_empty();
         if may_be_wet || !is_wet(object.pos) {
             return None;
@@ -90,14 +97,19 @@ impl Site<'_> {
         (is_wet || height - self.terrain.height_m(pos) < HEADROOM_M).then_some((surface, height))
     }
 
-    /// Whether something that reaches so far and so high would meet a bridge that leads over it.
-    pub fn meets_bridge(&self, pos: DVec2, reach_m: f64, top_m: f64) -> bool {
-        let is_low = |p: DVec2| {
+    /// Whether something that reaches so far and so high would meet a bridge that leads over it, or the wall of a ramp beside it.
+    pub fn meets_span(&self, pos: DVec2, reach_m: f64, top_m: f64) -> bool {
+        let heights = |p: DVec2| {
             let ground = self.terrain.height_m(p);
-            self.decks.heights_at(p).any(|height| (HEADROOM_M..top_m + DECK_M).contains(&(height - ground)))
+            self.decks.heights_at(p).map(move |height| height - ground)
         };
+        let is_low = |p: DVec2| heights(p).any(|height| (HEADROOM_M..top_m + DECK_M).contains(&height));
+        let is_ramp = |p: DVec2| heights(p).any(|height| height < -DEEP_M);
         let rings = [reach_m / 2.0, reach_m].into_iter().flat_map(|r| EIGHT_WINDS.map(|wind| pos + wind * r));
-        !self.decks.is_none() && core::iter::once(pos).chain(rings).any(is_low)
+        !self.decks.is_none()
+            && (core::iter::once(pos).chain(rings).any(is_low)
+                || (self.deck(pos).is_none()
+                    && EIGHT_WINDS.into_iter().any(|wind| is_ramp(pos + wind * (reach_m + BESIDE_RAMP_M)))))
     }
 
     /// What lies at a position, bridges aside, and how high above the terrain.
@@ -198,7 +210,7 @@ pub(super) fn objects<'a>(
             continue;
         }
         if let Some(pos) = site.bank(object) {
-            let message = format!("object: it stood in water and was moved by {:.1} m", pos.distance(object.pos));
+            let message = format!("object: it stood in water or over a ramp and was moved by {:.1} m", pos.distance(object.pos));
             findings.push(Finding::new(Severity::Repaired, object.id, Some(object.pos), message));
             out.push(placed(&piece(object, pos), graph.seed, site));
             continue;

@@ -35,8 +35,12 @@ const MARGIN_M: f64 = 1.5;
 /// Ramps do not bend at nodes by more than the angle with this cosine, as ways lie so far from there; metres.
 const STRAIGHT: f64 = 0.5;
 const AHEAD_M: f64 = 6.0;
+/// Directions at bends are those so far on each side; metres.
+const AT_BEND_M: f64 = 1e-4;
 /// What lies across where a map says that a tunnel begins reaches no farther into it than this; metres.
 const ENTRY_M: f64 = 16.0;
+/// So far before a tunnel a street is level across for sure, metres.
+const LEVEL_M: f64 = 6.0;
 /// A mouth farther in is worth it if the ramp is shorter by more than this; metres.
 const WORTH_M: f64 = 2.0;
 /// Shorter bores are none, metres.
@@ -46,7 +50,7 @@ const STEP_M: f64 = 1.0;
 /// Spans are no longer than this; metres.
 const SPAN_M: f64 = 24.0;
 /// How far the ground goes on over the upper end of a ramp, which begins so far above it; metres.
-const OVERLAP_M: f64 = 0.25;
+const OVERLAP_M: f64 = 0.05;
 const LIFT_M: f64 = 0.02;
 /// A way's sides have so much room beyond its walls, metres.
 const ROOM_M: f64 = 0.2;
@@ -363,11 +367,19 @@ impl<'a> Digger<'a> {
         kinks.sort_by(f64::total_cmp);
         let all = cuts.windows(2).flat_map(|pair| places(pair[0]..pair[1], &kinks).skip(usize::from(pair[0] > start)));
         let stations = all.filter_map(|s| Some((s, station(self.ground.graph, way, s, floor.at(s))?)));
-        let stations = laid_out(stations, &bends);
+        let all: Vec<_> = stations.collect();
+        let stations = laid_out(all.iter().copied(), &bends);
+        // Ramps follow their streets from side to side.
+        let is_open = |s: f64| (start..mouths[0]).contains(&s) || (mouths[1]..end).contains(&s);
+        let is_cut = all.iter().any(|place| is_open(place.0) && !stations.contains(place));
+        let is_sharp = |s: f64| Some(way.at(s - AT_BEND_M)?.1.dot(way.at(s + AT_BEND_M)?.1) < STRAIGHT);
+        if is_cut || bends.iter().any(|&s| is_open(s) && is_sharp(s) == Some(true)) {
+            return Err("it bends too sharply before it is covered");
+        }
         let kept: Vec<usize> = (0..stations.len()).filter(|&i| cuts.contains(&stations[i].0)).collect();
         let is_kept = |s: f64| kept.iter().any(|&i| stations[i].0 == s);
         if ![start, mouths[0], mouths[1], end].into_iter().all(is_kept) {
-            return Err("it bends too sharply where it comes out");
+            return Err("it bends too sharply where it is covered");
         }
         let laid = |pair: &[usize]| {
             let (from, to) = (stations[pair[0]].0, stations[pair[1]].0);
@@ -472,6 +484,8 @@ fn ramp(samples: &[Sample], from: usize, to: usize, covered: usize, depth_m: f64
     }
     let edge = samples[lowest].s + if lowest > 0 { MARGIN_M } else { 0.0 };
     let lowest = samples.partition_point(|sample| sample.s < edge);
+    // Streets are level across as far as the map says that they lie on the ground, and not much farther.
+    let is_level = |i: &usize| lowest >= from || *i == lowest || samples[*i].s <= samples[from].s - LEVEL_M;
     // As high as the way may be at its start so that it is low enough everywhere: from the last mouth to the first.
     let bound = |i: usize| samples[i].low_m - depth_m + samples[i].climb_m;
     let mut bounds: Vec<f64> = (from..=covered)
@@ -486,7 +500,7 @@ fn ramp(samples: &[Sample], from: usize, to: usize, covered: usize, depth_m: f64
     let length = |ramp: &Ramp| samples[ramp.mouth].s - samples[ramp.top].s;
     for mouth in from..=to.min(covered) {
         let bound = bounds[mouth - from];
-        let top = (lowest..=mouth).rev().find(|&i| samples[i].ground_m + LIFT_M + samples[i].climb_m <= bound);
+        let top = (lowest..=mouth).rev().filter(is_level).find(|&i| samples[i].ground_m + LIFT_M + samples[i].climb_m <= bound);
         let found = top.map(|top| Ramp { top, mouth });
         if let Some(ramp) = found.filter(|ramp| best.is_none_or(|best| length(ramp) < length(&best) - WORTH_M)) {
             best = Some(ramp);

@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use veduta_city::{CellShell, CityPlan, GridPolygon, GridPos, metres, ring_edges};
+use veduta_city::{CellShell, CityPlan, GridPolygon, GridPos, GroundPatch, SurfaceKind, metres, ring_edges};
 use veduta_growth::mesh::{self, MeshData};
 
 fn twice_area(polygon: &GridPolygon, o: GridPos) -> i64 {
@@ -27,10 +27,19 @@ pub fn prove_partition(plan: &CityPlan) {
     assert_eq!(areas.sum::<i64>(), twice_area(&plan.extent, lo));
 }
 
+/// The ground, as if it were closed above the ramps of tunnels.
+fn ground(plan: &CityPlan) -> Vec<GroundPatch> {
+    let closed = |patch: &GroundPatch| match patch.surface {
+        SurfaceKind::Opening => GroundPatch { surface: SurfaceKind::Yard, ..patch.clone() },
+        _ => patch.clone(),
+    };
+    plan.ground.iter().map(closed).collect()
+}
+
 /// The mesh of the ground: every triangle that is not a kerb's faces up, together they cover the extent, their edges meet whole
 /// edges of others at the same height, and where the ground steps down a face closes the step.
 pub fn prove_mesh(plan: &CityPlan) {
-    let shell = CellShell { ground: plan.ground.clone(), ..CellShell::default() };
+    let shell = CellShell { ground: ground(plan), ..CellShell::default() };
     let mesh: MeshData = mesh::ground(&shell);
     mesh.validate().unwrap_or_else(|e| panic!("{e}"));
     let place = |i: u32| mesh.positions[i as usize].map(f32::to_bits);
@@ -71,7 +80,7 @@ pub fn prove_mesh(plan: &CityPlan) {
 /// The mesh of ground on a slope: whatever is not upright faces up, together it covers the extent, every edge is shared from corner to
 /// corner, and where one side lies higher a kerb closes the step.
 pub fn prove_slope(plan: &CityPlan) {
-    let shell = CellShell { ground: plan.ground.clone(), terrain: plan.terrain.clone(), ..CellShell::default() };
+    let shell = CellShell { ground: ground(plan), terrain: plan.terrain.clone(), ..CellShell::default() };
     let mesh: MeshData = mesh::ground(&shell);
     mesh.validate().unwrap_or_else(|e| panic!("{e}"));
     let position = |i: u32| mesh.positions[i as usize];
