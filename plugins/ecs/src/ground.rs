@@ -130,7 +130,7 @@ pub(crate) fn follow_ground(
 mod tests {
     use std::sync::Arc;
 
-    use veduta_city::{CellShell, GridPolygon, Level, Overview, PlanTerrain};
+    use veduta_city::{BoreEnd, CellShell, GridPolygon, Id, Level, Overview, PlanTerrain, SpanForm, SpanStation, SurfaceKind};
 
     use super::*;
     use crate::EcsPlugin;
@@ -139,6 +139,39 @@ mod tests {
     fn slope(high: i32) -> PlanTerrain {
         let heights = (0..81).map(|i| high + (i % 9) * 1024).collect();
         PlanTerrain { origin: GridPos(-16 * 1024, -16 * 1024), step: 4096, columns: 9, heights }
+    }
+
+    #[test]
+    fn who_walks_down_a_ramp_stays_in_the_tunnel_and_who_walks_above_it_stays_above() {
+        let station = |x: i32, z: i32| SpanStation { left: GridPos(x * 1024, 3000), right: GridPos(x * 1024, -3000), z: z * 1024 };
+        let span = |form: SpanForm, from: (i32, i32), to: (i32, i32)| WaySpan {
+            id: Id(1),
+            form,
+            surface: SurfaceKind::Asphalt,
+            pavements: (0, 0),
+            parapets: (true, true),
+            stations: vec![station(from.0, from.1), station(to.0, to.1)],
+            springing: 0,
+            piers: (None, None),
+            markings: Vec::new(),
+        };
+        let bore = SpanForm::Bore { crown: 5 * 1024, ends: (BoreEnd::Portal, BoreEnd::Wall) };
+        let spans = [span(SpanForm::Ramp, (0, 10), (60, 4)), span(bore, (60, 4), (100, 4))];
+        let walk = |from_m: f64, mut z: f64| {
+            let step = |i: u32| DVec2::new(from_m + f64::from(i), 0.0);
+            let mut floors = (0..110).map(|i| {
+                let floor = floor(&spans, 10.0, step(i), z);
+                z = floor.z_m;
+                (floor.z_m, floor.is_span)
+            });
+            floors.by_ref().take(95 - from_m as usize).last()
+        };
+        assert_eq!(walk(-5.0, 10.0), Some((4.0, true)), "down the ramp and in");
+        assert_eq!(walk(70.0, 10.0), Some((10.0, false)), "above it");
+        assert_eq!(floor(&spans, 10.0, DVec2::new(30.0, 0.0), f64::INFINITY).z_m, 7.0, "above a ramp there is no ground");
+        assert_eq!(floor(&spans, 10.0, DVec2::new(80.0, 0.0), f64::INFINITY).z_m, 10.0, "who jumps there is above the bore");
+        assert_eq!(floor(&spans, 10.0, DVec2::new(80.0, 9.0), 4.0).z_m, 10.0, "beside it there is earth");
+        assert_eq!(floor(&spans, 10.0, DVec2::new(30.0, 0.0), -50.0).z_m, 7.0);
     }
 
     #[test]
