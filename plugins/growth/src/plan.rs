@@ -3,7 +3,7 @@
 //! ```text
 //!  CityGraph ─┬─► extent ─► streets ─► ground ─► verges ─┬─► lots ─┐
 //!             ├─► houses (given) ───────────────────────┴─────────┴─► facing ─► floors ─► massing ─► variety ─┐
-//!             ├─► earthworks ─► bridges ─► terrain (streets cut into it) ─► spans ────────────────────────────┤
+//!             ├─► earthworks ─► bridges ─► terrain (streets cut into it) ─► tunnels ─► spans ─────────────────┤
 //!             └─► network (who waits where) ─► objects, markings, places, start ─► CityPlan ◄─ arcades ◄─ ornament ◄─ walls
 //! ```
 //!
@@ -30,7 +30,8 @@
 //! # Limits
 //! Bridges go from ground to ground: over water, over valleys that the terrain tells, and over streets and railways on lower layers, to which
 //! the ways on both sides rise on embankments where the terrain tells none. Where nothing of that lies under a link that a map calls a
-//! bridge, it stays on the ground; what lies below the ground is left out with a finding.
+//! bridge, it stays on the ground. Tunnels come out on the ground at one end at least, each for itself: where they meet one another below it,
+//! or have no room for their ramps, they are left out with a finding, as covered watercourses are.
 //! Arcades on slopes, at sharp corners and under shallow houses are painted. The `z` of nodes is not looked at: the ground is the
 //! graph's terrain alone.
 //!

@@ -14,11 +14,12 @@
 use veduta_city::{CityGraph, file};
 use veduta_growth::plan::{Stock, grow};
 
-/// The towns, in RON: crossings and lots, slopes and cellars, rivers and bridges, given houses and landmarks.
-const TOWNS: [&str; 4] = [
+/// The towns, in RON: crossings and lots, slopes and cellars, rivers and bridges, tunnels, given houses and landmarks.
+const TOWNS: [&str; 5] = [
     include_str!("../../../plugins/bake/tests/places/lane/lane.graph.ron"),
     include_str!("../../../plugins/bake/tests/places/hillside/hillside.graph.ron"),
     include_str!("../../../plugins/bake/tests/places/riverside/riverside.graph.ron"),
+    include_str!("../towns/underpass.graph.ron"),
     include_str!("../../../scenes/old_prague/old_prague.graph.ron"),
 ];
 
