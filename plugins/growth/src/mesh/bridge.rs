@@ -54,7 +54,9 @@ pub fn spans(shell: &CellShell) -> MeshData {
     let offset = DVec2::new(remainder(shell.origin.0), remainder(shell.origin.1));
     for span in shell.spans.iter().take(shell.drawn_spans as usize) {
         let Some(deck) = Deck::new(span) else { continue };
+        let first = mesh.positions.len();
         deck.way(offset, &mut mesh);
+        deck.markings(&mut mesh);
         match span.form {
             SpanForm::Arches => {
                 deck.parapets(&mut mesh);
@@ -65,9 +67,8 @@ pub fn spans(shell: &CellShell) -> MeshData {
                 deck.girder(&mut mesh);
             }
             SpanForm::Ramp => deck.ramp(&drape, &mut mesh),
-            SpanForm::Bore { crown, ends } => deck.bore((crown, ends), &drape, &mut mesh),
+            SpanForm::Bore { crown, ends } => deck.bore((crown, ends), first, &drape, &mut mesh),
         }
-        deck.markings(&mut mesh);
     }
     mesh
 }

@@ -28,6 +28,10 @@ const ABOVE_M: f64 = 0.25;
 const LAMP_STEP_M: f64 = 9.0;
 const LAMP_M: [f64; 3] = [1.2, 0.3, 0.08];
 
+/// Daylight reaches so far into a bore, metres, and beyond that things are so bright.
+const DAYLIGHT_M: f64 = 12.0;
+const DARKEST: f64 = 0.45;
+
 const GRANITE: Rgb = Rgb(0xB0, 0xAA, 0x9E);
 const VOUSSOIRS: Rgb = Rgb(0xD6, 0xCF, 0xC0);
 const LINING: Rgb = Rgb(0x9C, 0x99, 0x92);
@@ -120,8 +124,8 @@ impl Deck<'_> {
         }
     }
 
-    /// The lining of a bore, its lamps, and what is at its ends.
-    pub(super) fn bore(&self, (crown, ends): (i32, (BoreEnd, BoreEnd)), drape: &Drape<'_>, mesh: &mut MeshData) {
+    /// The lining of a bore, its lamps, and what is at its ends. What it holds was drawn from a vertex on.
+    pub(super) fn bore(&self, (crown, ends): (i32, (BoreEnd, BoreEnd)), first: usize, drape: &Drape<'_>, mesh: &mut MeshData) {
         let crown = metres(crown);
         let vault = Vault::of(self, crown);
         let is_railway = self.span.surface == SurfaceKind::Ballast;
@@ -133,6 +137,7 @@ impl Deck<'_> {
                 mesh.polygon(&[place(a, edge[0]), place(b, edge[0]), place(b, edge[1]), place(a, edge[1])], lining);
             }
         }
+        self.darken(first, ends, mesh);
         if !is_railway {
             self.lamps(crown, mesh);
         }
@@ -149,6 +154,18 @@ impl Deck<'_> {
                 }
                 BoreEnd::Portal => self.portal(s, -inward, &vault, drape, mesh),
             }
+        }
+    }
+
+    /// Darkens what was drawn from a vertex on, the farther from the portals the more: no light is looked for in there.
+    fn darken(&self, first: usize, ends: (BoreEnd, BoreEnd), mesh: &mut MeshData) {
+        let mouths =
+            [(0.0, ends.0), (self.length_m(), ends.1)].map(|(s, end)| (end == BoreEnd::Portal).then(|| self.plan(s, 0.0, 0.0)));
+        for (position, colour) in mesh.positions.iter().zip(&mut mesh.colours).skip(first) {
+            let p = DVec2::new(f64::from(position[0]), -f64::from(position[2]));
+            let far = mouths.iter().flatten().map(|mouth| p.distance(*mouth)).fold(DAYLIGHT_M, f64::min);
+            let shade = 1.0 - (1.0 - DARKEST) * far / DAYLIGHT_M;
+            colour[..3].iter_mut().for_each(|channel| *channel *= shade as f32);
         }
     }
 
