@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3, Vec3};
 use proptest::prelude::*;
 use veduta_city::{
-    BoreEnd, CellShell, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, MarkingKind, ObjectKind, PlanObject, SpanForm,
-    SurfaceKind, Terrain, WaySpan, file, metres,
+    BoreEnd, CellShell, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, LinkKind, MarkingKind, ObjectKind, PlanObject,
+    SpanForm, StreetClass, SurfaceKind, Terrain, WaySpan, file, metres,
 };
 use veduta_growth::mesh;
 use veduta_growth::plan::{Growth, Stock, grow};
@@ -124,7 +124,8 @@ fn prove(growth: &Growth) {
             let floors = collision.ground.triangles.iter().filter_map(|t| height_on(&collision.ground, *t, p));
             assert!(floors.into_iter().any(|floor| (floor - height).abs() < 0.4), "no floor at {p}");
             let [a, b] = [pair[0], pair[1]].map(|station| station.at(0.3).extend(metres(station.z) + 1.5));
-            assert!(!is_shut(&collision.walls, a, b), "a wall across it at {p}");
+            // It may end at a wall.
+            assert!(!is_shut(&collision.walls, a, a.lerp(b, 0.98)), "a wall across it at {p}");
         }
     }
 }
@@ -210,6 +211,60 @@ fn a_hill_is_pierced_level_and_its_ramps_are_short() {
         .map(|span| span.stations[0].at(0.0).distance(span.stations[span.stations.len() - 1].at(0.0)))
         .sum();
     assert!(ramps < 70.0, "{ramps} m of ramps");
+    // They begin where the street is level across, before the map lets go of the ground.
+    let top = spans[0].stations[0];
+    assert!(top.at(0.0).x < -65.0, "{}", top.at(0.0));
+    let sides = [top.left, top.right].map(|side| growth.plan.terrain.height_m(side.to_metres()));
+    assert!((sides[0] - sides[1]).abs() < 0.05, "{sides:?}");
+}
+
+#[test]
+fn a_tunnel_that_ends_below_the_ground_has_a_wall_there() {
+    let mut graph = town("");
+    graph.links.retain(|link| link.id != Id(13));
+    let growth = grown(&graph);
+    prove(&growth);
+    let all = ends(&growth);
+    assert_eq!((all[0].0, all[all.len() - 1].1), (BoreEnd::Portal, BoreEnd::Wall));
+    assert_eq!(growth.plan.spans.iter().filter(|span| span.is_ramp()).count(), 3, "one ramp, of three spans");
+    // And all of one that has no end on the ground is left out.
+    graph.links.retain(|link| link.id != Id(11));
+    let growth = grown(&graph);
+    assert_eq!(growth.plan.spans, []);
+    assert_eq!(dropped(&growth)[0].message, "tunnel: not laid, for all of it lies below the ground");
+}
+
+#[test]
+fn tunnels_that_cross_too_near_are_told() {
+    let mut graph = town("");
+    for link in &mut graph.links {
+        link.kind = LinkKind::Street(StreetClass::Street);
+    }
+    let more = "(name: \"M\", anchor: (lat: 50, lon: 14),
+        nodes: [(id: 25, pos: (-40, -220)), (id: 26, pos: (-40, -60)), (id: 27, pos: (40, 60)), (id: 28, pos: (40, 220))],
+        links: [(id: 31, from: 25, to: 26, kind: Street(Street)), (id: 32, from: 26, to: 27, kind: Street(Street), layer: -2),
+          (id: 33, from: 27, to: 28, kind: Street(Street))])";
+    let more: CityGraph = file::parse(more, "more").unwrap_or_else(|e| panic!("{e}"));
+    graph.nodes.extend(more.nodes);
+    graph.links.extend(more.links);
+    let growth = grown(&graph);
+    prove(&growth);
+    let told: Vec<(Id, &str)> = dropped(&growth).iter().map(|finding| (finding.id, finding.message.as_str())).collect();
+    assert_eq!(told, [(Id(32), "tunnel: not laid, for another lies too near below or above")]);
+}
+
+#[test]
+fn one_street_dives_twice() {
+    let text = "(name: \"T\", anchor: (lat: 50, lon: 14), seed: 3, margin_m: 40,
+        nodes: [(id: 1, pos: (-300, 0)), (id: 2, pos: (-140, 0)), (id: 3, pos: (-90, 0)), (id: 4, pos: (0, 0)), (id: 5, pos: (90, 0)),
+          (id: 6, pos: (140, 0)), (id: 7, pos: (300, 0)), (id: 8, pos: (-115, -90)), (id: 9, pos: (-115, 90)), (id: 10, pos: (115, -90)), (id: 11, pos: (115, 90))],
+        links: [(id: 21, from: 1, to: 2, kind: Street(Street)), (id: 22, from: 3, to: 2, kind: Street(Street), layer: -1),
+          (id: 23, from: 3, to: 4, kind: Street(Street)), (id: 24, from: 5, to: 4, kind: Street(Street)), (id: 25, from: 5, to: 6, kind: Street(Street), layer: -1),
+          (id: 26, from: 6, to: 7, kind: Street(Street)), (id: 27, from: 8, to: 9, kind: Street(Street)), (id: 28, from: 10, to: 11, kind: Street(Street))])";
+    let growth = grown(&file::parse(text, "t").unwrap_or_else(|e| panic!("{e}")));
+    assert_eq!(dropped(&growth), Vec::<&Finding>::new());
+    assert_eq!(ends(&growth).iter().filter(|ends| ends.0 == BoreEnd::Portal).count(), 2);
+    assert_eq!(patch_at(&growth, DVec2::new(0.0, 0.5)).surface, SurfaceKind::Asphalt, "between them it is on the ground");
 }
 
 #[test]

@@ -3,7 +3,9 @@
 //! Plan positions stay within ±2³⁰ steps (1,048 km), positions within a cell and heights within ±2²⁷ (131 km): no sum or
 //! difference of two of them leaves 32 bits.
 
-use veduta_city::{CellShell, Course, GridPolygon, GridPos, HouseShell, Overview, PortalSide, SpanStation, VolumeShell, WaySpan};
+use veduta_city::{
+    CellShell, Course, GridPolygon, GridPos, HouseShell, Overview, PortalSide, SpanForm, SpanStation, VolumeShell, WaySpan,
+};
 
 use crate::blob::BlobKind;
 use crate::{BlobRef, CellEntry, CityIndex};
@@ -151,8 +153,13 @@ fn check_span(span: &WaySpan, reach: u32) -> Check {
         return Err("it has no stations, or ones too far away".to_owned());
     }
     span.stations.iter().try_for_each(|station| check_height("it", station.z))?;
-    let heights = [span.pavements.0, span.pavements.1, span.springing].into_iter().chain(span.piers.0).chain(span.piers.1);
-    heights.into_iter().try_for_each(|height| check_height("what carries it", height))?;
+    let crown = match span.form {
+        SpanForm::Bore { crown, .. } => Some(crown),
+        _ => None,
+    };
+    let heights =
+        [span.pavements.0, span.pavements.1, span.springing].into_iter().chain(span.piers.0).chain(span.piers.1).chain(crown);
+    heights.into_iter().try_for_each(|height| check_height("what holds it", height))?;
     if span.markings.len() > MOST_MARKINGS {
         return Err(format!("it has {} markings", span.markings.len()));
     }

@@ -9,6 +9,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use glam::DVec2;
 use veduta_city::{CityGraph, GridPos, Id, Link, LinkKind, Terrain};
 
+use super::chains::{Chain, chains, is_street, line_of};
 use super::earthworks::Earthworks;
 use super::streets::{along, length_m, width_at_m};
 use super::water::Waters;
@@ -44,13 +45,6 @@ const PAST_BEND_M: f64 = 0.5;
 /// The ground goes on under the ends of a bridge: as far as that it is level across, on a terrain with its posts.
 const OVERLAP_M: f64 = 0.5;
 const OVERLAP_ON_TERRAIN_M: f64 = 6.0;
-
-/// Links that go on in one another.
-pub(super) struct Chain {
-    /// Indices of the graph's links, and whether each is gone along backwards.
-    pub links: Vec<(usize, bool)>,
-    pub line: Vec<DVec2>,
-}
 
 /// A way along links that go on in one another, and where it is off the ground.
 pub(super) struct Way {
@@ -137,12 +131,11 @@ impl Stretch {
 
 impl Way {
     /// A way on the ground.
-    pub fn of(graph: &CityGraph, chain: Chain) -> Self {
-        let at = graph.node_positions();
+    pub fn of(graph: &CityGraph, at: &HashMap<Id, DVec2>, chain: Chain) -> Self {
         let mut gone = 0.0;
         let start = |&(link, is_back): &(usize, bool)| {
             let from = gone;
-            gone += line_of(graph, &at, &graph.links[link]).map_or(0.0, |line| length_m(&line));
+            gone += line_of(graph, at, &graph.links[link]).map_or(0.0, |line| length_m(&line));
             (link, is_back, from)
         };
         let links = chain.links.iter().map(start).collect();
@@ -390,87 +383,9 @@ const fn is_way(link: &Link) -> bool {
     link.layer >= 0 && matches!(link.kind, LinkKind::Street(_) | LinkKind::Railway { tram: false })
 }
 
-const fn is_street(link: &Link) -> bool {
-    matches!(link.kind, LinkKind::Street(_))
-}
-
 /// How much higher a street's bridge of a length is in its middle than at its ends, metres.
 pub(super) fn camber_m(length_m: f64) -> f64 {
     (length_m * CAMBER.0).min(CAMBER.1)
-}
-
-/// Links that are wanted, those that go on in one another together. They do where no other street or railway meets them.
-pub(super) fn chains(graph: &CityGraph, is_wanted: impl Fn(&Link) -> bool) -> Vec<Chain> {
-    let links = &graph.links;
-    let is_way = |link: &Link| matches!(link.kind, LinkKind::Street(_) | LinkKind::Railway { tram: false });
-    let wanted: Vec<usize> = (0..links.len()).filter(|&i| is_way(&links[i]) && is_wanted(&links[i])).collect();
-    if wanted.is_empty() {
-        return Vec::new();
-    }
-    let mut meet: BTreeMap<Id, Vec<usize>> = BTreeMap::new();
-    for (i, link) in links.iter().enumerate().filter(|(_, link)| is_way(link)) {
-        meet.entry(link.from).or_default().push(i);
-        meet.entry(link.to).or_default().push(i);
-    }
-    let next = |link: usize, node: Id| -> Option<usize> {
-        let [a, b] = meet.get(&node)?[..] else { return None };
-        let other = if a == link { b } else { a };
-        let alike =
-            is_street(&links[link]) == is_street(&links[other]) && links[link].layer.signum() == links[other].layer.signum();
-        (a != b && alike && wanted.binary_search(&other).is_ok()).then_some(other)
-    };
-    let at = graph.node_positions();
-    let mut taken = vec![false; links.len()];
-    let mut chains = Vec::new();
-    // First from their ends on; what is left goes round.
-    let is_end = |&i: &usize| next(i, links[i].from).is_none() || next(i, links[i].to).is_none();
-    for &first in wanted.iter().filter(|i| is_end(i)).chain(&wanted) {
-        if taken[first] {
-            continue;
-        }
-        let is_back = next(first, links[first].from).is_some() && next(first, links[first].to).is_none();
-        let (mut chain, mut here, mut back) = (Vec::new(), first, is_back);
-        loop {
-            taken[here] = true;
-            chain.push((here, back));
-            let node = if back { links[here].from } else { links[here].to };
-            let Some(other) = next(here, node).filter(|&other| !taken[other]) else { break };
-            (here, back) = (other, links[other].to == node);
-        }
-        chains.extend(Chain::of(graph, &at, chain));
-    }
-    chains
-}
-
-impl Chain {
-    /// `None` if it has no length.
-    pub fn of(graph: &CityGraph, at: &HashMap<Id, DVec2>, links: Vec<(usize, bool)>) -> Option<Self> {
-        let mut line = Vec::<DVec2>::new();
-        for &(link, is_back) in &links {
-            let Some(mut part) = line_of(graph, at, &graph.links[link]) else { continue };
-            if is_back {
-                part.reverse();
-            }
-            line.extend(&part[usize::from(!line.is_empty())..]);
-        }
-        (line.len() > 1).then_some(Self { links, line })
-    }
-
-    /// The nodes at which it begins and ends.
-    pub fn ends(&self, graph: &CityGraph) -> Option<[Id; 2]> {
-        let (&(first, is_first_back), &(last, is_last_back)) = (self.links.first()?, self.links.last()?);
-        let node = |link: usize, is_from: bool| {
-            let link = &graph.links[link];
-            if is_from { link.from } else { link.to }
-        };
-        Some([node(first, !is_first_back), node(last, is_last_back)])
-    }
-}
-
-fn line_of(graph: &CityGraph, at: &HashMap<Id, DVec2>, link: &Link) -> Option<Vec<DVec2>> {
-    let mut line = graph.polyline(link, at)?;
-    line.dedup_by(|a, b| a.distance(*b) < 1e-6);
-    (line.len() > 1).then_some(line)
 }
 
 impl Site<'_> {
@@ -504,7 +419,7 @@ impl Site<'_> {
                 .map(|(node, height, &p)| self.aloft.contains(&node) && height - self.below_m(p) > ALOFT_M);
             Some(Profile { length_m, ends_m: (from, to), camber_m: self.works.camber_m(first), is_aloft })
         });
-        let mut way = Way { deck: deck.flatten(), ..Way::of(self.graph, chain) };
+        let mut way = Way { deck: deck.flatten(), ..Way::of(self.graph, &self.at, chain) };
         way.stretches = self.stretches(&way);
         (!way.stretches.is_empty()).then_some(way)
     }

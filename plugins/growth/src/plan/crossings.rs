@@ -6,7 +6,7 @@ use glam::DVec2;
 use veduta_city::{CityGraph, GridPolygon, Id, Link, LinkKind, Terrain};
 
 use super::band::band_of;
-use super::bridges::Chain;
+use super::chains::Chain;
 use super::index::Index;
 use super::streets::length_m;
 

@@ -11,7 +11,8 @@ use glam::DVec2;
 use veduta_city::{CityGraph, GridPos, Id, Link, LinkKind, StreetClass};
 
 use super::band::{band, part, stations};
-use super::bridges::{Chain, LEAST_M, aloft, chains};
+use super::bridges::{LEAST_M, aloft};
+use super::chains::{Chain, chains};
 use super::crossings::{Crossing, Map};
 use super::index::Index;
 use super::outline::distance_to_edge;

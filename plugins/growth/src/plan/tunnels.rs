@@ -11,11 +11,13 @@ use veduta_city::{
 };
 
 use super::band::{self, stations};
-use super::bridges::{Bridges, Chain, Stretch, Way, chains};
+use super::bridges::{Bridges, Stretch, Way};
+use super::chains::{Chain, chains};
 use super::extent::Extent;
 use super::facing::{self, Bodies};
 use super::houses::Draft;
 use super::index::Index;
+use super::profile::{Floor, Sample, floor, ramps};
 use super::spans::{bends, laid_out, lay_trams, places, span, station};
 use super::streets::width_at_m;
 use super::water::Waters;
@@ -29,29 +31,19 @@ const COVER_M: f64 = 1.2;
 /// where there is no room.
 const GRADE: [f64; 5] = [0.03, 0.06, 0.1, 0.14, 0.6];
 const STEEPER: f64 = 1.5;
-/// Ramps begin no farther from the tunnel than this, and so far from what lies across; metres.
+/// Ramps begin no farther from the tunnel than this, metres.
 const REACH_M: f64 = 160.0;
-const MARGIN_M: f64 = 1.5;
 /// Ramps do not bend at nodes by more than the angle with this cosine, as ways lie so far from there; metres.
 const STRAIGHT: f64 = 0.5;
 const AHEAD_M: f64 = 6.0;
 /// Directions at bends are those so far on each side; metres.
 const AT_BEND_M: f64 = 1e-4;
-/// What lies across where a map says that a tunnel begins reaches no farther into it than this; metres.
-const ENTRY_M: f64 = 16.0;
-/// So far before a tunnel a street is level across for sure, metres.
-const LEVEL_M: f64 = 6.0;
-/// A mouth farther in is worth it if the ramp is shorter by more than this; metres.
-const WORTH_M: f64 = 2.0;
-/// Shorter bores are none, metres.
-const LEAST_M: f64 = 2.0;
 /// The ground is looked at so often along a way; metres.
 const STEP_M: f64 = 1.0;
 /// Spans are no longer than this; metres.
 const SPAN_M: f64 = 24.0;
-/// How far the ground goes on over the upper end of a ramp, which begins so far above it; metres.
+/// How far the ground goes on over the upper end of a ramp, metres.
 const OVERLAP_M: f64 = 0.05;
-const LIFT_M: f64 = 0.02;
 /// A way's sides have so much room beyond its walls, metres.
 const ROOM_M: f64 = 0.2;
 
@@ -96,11 +88,12 @@ impl Tunnels {
                 }
             }
         }
-        let at = graph.node_positions();
-        for link in graph.links.iter().filter(|link| link.layer < 0) {
+        let mut buried = graph.links.iter().filter(|link| link.layer < 0).peekable();
+        let at = if buried.peek().is_some() { graph.node_positions() } else { HashMap::new() };
+        for link in buried {
             let what = match link.kind {
                 LinkKind::Watercourse => "covered watercourse",
-                LinkKind::Railway { tram: true } if !tunnels.carry(graph, link) => "tram tunnel",
+                LinkKind::Railway { tram: true } if !tunnels.carry(&graph.polyline(link, &at).unwrap_or_default()) => "tram tunnel",
                 _ => continue,
             };
             let message = format!("{what}: not laid, for it lies below the ground");
@@ -115,15 +108,9 @@ impl Tunnels {
     }
 
     /// Whether a tram's middle lies in one of the tunnels.
-    fn carry(&self, graph: &CityGraph, tram: &Link) -> bool {
-        let line = graph.polyline(tram, &graph.node_positions()).unwrap_or_default();
-        let Some((middle, _)) = super::streets::middle_of(&line) else { return false };
+    fn carry(&self, tram: &[DVec2]) -> bool {
+        let Some((middle, _)) = super::streets::middle_of(tram) else { return false };
         self.spans.iter().any(|span| span.height_m(middle).is_some())
-    }
-
-    /// How high the ways of those tunnels are that lie above or below a place, metres above the city's zero.
-    fn heights_at(&self, p: DVec2) -> impl Iterator<Item = f64> {
-        self.spans.iter().filter_map(move |span| span.height_m(p))
     }
 }
 
@@ -133,26 +120,6 @@ enum Mouth {
     Ground(Vec<(usize, bool)>),
     /// Nothing.
     Wall,
-}
-
-/// A place along a way.
-#[derive(Clone, Copy)]
-struct Sample {
-    s: f64,
-    /// The ground in its middle, and the lowest ground or water bed across it, metres above the city's zero.
-    ground_m: f64,
-    low_m: f64,
-    /// How much the way may climb to here from where it begins.
-    climb_m: f64,
-    /// Whether something stands or leads across.
-    is_blocked: bool,
-}
-
-/// Where a ramp begins and ends, as numbers of samples.
-#[derive(Clone, Copy)]
-struct Ramp {
-    top: usize,
-    mouth: usize,
 }
 
 struct Digger<'a> {
@@ -259,7 +226,7 @@ impl<'a> Digger<'a> {
         let (from, to) = (before.len(), before.len() + chain.links.len());
         let links = before.into_iter().chain(chain.links.iter().copied()).chain(after).collect();
         let whole = Chain::of(graph, &self.at, links).ok_or("it has no length")?;
-        let mut way = Way::of(graph, whole);
+        let way = Way::of(graph, &self.at, whole);
         let begin = |i: usize| way.links.get(i).map_or(way.length_m, |link| link.2);
         let mapped = begin(from)..begin(to);
         let depth_m = self.crown_m(chain) + COVER_M;
@@ -275,7 +242,9 @@ impl<'a> Digger<'a> {
         }
         let mut laid = self.lay(&way, &floor, (ramps.map(|ramp| samples[ramp.mouth].s), is_wall), self.crown_m(chain))?;
         let (Some(start), Some(end)) = (floor.0.first(), floor.0.last()) else { return Err("it has no length") };
-        way.stretches = vec![Stretch::below(start.0..end.0, (start.1, end.1), is_wall.map(|is| if is { 0.0 } else { OVERLAP_M }))];
+        let overlap_m = is_wall.map(|is| if is { 0.0 } else { OVERLAP_M });
+        let (mut part, from) = self.part(&way, start.0..end.0).ok_or("it has no length")?;
+        part.stretches.push(Stretch::below(start.0 - from..end.0 - from, (start.1, end.1), overlap_m));
         lay_trams(graph, &mut laid, |layer| layer <= 0);
         tunnels.openings.extend(laid.iter().enumerate().filter(|(_, span)| span.is_ramp()).flat_map(|(i, span)| {
             let is_ramp = |i: Option<usize>| i.and_then(|i| laid.get(i)).is_none_or(WaySpan::is_ramp);
@@ -287,8 +256,17 @@ impl<'a> Digger<'a> {
             opening(span, [edge(i.checked_sub(1)), edge(Some(i + 1))])
         }));
         tunnels.spans.extend(laid);
-        tunnels.ways.push(way);
+        tunnels.ways.push(part);
         Ok(())
+    }
+
+    /// The links of a way that a stretch of it touches, as a way, and where that begins on it, metres.
+    fn part(&self, way: &Way, range: core::ops::Range<f64>) -> Option<(Way, f64)> {
+        let end = |i: usize| way.links.get(i + 1).map_or(way.length_m, |next| next.2);
+        let touched = (0..way.links.len()).filter(|&i| way.links[i].2 < range.end && range.start < end(i));
+        let touched: Vec<&(usize, bool, f64)> = touched.map(|i| &way.links[i]).collect();
+        let links = touched.iter().map(|(link, is_back, _)| (*link, *is_back)).collect();
+        Some((Way::of(self.ground.graph, &self.at, Chain::of(self.ground.graph, &self.at, links)?), touched.first()?.2))
     }
 
     fn crown_m(&self, chain: &Chain) -> f64 {
@@ -336,16 +314,26 @@ impl<'a> Digger<'a> {
     fn meets(&self, way: &Way, floor: &Floor, depth_m: f64, tunnels: &Tunnels) -> bool {
         let (Some(start), Some(end)) = (floor.0.first(), floor.0.last()) else { return false };
         let count = ((end.0 - start.0) / STEP_M).ceil().max(1.0) as u32;
-        let is_met = |i: u32| {
-            let s = start.0 + (end.0 - start.0) * f64::from(i) / f64::from(count);
-            let Some((p, along)) = way.at(s) else { return false };
-            let half = way.half_m(self.ground.graph, s) + WALL_M;
-            let z = floor.at(s);
-            [-half, 0.0, half]
-                .into_iter()
-                .any(|left| tunnels.heights_at(p + along.perp() * left).any(|other| (other - z).abs() < depth_m))
+        let places: Vec<(f64, DVec2, DVec2)> = (0..=count)
+            .filter_map(|i| {
+                let s = start.0 + (end.0 - start.0) * f64::from(i) / f64::from(count);
+                let (p, along) = way.at(s)?;
+                Some((floor.at(s), p, along.perp() * (way.half_m(self.ground.graph, s) + WALL_M)))
+            })
+            .collect();
+        let about = |points: &mut dyn Iterator<Item = DVec2>| {
+            points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
         };
-        !tunnels.spans.is_empty() && (0..=count).any(is_met)
+        let (low, high) = about(&mut places.iter().flat_map(|&(_, p, side)| [p - side, p + side]));
+        let is_near = |span: &&WaySpan| {
+            let (l, h) = about(&mut span.stations.iter().flat_map(|station| [station.left, station.right]).map(GridPos::to_metres));
+            l.cmple(high).all() && low.cmple(h).all()
+        };
+        let is_met = |span: &WaySpan| {
+            let is_close = |p: DVec2, z: f64| span.height_m(p).is_some_and(|other| (other - z).abs() < depth_m);
+            places.iter().any(|&(z, p, side)| [p - side, p, p + side].into_iter().any(|p| is_close(p, z)))
+        };
+        tunnels.spans.iter().filter(is_near).any(is_met)
     }
 
     fn lay(
@@ -436,117 +424,4 @@ const fn grade(link: &Link) -> f64 {
         LinkKind::Street(class) if class.has_carriageway() => GRADE[2],
         LinkKind::Street(_) => GRADE[3],
     }
-}
-
-/// Where the ramps of a tunnel begin and end. `mapped`: what a map says lies below the ground.
-fn ramps(samples: &[Sample], mapped: &core::ops::Range<f64>, is_wall: [bool; 2], depth_m: f64) -> Result<[Ramp; 2], &'static str> {
-    let first = samples.partition_point(|sample| sample.s < mapped.start - 1e-6);
-    let last = samples.partition_point(|sample| sample.s <= mapped.end + 1e-6) - 1;
-    let blocked = |range: core::ops::RangeInclusive<usize>| range.filter(|&i| samples[i].is_blocked).collect::<Vec<_>>();
-    // What lies across the ends themselves is the street that the tunnel comes out to.
-    let entry = |end: usize, i: usize| (samples[end].s - samples[i].s).abs() < ENTRY_M;
-    let is_clear = |i: &usize| !samples[*i].is_blocked;
-    let from = (first..=last).find(is_clear).filter(|&i| entry(first, i)).ok_or("something stands where it begins")?;
-    let to = (first..=last).rev().find(is_clear).filter(|&i| entry(last, i)).ok_or("something stands where it ends")?;
-    if from >= to {
-        return Err("it is too short");
-    }
-    let above = blocked(from..=to);
-    let middle = (from + to) / 2;
-    let (least, most) = (above.first().map_or(middle, |i| i - 1), above.last().map_or(middle + 1, |i| i + 1));
-    let count = samples.len();
-    let end = samples[count - 1];
-    let turn = |sample: &Sample| Sample { s: end.s - sample.s, climb_m: end.climb_m - sample.climb_m, ..*sample };
-    let turned: Vec<Sample> = samples.iter().rev().map(turn).collect();
-    let back = |i: usize| count - 1 - i;
-    let none = |i: usize| Ramp { top: i, mouth: i };
-    let far = if is_wall[1] { last } else { most };
-    let near = if is_wall[0] { first } else { least };
-    let start =
-        if is_wall[0] { none(first) } else { ramp(samples, from, least, far, depth_m).ok_or("its first ramp has no room")? };
-    let stop = if is_wall[1] {
-        none(last)
-    } else {
-        let Ramp { top, mouth } = ramp(&turned, back(to), back(most), back(near), depth_m).ok_or("its last ramp has no room")?;
-        Ramp { top: back(top), mouth: back(mouth) }
-    };
-    if samples[stop.mouth].s - samples[start.mouth].s < LEAST_M {
-        return Err("it is too short");
-    }
-    Ok([start, stop])
-}
-
-/// The ramp at the start of a tunnel whose mouth lies between two samples and which is covered from there to a third.
-fn ramp(samples: &[Sample], from: usize, to: usize, covered: usize, depth_m: f64) -> Option<Ramp> {
-    let mut lowest = from;
-    while lowest > 0 && !samples[lowest - 1].is_blocked {
-        lowest -= 1;
-    }
-    let edge = samples[lowest].s + if lowest > 0 { MARGIN_M } else { 0.0 };
-    let lowest = samples.partition_point(|sample| sample.s < edge);
-    // Streets are level across as far as the map says that they lie on the ground, and not much farther.
-    let is_level = |i: &usize| lowest >= from || *i == lowest || samples[*i].s <= samples[from].s - LEVEL_M;
-    // As high as the way may be at its start so that it is low enough everywhere: from the last mouth to the first.
-    let bound = |i: usize| samples[i].low_m - depth_m + samples[i].climb_m;
-    let mut bounds: Vec<f64> = (from..=covered)
-        .rev()
-        .scan(f64::INFINITY, |least, i| {
-            *least = least.min(bound(i));
-            Some(*least)
-        })
-        .collect();
-    bounds.reverse();
-    let mut best: Option<Ramp> = None;
-    let length = |ramp: &Ramp| samples[ramp.mouth].s - samples[ramp.top].s;
-    for mouth in from..=to.min(covered) {
-        let bound = bounds[mouth - from];
-        let top = (lowest..=mouth).rev().filter(is_level).find(|&i| samples[i].ground_m + LIFT_M + samples[i].climb_m <= bound);
-        let found = top.map(|top| Ramp { top, mouth });
-        if let Some(ramp) = found.filter(|ramp| best.is_none_or(|best| length(ramp) < length(&best) - WORTH_M)) {
-            best = Some(ramp);
-        }
-    }
-    best
-}
-
-/// Heights along a way, metres above the city's zero: straight between places along it.
-struct Floor(Vec<(f64, f64)>);
-
-impl Floor {
-    fn at(&self, s: f64) -> f64 {
-        let i = self.0.partition_point(|(at, _)| *at <= s).clamp(1, self.0.len() - 1);
-        let ((from, low), (to, high)) = (self.0[i - 1], self.0[i]);
-        low + (high - low) * ((s - from) / (to - from).max(1e-9)).clamp(0.0, 1.0)
-    }
-}
-
-/// The highest way that lies below everything and never turns down again: the lower hull of what it may not rise above.
-fn floor(samples: &[Sample], ramps: [Ramp; 2], is_wall: [bool; 2], depth_m: f64) -> Result<Floor, &'static str> {
-    let [start, stop] = ramps;
-    let most = |i: usize| {
-        let Sample { s, ground_m, low_m, climb_m, .. } = samples[i];
-        let is_end = (i == start.top && !is_wall[0]) || (i == stop.top && !is_wall[1]);
-        let is_bore = (start.mouth..=stop.mouth).contains(&i);
-        let height = if is_end {
-            ground_m + LIFT_M
-        } else if is_bore {
-            low_m - depth_m
-        } else {
-            ground_m
-        };
-        (s, height, climb_m)
-    };
-    let mut hull: Vec<(f64, f64, f64)> = Vec::new();
-    for next in (start.top..=stop.top).map(most) {
-        let is_above = |[a, b]: [(f64, f64, f64); 2]| (b.1 - a.1) * (next.0 - a.0) >= (next.1 - a.1) * (b.0 - a.0);
-        while hull.len() > 1 && is_above([hull[hull.len() - 2], hull[hull.len() - 1]]) {
-            hull.pop();
-        }
-        hull.push(next);
-    }
-    let is_steep = |pair: &[(f64, f64, f64)]| (pair[1].1 - pair[0].1).abs() > (pair[1].2 - pair[0].2) * 1.05 + 0.1;
-    if hull.len() < 2 || hull.windows(2).any(is_steep) {
-        return Err("its ramps would be too steep");
-    }
-    Ok(Floor(hull.into_iter().map(|(s, height, _)| (s, height)).collect()))
 }
