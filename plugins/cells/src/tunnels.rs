@@ -6,6 +6,9 @@ use veduta_city::{Cells, CityPlan, WaySpan};
 
 /// Lets whoever sees a part of a tunnel see all of it, and whatever else the cells hold that its parts belong to.
 pub(crate) fn see_through(plan: &CityPlan, cells: &mut Cells) {
+    if !plan.spans.iter().any(WaySpan::is_bore) {
+        return;
+    }
     let mut owners: Vec<Option<u32>> = vec![None; plan.spans.len()];
     for (cell, c) in cells.cells.iter().zip(0..) {
         for &span in &cell.spans {
@@ -15,6 +18,7 @@ pub(crate) fn see_through(plan: &CityPlan, cells: &mut Cells) {
         }
     }
     let goes_on = |a: &WaySpan, b: &WaySpan| is_below(a) && is_below(b) && a.stations.last() == b.stations.first();
+    let visible = cells.visible.clone();
     let mut first = 0;
     for tunnel in plan.spans.chunk_by(goes_on) {
         let parts = first..first + tunnel.len();
@@ -22,10 +26,12 @@ pub(crate) fn see_through(plan: &CityPlan, cells: &mut Cells) {
         if !tunnel.iter().any(WaySpan::is_bore) {
             continue;
         }
-        let below: BTreeSet<u32> = owners[parts].iter().flatten().copied().collect();
-        let seen = |cell: &u32| cells.visible.get(*cell as usize).into_iter().flatten().copied();
-        // Who is seen by one of them sees it.
-        let all: BTreeSet<u32> = below.iter().copied().chain(below.iter().flat_map(seen)).collect();
+        let below: BTreeSet<u32> = owners[parts.clone()].iter().flatten().copied().collect();
+        // What is seen beyond a tunnel is seen from its ramps.
+        let ramps = tunnel.iter().zip(&owners[parts]).filter(|(span, _)| span.is_ramp());
+        let mouths: BTreeSet<u32> = ramps.filter_map(|(_, owner)| *owner).collect();
+        let seen = |cell: &u32| visible.get(*cell as usize).into_iter().flatten().copied();
+        let all: BTreeSet<u32> = below.iter().copied().chain(mouths.iter().flat_map(seen)).collect();
         for &cell in &all {
             join(&mut cells.visible, cell, &below);
         }

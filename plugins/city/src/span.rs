@@ -28,7 +28,7 @@ pub enum BoreEnd {
     /// The next bore.
     #[default]
     Bore,
-    /// A portal, before which a ramp ends or the ground lies as low.
+    /// A portal, at the lower end of a ramp.
     Portal,
     /// A wall: nothing is known of how it goes on.
     Wall,

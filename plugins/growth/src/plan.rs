@@ -3,7 +3,7 @@
 //! ```text
 //!  CityGraph ─┬─► extent ─► streets ─► ground ─► verges ─┬─► lots ─┐
 //!             ├─► houses (given) ───────────────────────┴─────────┴─► facing ─► floors ─► massing ─► variety ─┐
-//!             ├─► earthworks ─► bridges ─► terrain (streets cut into it) ─► tunnels ─► spans ─────────────────┤
+//!             ├─► earthworks ─► bridges ─► terrain (streets cut into it) ─► spans, tunnels (open the ground) ─┤
 //!             └─► network (who waits where) ─► objects, markings, places, start ─► CityPlan ◄─ arcades ◄─ ornament ◄─ walls
 //! ```
 //!

@@ -307,12 +307,12 @@ fn the_same_for_any_number_of_threads() {
 }
 
 #[test]
-fn tunnels_are_told_and_not_laid() {
+fn a_tunnel_without_room_for_its_ramp_is_told_and_not_laid() {
     let mut graph = crossing();
     graph.links[0].layer = -1;
     graph.links[0].id = Id(77);
     let growth = grown(&graph);
-    assert!(growth.findings.iter().any(|f| f.id == Id(77) && f.message.contains("tunnel")));
+    assert!(growth.findings.iter().any(|f| f.id == Id(77) && f.message == "tunnel: not laid, for its last ramp has no room"));
     assert!(growth.plan.streets.iter().any(|s| s.id == Id(77) && !s.walkable));
 }
 

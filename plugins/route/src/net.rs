@@ -90,7 +90,7 @@ impl StreetNet {
         Self { terrain: terrain.clone(), ..self }
     }
 
-    /// The nearest point on any street; `None` if there is no street or the position is not finite.
+    /// The nearest point on any street that is not below the ground; `None` if there is none or the position is not finite.
     #[must_use]
     pub fn nearest(&self, plan_pos: DVec2) -> Option<Foot> {
         self.feet_by_distance(plan_pos).next()
@@ -102,7 +102,7 @@ impl StreetNet {
         self.segments.is_empty()
     }
 
-    /// The nearest point of every segment, nearest segment first.
+    /// The nearest point of every segment that is not below the ground, nearest segment first.
     pub(crate) fn feet_by_distance(&self, plan_pos: DVec2) -> impl Iterator<Item = Foot> + '_ {
         // An index asked for a place that is no number has no order to give.
         let asked = if plan_pos.is_finite() { Some([plan_pos.x, plan_pos.y]) } else { None };
@@ -116,7 +116,8 @@ impl StreetNet {
         let Segment { from, to, street } = *self.segments.get(segment as usize)?;
         let (a, b) = (self.node(from), self.node(to));
         let (point, _) = nearest_on(a, b, plan_pos);
-        let street = self.streets.get(street as usize)?;
+        // One walks through tunnels, but gets in by their ends alone.
+        let street = self.streets.get(street as usize).filter(|street| street.layer >= 0)?;
         Some(Foot {
             plan_pos: point,
             distance_m: point.distance(plan_pos),
@@ -356,6 +357,18 @@ mod tests {
             net.segments.iter().filter(|s| s.street == 0).map(|s| net.node(s.to).x - net.node(s.from).x).collect();
         along.sort_by(f64::total_cmp);
         assert_eq!(along, [30.0, 30.0, 40.0]);
+    }
+
+    #[test]
+    fn one_walks_through_tunnels_but_gets_in_by_their_ends_alone() {
+        let part = |from: f64, to: f64, layer: i8| PlanStreet { layer, ..street(&[(from, 0.0), (to, 0.0)]) };
+        let net = StreetNet::new(&[part(0.0, 40.0, 0), part(40.0, 80.0, -1), part(80.0, 120.0, 0)]);
+        let p = DVec2::new(55.0, 5.0);
+        let nearest = net.nearest(p).expect("streets are there");
+        assert_eq!((nearest.plan_pos, nearest.street), (DVec2::new(40.0, 0.0), 0));
+        assert!(net.feet_by_distance(p).all(|foot| foot.street != 1));
+        let way = net.way(DVec2::new(10.0, 0.0), DVec2::new(110.0, 0.0)).expect("it is connected");
+        assert!(way.iter().all(|p| p.y == 0.0));
     }
 
     #[test]

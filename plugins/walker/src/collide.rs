@@ -15,10 +15,14 @@ pub struct SolidCells {
 }
 
 impl SolidCells {
-    /// Whether a plan position lies in a cell with floor and walls.
+    /// Whether a plan position lies in a cell with floor and walls, or in the tunnel of one, which may lead under houses.
     #[must_use]
     pub fn hold(&self, pos: GridPos) -> bool {
-        self.cells.values().any(|(_, shell)| shell.outline.contains(pos - shell.origin))
+        self.cells.values().any(|(_, shell)| {
+            let here = pos - shell.origin;
+            let mut bores = shell.spans.iter().take(shell.drawn_spans as usize).filter(|span| span.is_bore());
+            shell.outline.contains(here) || bores.any(|bore| bore.height_m(here.to_metres()).is_some())
+        })
     }
 
     /// The nearest plan position that lies half a metre or more inside a cell; `None` if there are no cells.

@@ -145,7 +145,8 @@ fn banks(shell: &CellShell, ground: &GroundHeights<'_>, drape: &Drape<'_>, walls
 /// The parts of a bank from one share of it to another, each with how high the bridge over it is, if there is one; metres.
 fn below_bridges(edge: &Edge, shell: &CellShell) -> Vec<(f64, f64, Option<f64>)> {
     let mut below: Vec<(f64, f64, f64)> = Vec::new();
-    for pair in shell.spans.iter().flat_map(|span| span.stations.windows(2)) {
+    let bridges = shell.spans.iter().filter(|span| !span.is_bore() && !span.is_ramp());
+    for pair in bridges.flat_map(|span| span.stations.windows(2)) {
         let corners = [pair[0].right, pair[1].right, pair[1].left, pair[0].left].map(GridPos::to_metres);
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
         for (i, &p) in corners.iter().enumerate() {
@@ -339,6 +340,29 @@ mod tests {
             (b - a).cross(c - a).y > 0.0
         });
         assert!(up);
+    }
+
+    #[test]
+    fn banks_above_a_bore_are_shut() {
+        let station = |x: i32| SpanStation { left: GridPos(x, 4096), right: GridPos(x, 1024), z: -8 * 1024 };
+        let bore = |form: SpanForm| WaySpan {
+            id: Id(1),
+            form,
+            surface: SurfaceKind::Asphalt,
+            pavements: (0, 0),
+            parapets: (true, true),
+            stations: vec![station(-4096), station(9 * 1024)],
+            springing: 0,
+            piers: (None, None),
+            markings: Vec::new(),
+        };
+        let banks = |spans: Vec<WaySpan>| {
+            let ground = vec![ground(SurfaceKind::Water, 0), ground(SurfaceKind::Grass, 5)];
+            collision(&CellShell { ground, spans, ..Default::default() }).walls.positions
+        };
+        let below = bore(SpanForm::Bore { crown: 5 * 1024, ends: Default::default() });
+        assert_eq!(banks(vec![below]), banks(Vec::new()));
+        assert_ne!(banks(vec![bore(SpanForm::Girder)]), banks(Vec::new()), "a bridge opens them");
     }
 
     #[test]

@@ -137,23 +137,20 @@ impl Deck<'_> {
                 mesh.polygon(&[place(a, edge[0]), place(b, edge[0]), place(b, edge[1]), place(a, edge[1])], lining);
             }
         }
+        let both = [(0.0, ends.0, self.along(0.0)), (self.length_m(), ends.1, -self.along(self.length_m()))];
+        for (s, _, inward) in both.into_iter().filter(|(_, end, _)| *end == BoreEnd::Wall) {
+            let mut face: Vec<DVec3> = vault.0.iter().map(|&at| place(s, at)).collect();
+            if newell(&face).is_some_and(|normal| normal.dot(engine(inward, 0.0)) < 0.0) {
+                face.reverse();
+            }
+            mesh.polygon(&face, lining);
+        }
         self.darken(first, ends, mesh);
         if !is_railway {
             self.lamps(crown, mesh);
         }
-        for (s, end, way) in [(0.0, ends.0, 1.0), (self.length_m(), ends.1, -1.0)] {
-            let inward = self.along(s) * way;
-            match end {
-                BoreEnd::Bore => {}
-                BoreEnd::Wall => {
-                    let mut face: Vec<DVec3> = vault.0.iter().map(|&at| place(s, at)).collect();
-                    if newell(&face).is_some_and(|normal| normal.dot(engine(inward, 0.0)) < 0.0) {
-                        face.reverse();
-                    }
-                    mesh.polygon(&face, lining);
-                }
-                BoreEnd::Portal => self.portal(s, -inward, &vault, drape, mesh),
-            }
+        for (s, _, inward) in both.into_iter().filter(|(_, end, _)| *end == BoreEnd::Portal) {
+            self.portal(s, -inward, &vault, drape, mesh);
         }
     }
 

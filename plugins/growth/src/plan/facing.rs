@@ -150,7 +150,6 @@ impl Edges {
 }
 
 /// Bodies, each with how far its foot hangs above the ground, metres.
-/// Bodies with their undersides above their houses' ground, metres.
 pub(super) type Bodies<'a> = Index<(BodyRef, f64), &'a GridPolygon>;
 
 /// An index of all bodies, for questions about places.

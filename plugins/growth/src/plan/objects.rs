@@ -59,17 +59,17 @@ impl Site<'_> {
         if self.is_free(pos) { Some(pos) } else { about(pos, 0.0, within_m).find(|&p| self.is_free(p)) }
     }
 
-    /// The nearest free place on land for something that stands in the water, bridges aside, and would not, or in the wall of a ramp:
-    /// `None` if it is not so, or there is no such place near.
+    /// Where something goes that stands in the water or on a ramp and is not meant to: the nearest free place on land. `None` if it may stay,
+    /// or there is no such place near. What stands on a bridge stays there.
     fn bank(&self, object: &StandingObject) -> Option<DVec2> {
+        let may_be_wet = object.kind == ObjectKind::Fountain || !object.monument.is_empty();
         let is_off = |pos: DVec2, surface: SurfaceKind| match surface {
-            SurfaceKind::Water => self.deck(pos).is_none(),
-            SurfaceKind::Opening => object.kind.is_tree() || self.deck(pos).is_none(),
+            SurfaceKind::Water => !may_be_wet && self.deck(pos).is_none(),
+            SurfaceKind::Opening => object.kind != ObjectKind::Lamp || self.deck(pos).is_none(),
             _ => false,
         };
         let is_wet = |pos: DVec2| self.surface(pos).is_some_and(|(surface, _)| is_off(pos, surface));
-        let may_be_wet = object.kind == ObjectKind::Fountain || !object.monument.is_empty();
-        if may_be_wet || !is_wet(object.pos) {
+        if !is_wet(object.pos) {
             return None;
         }
         about(object.pos, 0.0, FARTHEST_BANK_M).find(|&p| self.is_free(p) && !is_wet(p))

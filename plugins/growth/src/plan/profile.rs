@@ -43,14 +43,19 @@ pub(super) fn ramps(samples: &[Sample], mapped: &Range<f64>, is_wall: [bool; 2],
     // What lies across the ends themselves is the street that the tunnel comes out to.
     let entry = |end: usize, i: usize| (samples[end].s - samples[i].s).abs() < ENTRY_M;
     let is_clear = |i: &usize| !samples[*i].is_blocked;
-    let from = (first..=last).find(is_clear).filter(|&i| entry(first, i)).ok_or("something stands where it begins")?;
-    let to = (first..=last).rev().find(is_clear).filter(|&i| entry(last, i)).ok_or("something stands where it ends")?;
+    let from = if is_wall[0] { Some(first) } else { (first..=last).find(is_clear) }
+        .filter(|&i| entry(first, i))
+        .ok_or("something stands where it begins")?;
+    let to = if is_wall[1] { Some(last) } else { (first..=last).rev().find(is_clear) }
+        .filter(|&i| entry(last, i))
+        .ok_or("something stands where it ends")?;
     if from >= to {
         return Err("it is too short");
     }
     let above = blocked(from..=to);
     let middle = (from + to) / 2;
-    let (least, most) = (above.first().map_or(middle, |i| i - 1), above.last().map_or(middle + 1, |i| i + 1));
+    let least = above.first().map_or(middle, |i| i.saturating_sub(1).max(from));
+    let most = above.last().map_or(middle + 1, |i| (i + 1).min(to));
     let count = samples.len();
     let end = samples[count - 1];
     let turn = |sample: &Sample| Sample { s: end.s - sample.s, climb_m: end.climb_m - sample.climb_m, ..*sample };
@@ -83,7 +88,7 @@ fn ramp(samples: &[Sample], from: usize, to: usize, covered: usize, depth_m: f64
     let lowest = samples.partition_point(|sample| sample.s < edge);
     // Streets are level across as far as the map says that they lie on the ground, and not much farther.
     let is_level = |i: &usize| lowest >= from || *i == lowest || samples[*i].s <= samples[from].s - LEVEL_M;
-    // As high as the way may be at its start so that it is low enough everywhere: from the last mouth to the first.
+    // As high as the way may be at its start so that it is low enough from each place on to where it is covered for sure.
     let bound = |i: usize| samples[i].low_m - depth_m + samples[i].climb_m;
     let mut bounds: Vec<f64> = (from..=covered)
         .rev()

@@ -61,17 +61,21 @@ pub(super) fn spans(graph: &CityGraph, bridges: &Bridges, terrain: &PlanTerrain)
     let mut spans: Vec<(usize, WaySpan)> = bridges.ways.par_iter().enumerate().flat_map_iter(own).collect();
     join(&mut spans);
     let mut spans: Vec<WaySpan> = spans.into_iter().map(|(_, span)| span).collect();
-    lay_trams(graph, &mut spans, |layer| layer >= 0);
+    lay_trams(graph, &mut spans, |_, layer| layer >= 0);
     spans
 }
 
-/// Lays the tracks of trams on layers of a kind on spans that they lead along.
-pub(super) fn lay_trams(graph: &CityGraph, spans: &mut [WaySpan], is_on: impl Fn(i8) -> bool) {
+/// Lays the tracks of trams on spans that they lead along, if they are on a layer that belongs to the span.
+pub(super) fn lay_trams(graph: &CityGraph, spans: &mut [WaySpan], is_on: impl Fn(&WaySpan, i8) -> bool + Sync) {
+    if spans.is_empty() {
+        return;
+    }
     let at = graph.node_positions();
-    let trams = graph.links.iter().filter(|link| is_on(link.layer) && link.kind == LinkKind::Railway { tram: true });
-    let trams: Vec<Vec<DVec2>> = trams.filter_map(|link| graph.polyline(link, &at)).collect();
+    let trams = graph.links.iter().filter(|link| link.kind == LinkKind::Railway { tram: true });
+    let trams: Vec<(i8, Vec<DVec2>)> = trams.filter_map(|link| Some((link.layer, graph.polyline(link, &at)?))).collect();
     spans.par_iter_mut().for_each(|span| {
-        let rails: Vec<SpanMarking> = trams.iter().filter_map(|tram| laid(tram, span)).collect();
+        let own = trams.iter().filter(|(layer, _)| is_on(span, *layer));
+        let rails: Vec<SpanMarking> = own.filter_map(|(_, tram)| laid(tram, span)).collect();
         span.markings.extend(rails);
     });
 }

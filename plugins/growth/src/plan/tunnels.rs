@@ -8,6 +8,7 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec2;
 use veduta_city::{
     BoreEnd, CityGraph, Finding, GridPolygon, GridPos, Id, Link, LinkKind, PlanTerrain, Severity, SpanForm, StreetClass, WaySpan,
+    metres,
 };
 
 use super::band::{self, stations};
@@ -54,6 +55,8 @@ pub(super) struct Tunnels {
     pub spans: Vec<WaySpan>,
     /// Where the ground is open above ramps.
     pub openings: Vec<GridPolygon>,
+    /// Links of the ways.
+    links: HashSet<usize>,
 }
 
 /// What tunnels are dug under.
@@ -88,6 +91,7 @@ impl Tunnels {
                 }
             }
         }
+        lay_trams(graph, &mut tunnels.spans, |span, layer| layer < 0 || (layer == 0 && span.is_ramp()));
         let mut buried = graph.links.iter().filter(|link| link.layer < 0).peekable();
         let at = if buried.peek().is_some() { graph.node_positions() } else { HashMap::new() };
         for link in buried {
@@ -100,11 +104,6 @@ impl Tunnels {
             findings.push(Finding::new(Severity::Dropped, link.id, at.get(&link.from).copied(), message));
         }
         tunnels
-    }
-
-    /// Links that are laid below the ground.
-    pub fn links(&self) -> HashSet<usize> {
-        self.ways.iter().flat_map(|way| &way.links).map(|&(link, ..)| link).collect()
     }
 
     /// Whether a tram's middle lies in one of the tunnels.
@@ -212,8 +211,8 @@ impl<'a> Digger<'a> {
         let (Some(ends), Some(&(first, _)), Some(&(last, _))) = (chain.ends(graph), chain.links.first(), chain.links.last()) else {
             return Err("it has no length");
         };
-        let dug = tunnels.links();
-        let mouths = [self.mouth(ends[0], first, &dug)?, self.mouth(ends[1], last, &dug)?];
+        let dug = &tunnels.links;
+        let mouths = [self.mouth(ends[0], first, dug)?, self.mouth(ends[1], last, dug)?];
         if mouths.iter().all(|mouth| matches!(mouth, Mouth::Wall)) || ends[0] == ends[1] {
             return Err("all of it lies below the ground");
         }
@@ -230,22 +229,24 @@ impl<'a> Digger<'a> {
         let begin = |i: usize| way.links.get(i).map_or(way.length_m, |link| link.2);
         let mapped = begin(from)..begin(to);
         let depth_m = self.crown_m(chain) + COVER_M;
-        let mut samples = self.samples(&way, 1.0);
         let is_wall = [0, 1].map(|end| matches!(mouths[end], Mouth::Wall));
-        let ramps = ramps(&samples, &mapped, is_wall, depth_m).or_else(|_| {
-            samples = self.samples(&way, STEEPER);
-            ramps(&samples, &mapped, is_wall, depth_m)
+        let mut samples = self.samples(&way);
+        let dive = |samples: &[Sample]| {
+            let ramps = ramps(samples, &mapped, is_wall, depth_m)?;
+            Ok::<_, &'static str>((ramps, floor(samples, ramps, is_wall, depth_m)?))
+        };
+        let (ramps, floor) = dive(&samples).or_else(|_| {
+            samples.iter_mut().for_each(|sample| sample.climb_m *= STEEPER);
+            dive(&samples)
         })?;
-        let floor = floor(&samples, ramps, is_wall, depth_m)?;
         if self.meets(&way, &floor, depth_m, tunnels) {
             return Err("another lies too near below or above");
         }
-        let mut laid = self.lay(&way, &floor, (ramps.map(|ramp| samples[ramp.mouth].s), is_wall), self.crown_m(chain))?;
+        let laid = self.lay(&way, &floor, (ramps.map(|ramp| samples[ramp.mouth].s), is_wall), self.crown_m(chain))?;
         let (Some(start), Some(end)) = (floor.0.first(), floor.0.last()) else { return Err("it has no length") };
         let overlap_m = is_wall.map(|is| if is { 0.0 } else { OVERLAP_M });
-        let (mut part, from) = self.part(&way, start.0..end.0).ok_or("it has no length")?;
+        let (mut part, from) = self.part(&way, start.0.min(mapped.start)..end.0.max(mapped.end)).ok_or("it has no length")?;
         part.stretches.push(Stretch::below(start.0 - from..end.0 - from, (start.1, end.1), overlap_m));
-        lay_trams(graph, &mut laid, |layer| layer <= 0);
         tunnels.openings.extend(laid.iter().enumerate().filter(|(_, span)| span.is_ramp()).flat_map(|(i, span)| {
             let is_ramp = |i: Option<usize>| i.and_then(|i| laid.get(i)).is_none_or(WaySpan::is_ramp);
             let edge = |i: Option<usize>| match i.and_then(|i| laid.get(i)) {
@@ -256,6 +257,7 @@ impl<'a> Digger<'a> {
             opening(span, [edge(i.checked_sub(1)), edge(Some(i + 1))])
         }));
         tunnels.spans.extend(laid);
+        tunnels.links.extend(part.links.iter().map(|&(link, ..)| link));
         tunnels.ways.push(part);
         Ok(())
     }
@@ -279,8 +281,7 @@ impl<'a> Digger<'a> {
         links.map(crown).fold(0.0, f64::max)
     }
 
-    /// `steeper`: how many times its kind's grade the way may climb.
-    fn samples(&self, way: &Way, steeper: f64) -> Vec<Sample> {
+    fn samples(&self, way: &Way) -> Vec<Sample> {
         let graph = self.ground.graph;
         let own: HashSet<usize> = way.links.iter().map(|&(link, ..)| link).collect();
         let count = (way.length_m / STEP_M).ceil().max(2.0) as u32;
@@ -304,7 +305,7 @@ impl<'a> Digger<'a> {
             let low_m =
                 [-1.0, -0.5, 0.0, 0.5, 1.0].into_iter().map(|share| below(across(share, half))).fold(f64::INFINITY, f64::min);
             let here = climb_m;
-            climb_m += step * steeper * way.link_at(s).map_or(GRADE[0], |(link, _)| grade(&graph.links[link]));
+            climb_m += step * way.link_at(s).map_or(GRADE[0], |(link, _)| grade(&graph.links[link]));
             Some(Sample { s, ground_m: self.ground.terrain.height_m(p), low_m, climb_m: here, is_blocked })
         };
         (0..=count).filter_map(sample).collect()
@@ -329,9 +330,20 @@ impl<'a> Digger<'a> {
             let (l, h) = about(&mut span.stations.iter().flat_map(|station| [station.left, station.right]).map(GridPos::to_metres));
             l.cmple(high).all() && low.cmple(h).all()
         };
+        // Whatever lies lower keeps so far under the other.
+        let is_over = |span: &WaySpan, (z, p, side): (f64, DVec2, DVec2), other_m: f64| {
+            let count = (side.length() / STEP_M).ceil().max(1.0);
+            let across = (-(count as i32)..=count as i32).map(|i| p + side * (f64::from(i) / count));
+            across
+                .into_iter()
+                .filter_map(|p| span.height_m(p))
+                .any(|other| if z < other { other - z < depth_m } else { z - other < other_m })
+        };
         let is_met = |span: &WaySpan| {
-            let is_close = |p: DVec2, z: f64| span.height_m(p).is_some_and(|other| (other - z).abs() < depth_m);
-            places.iter().any(|&(z, p, side)| [p - side, p, p + side].into_iter().any(|p| is_close(p, z)))
+            let SpanForm::Bore { crown, .. } = span.form else {
+                return places.iter().any(|place| is_over(span, *place, f64::INFINITY));
+            };
+            places.iter().any(|place| is_over(span, *place, metres(crown) + COVER_M))
         };
         tunnels.spans.iter().filter(is_near).any(is_met)
     }
