@@ -43,8 +43,8 @@
 //!
 //! # Limits
 //! * One floor: passages under hanging volumes are free space, and so is what lies under bridges: a span belongs to the cell that its
-//!   middle lies over, and whoever is on it is in the cell below. Tunnels' spans belong to the cells above them; who sees one of them
-//!   sees them all.
+//!   middle lies over, and whoever is on it is in the cell below. Tunnels' spans belong to the cells above them; who sees a
+//!   ramp's sees them all.
 //! * Visibility is in plan: what rises above the roofs is told by [`veduta_city::Cells::skyline`], everything lower is taken to be
 //!   hidden by any house. Walls inside one cell hide nothing. Both only matter to what is loaded, never to what is drawn. On slopes
 //!   it is not so: who looks down over roofs may see farther than what is loaded.

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use veduta_city::{Cells, CityPlan, WaySpan};
 
-/// Lets whoever sees a part of a tunnel see all of it, and whatever else the cells hold that its parts belong to.
+/// Lets whoever sees the cell of a tunnel's ramp see all of the tunnel, and whoever is in it or above it what is seen from its ramps.
 pub(crate) fn see_through(plan: &CityPlan, cells: &mut Cells) {
     if !plan.spans.iter().any(WaySpan::is_bore) {
         return;

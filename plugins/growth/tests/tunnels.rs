@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3, Vec3};
 use proptest::prelude::*;
 use veduta_city::{
-    BoreEnd, CellShell, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, LinkKind, MarkingKind, ObjectKind, PlanObject,
-    SpanForm, StreetClass, SurfaceKind, Terrain, WaySpan, file, metres,
+    BoreEnd, CellShell, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, Link, LinkKind, MarkingKind, ObjectKind,
+    PlanObject, SpanForm, StreetClass, SurfaceKind, Terrain, WaySpan, file, metres,
 };
 use veduta_growth::mesh;
 use veduta_growth::plan::{Growth, Stock, grow};
@@ -280,6 +280,57 @@ fn a_tunnel_that_ends_below_the_ground_has_a_wall_there() {
 }
 
 #[test]
+fn rivers_are_tunnelled_under() {
+    let river = ", blocks: [(id: 80, kind: Water, outline: [(-24, -150), (24, -150), (24, 150), (-24, 150)])]";
+    let mut graph = town(river);
+    graph.links.retain(|link| link.id != Id(14));
+    let growth = grown(&graph);
+    assert_eq!(dropped(&growth), Vec::<&Finding>::new());
+    prove(&growth);
+    let water = patch_at(&growth, DVec2::ZERO);
+    let bed_m = metres(water.z) - 1.0;
+    assert!(water.surface == SurfaceKind::Water && bed_m < -2.0, "{water:?}");
+    let bore = growth.plan.spans.iter().filter(is_bore).find_map(|span| span.height_m(DVec2::ZERO)).expect("it leads there");
+    assert!(bore + 5.0 < bed_m, "a bore at {bore} m under a bed at {bed_m}");
+}
+
+#[test]
+fn trams_lie_in_the_tunnel_that_their_layer_says() {
+    let rails = |layer: i8| {
+        let mut graph = town("");
+        let street = graph.links.iter().find(|link| link.id == Id(12)).expect("the tunnel").clone();
+        graph.links.push(Link { id: Id(41), kind: LinkKind::Railway { tram: true }, layer, ..street });
+        let growth = grown(&graph);
+        let has_rails = |span: &WaySpan| span.markings.iter().any(|marking| marking.kind == MarkingKind::Rails);
+        let below = growth.plan.spans.iter().filter(is_bore).filter(|span| has_rails(span)).count();
+        let above = growth.plan.markings.iter().filter(|marking| marking.kind == MarkingKind::Rails).count();
+        assert_eq!(dropped(&growth), Vec::<&Finding>::new());
+        (below > 2, above > 2)
+    };
+    assert_eq!((rails(-1), rails(0)), ((true, false), (false, true)));
+    // Without a tunnel below it a tram is told.
+    let mut graph = town("");
+    graph.links.retain(|link| link.id == Id(14) || link.id == Id(12));
+    graph.links[0].kind = LinkKind::Railway { tram: true };
+    assert_eq!(dropped(&grown(&graph))[0].message, "tram tunnel: not laid, for it lies below the ground");
+}
+
+#[test]
+fn it_is_dark_far_from_the_portals() {
+    let growth = grown(&town(""));
+    let brightness = |is_inner: bool| {
+        let of = |span: &&WaySpan| matches!(span.form, SpanForm::Bore { ends, .. } if (ends == (BoreEnd::Bore, BoreEnd::Bore)) == is_inner);
+        let spans: Vec<WaySpan> = growth.plan.spans.iter().filter(is_bore).filter(of).cloned().collect();
+        let drawn = mesh::spans(&CellShell { drawn_spans: spans.len() as u32, spans, ..CellShell::default() });
+        // Of the carriageway, which is as bright everywhere else.
+        let up = drawn.colours.iter().zip(&drawn.normals).filter(|(_, normal)| normal[1] > 0.99).map(|(colour, _)| colour[0]);
+        up.fold((f32::INFINITY, 0.0_f32), |(least, most), red| (least.min(red), most.max(red)))
+    };
+    let ((_, outer), (inner, _)) = (brightness(false), brightness(true));
+    assert!(outer > 0.9 && inner < 0.5 * outer, "{outer} {inner}");
+}
+
+#[test]
 fn tunnels_that_cross_too_near_are_told() {
     let mut graph = town("");
     for link in &mut graph.links {
@@ -356,7 +407,7 @@ fn what_grows_or_stands_beside_a_ramp_does_not_reach_over_it() {
           (id: 6, pos: (0, 90)), (id: 7, pos: (-90, 80)), (id: 8, pos: (-90, -80))],
         links: [(id: 11, from: 1, to: 2, kind: Street(Path), width_m: 3), (id: 12, from: 2, to: 3, kind: Street(Path), width_m: 3, layer: -1),
           (id: 13, from: 3, to: 4, kind: Street(Path), width_m: 3), (id: 14, from: 5, to: 6, kind: Street(Street)), (id: 15, from: 7, to: 8, kind: Street(Street))],
-        objects: [(id: 70, kind: Tree, pos: (-30, 0)), (id: 71, kind: Tree, pos: (-32, 1.6))],
+        objects: [(id: 70, kind: Tree, pos: (-30, 0)), (id: 71, kind: Tree, pos: (-32, 1.6)), (id: 72, kind: Fountain, pos: (-34, 0))],
         blocks: [(id: 80, kind: Park, outline: [(-86, -60), (-6, -60), (-6, 60), (-86, 60)])])";
     let mut graph: CityGraph = file::parse(text, "t").unwrap_or_else(|e| panic!("{e}"));
     for seed in 1..9 {
@@ -377,6 +428,7 @@ fn what_grows_or_stands_beside_a_ramp_does_not_reach_over_it() {
             let p = object.pos.to_metres();
             let reaches = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y].map(|way| p + way * 0.6);
             let is_over = reaches.iter().any(|&p| ramps.iter().any(|ramp| ramp.height_m(p).is_some_and(|z| z < -0.4)));
+            assert!(object.id != Id(72) || !is_over, "a fountain in a ramp: {object:?}");
             assert!(!is_over || ramps.iter().any(|ramp| ramp.height_m(p).is_some()), "{object:?}");
         }
     }

@@ -63,7 +63,7 @@ impl Deck<'_> {
             let tops = self.tops(side, drape);
             let place = |i: usize, out: f64, y: f64| self.at(self.lengths[i], side, side * out, y);
             let feet = self.feet(side, drape);
-            let mut face = |corners: [DVec3; 4], out: DVec2| facing(corners, out, wall, mesh);
+            let mut face = |corners: [DVec3; 4], out: DVec2| turned(corners, engine(out, 0.0), wall, mesh);
             for i in 1..self.lengths.len() {
                 let (a, b) = (i - 1, i);
                 let across = self.across(self.lengths[a]) * side;
@@ -82,7 +82,7 @@ impl Deck<'_> {
             let corner = |side: f64, down: f64| self.at(s, side, side * WALL_M, self.y(s) - down);
             let sill = [corner(-1.0, DEEP_M), corner(1.0, DEEP_M), corner(1.0, 0.0), corner(-1.0, 0.0)];
             for way in [self.along(s), -self.along(s)] {
-                facing(sill, way, wall, mesh);
+                turned(sill, engine(way, 0.0), wall, mesh);
             }
         }
     }
@@ -269,11 +269,6 @@ impl Frame {
             turned([(x.0, y.0), (x.1, y.0), (x.1, y.1), (x.0, y.1)].map(|(x, y)| self.at(x, y, out)), normal, paint, mesh);
         }
     }
-}
-
-/// An upright face that is seen from where `out` points to in plan.
-fn facing(corners: [DVec3; 4], out: DVec2, paint: Paint, mesh: &mut MeshData) {
-    turned(corners, engine(out, 0.0), paint, mesh);
 }
 
 /// A face whose normal lies on the side of another.

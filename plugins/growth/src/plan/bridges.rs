@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use glam::DVec2;
 use veduta_city::{CityGraph, GridPos, Id, Link, LinkKind, Terrain};
 
-use super::chains::{Chain, chains, is_street, line_of};
+use super::chains::{Chain, chains, is_street, is_way, line_of};
 use super::earthworks::Earthworks;
 use super::streets::{along, length_m, width_at_m};
 use super::water::Waters;
@@ -378,11 +378,6 @@ pub(super) fn aloft(graph: &CityGraph) -> HashSet<Id> {
     ways.into_iter().filter(|(_, (count, is_aloft))| *is_aloft && *count > 1).map(|(node, _)| node).collect()
 }
 
-/// Streets and railways on the ground or above, trams aside, which lie in streets.
-const fn is_way(link: &Link) -> bool {
-    link.layer >= 0 && matches!(link.kind, LinkKind::Street(_) | LinkKind::Railway { tram: false })
-}
-
 /// How much higher a street's bridge of a length is in its middle than at its ends, metres.
 pub(super) fn camber_m(length_m: f64) -> f64 {
     (length_m * CAMBER.0).min(CAMBER.1)
@@ -398,7 +393,7 @@ impl Site<'_> {
     }
 
     fn may_fly(&self, link: &Link) -> bool {
-        if !is_way(link) || (link.layer == 0 && self.waters.is_none()) {
+        if !is_way(link) || link.layer < 0 || (link.layer == 0 && self.waters.is_none()) {
             return false;
         }
         let Some(line) = line_of(self.graph, &self.at, link) else { return false };

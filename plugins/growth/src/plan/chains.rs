@@ -1,6 +1,6 @@
 //! Links that go on in one another: ways along which one may leave the ground.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use glam::DVec2;
 use veduta_city::{CityGraph, Id, Link, LinkKind};
@@ -12,6 +12,21 @@ pub(super) struct Chain {
     pub line: Vec<DVec2>,
 }
 
+/// Whether a link is a street or railway, trams aside, which lie in streets.
+pub(super) const fn is_way(link: &Link) -> bool {
+    matches!(link.kind, LinkKind::Street(_) | LinkKind::Railway { tram: false })
+}
+
+/// Indices of the links of streets and railways at each node.
+pub(super) fn meet(graph: &CityGraph) -> HashMap<Id, Vec<usize>> {
+    let mut meet: HashMap<Id, Vec<usize>> = HashMap::new();
+    for (i, link) in graph.links.iter().enumerate().filter(|(_, link)| is_way(link)) {
+        meet.entry(link.from).or_default().push(i);
+        meet.entry(link.to).or_default().push(i);
+    }
+    meet
+}
+
 /// Whether a link is a street.
 pub(super) const fn is_street(link: &Link) -> bool {
     matches!(link.kind, LinkKind::Street(_))
@@ -20,16 +35,11 @@ pub(super) const fn is_street(link: &Link) -> bool {
 /// Links that are wanted, those that go on in one another together. They do where no other street or railway meets them.
 pub(super) fn chains(graph: &CityGraph, is_wanted: impl Fn(&Link) -> bool) -> Vec<Chain> {
     let links = &graph.links;
-    let is_way = |link: &Link| matches!(link.kind, LinkKind::Street(_) | LinkKind::Railway { tram: false });
     let wanted: Vec<usize> = (0..links.len()).filter(|&i| is_way(&links[i]) && is_wanted(&links[i])).collect();
     if wanted.is_empty() {
         return Vec::new();
     }
-    let mut meet: BTreeMap<Id, Vec<usize>> = BTreeMap::new();
-    for (i, link) in links.iter().enumerate().filter(|(_, link)| is_way(link)) {
-        meet.entry(link.from).or_default().push(i);
-        meet.entry(link.to).or_default().push(i);
-    }
+    let meet = meet(graph);
     let next = |link: usize, node: Id| -> Option<usize> {
         let [a, b] = meet.get(&node)?[..] else { return None };
         let other = if a == link { b } else { a };

@@ -6,7 +6,7 @@ use glam::DVec2;
 use veduta_city::{CityGraph, GridPolygon, Id, Link, LinkKind, Terrain};
 
 use super::band::band_of;
-use super::chains::Chain;
+use super::chains::{Chain, is_way};
 use super::index::Index;
 use super::streets::length_m;
 
@@ -37,10 +37,6 @@ pub(super) struct Map<'a> {
     around: HashMap<Id, Vec<(usize, Id)>>,
     /// Straight pieces of ways and trams: the link, how far along it they begin, metres, and their ends.
     pieces: Index<(usize, f64, DVec2, DVec2)>,
-}
-
-const fn is_way(link: &Link) -> bool {
-    link.layer >= 0 && matches!(link.kind, LinkKind::Street(_) | LinkKind::Railway { tram: false })
 }
 
 impl<'a> Map<'a> {
@@ -75,7 +71,7 @@ impl<'a> Map<'a> {
 
     /// Streets and railways on the ground and above, without trams.
     pub fn ways(&self) -> impl Iterator<Item = (usize, &'a Link)> {
-        self.graph.links.iter().enumerate().filter(|(_, link)| is_way(link))
+        self.graph.links.iter().enumerate().filter(|(_, link)| is_way(link) && link.layer >= 0)
     }
 
     pub fn line(&self, link: usize) -> Vec<DVec2> {

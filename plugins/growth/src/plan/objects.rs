@@ -51,7 +51,7 @@ impl Site<'_> {
 
     /// Whether a disc about a position is outside of all houses, by its rim.
     pub fn is_free_about(&self, pos: DVec2, radius_m: f64) -> bool {
-        self.is_free(pos) && EIGHT_WINDS.into_iter().all(|wind| self.is_free(pos + wind * radius_m))
+        disc(pos, radius_m).all(|p| self.is_free(p))
     }
 
     /// The nearest free position within a distance.
@@ -63,16 +63,14 @@ impl Site<'_> {
     /// or there is no such place near. What stands on a bridge stays there.
     fn bank(&self, object: &StandingObject) -> Option<DVec2> {
         let may_be_wet = object.kind == ObjectKind::Fountain || !object.monument.is_empty();
-        let is_off = |pos: DVec2, surface: SurfaceKind| match surface {
-            SurfaceKind::Water => !may_be_wet && self.deck(pos).is_none(),
-            SurfaceKind::Opening => object.kind != ObjectKind::Lamp || self.deck(pos).is_none(),
-            _ => false,
-        };
-        let is_wet = |pos: DVec2| self.surface(pos).is_some_and(|(surface, _)| is_off(pos, surface));
-        if !is_wet(object.pos) {
+        let lies = |pos: DVec2, kind: SurfaceKind| self.surface(pos).is_some_and(|(surface, _)| surface == kind);
+        let is_wet = |pos: DVec2| !may_be_wet && lies(pos, SurfaceKind::Water) && self.deck(pos).is_none();
+        let is_open = |pos: DVec2| lies(pos, SurfaceKind::Opening) && (object.kind != ObjectKind::Lamp || self.deck(pos).is_none());
+        let is_off = |pos: DVec2| is_wet(pos) || (!self.decks.is_none() && disc(pos, object.kind.radius_m()).any(is_open));
+        if !is_off(object.pos) {
             return None;
         }
-        about(object.pos, 0.0, FARTHEST_BANK_M).find(|&p| self.is_free(p) && !is_wet(p))
+        about(object.pos, 0.0, FARTHEST_BANK_M).find(|&p| self.is_free(p) && !is_off(p))
     }
 
     /// The foot of something round above the city's zero, grid steps: on slopes the lowest ground under it, so that it hangs nowhere.
@@ -132,6 +130,11 @@ const EIGHT_WINDS: [DVec2; 8] = {
         DVec2::new(-D, D),
     ]
 };
+
+/// A position and eight on the rim of a disc about it.
+fn disc(pos: DVec2, radius_m: f64) -> impl Iterator<Item = DVec2> {
+    core::iter::once(pos).chain(EIGHT_WINDS.map(|wind| pos + wind * radius_m))
+}
 
 /// Positions about another within a distance, in rings of 25 cm, each from a heading on.
 pub(super) fn about(pos: DVec2, first_deg: f64, within_m: f64) -> impl Iterator<Item = DVec2> {

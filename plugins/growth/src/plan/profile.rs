@@ -111,10 +111,15 @@ fn ramp(samples: &[Sample], from: usize, to: usize, covered: usize, depth_m: f64
     best
 }
 
-/// Heights along a way, metres above the city's zero: straight between places along it.
+/// Heights along a way, metres above the city's zero: straight between two or more places along it.
 pub(super) struct Floor(pub Vec<(f64, f64)>);
 
 impl Floor {
+    /// Where it begins and where it ends.
+    pub fn ends(&self) -> [(f64, f64); 2] {
+        [self.0[0], self.0[self.0.len() - 1]]
+    }
+
     pub fn at(&self, s: f64) -> f64 {
         let i = self.0.partition_point(|(at, _)| *at <= s).clamp(1, self.0.len() - 1);
         let ((from, low), (to, high)) = (self.0[i - 1], self.0[i]);

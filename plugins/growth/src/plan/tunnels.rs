@@ -13,7 +13,7 @@ use veduta_city::{
 
 use super::band::{self, stations};
 use super::bridges::{Bridges, Stretch, Way};
-use super::chains::{Chain, chains};
+use super::chains::{Chain, chains, is_way, meet};
 use super::extent::Extent;
 use super::facing::{self, Bodies};
 use super::houses::Draft;
@@ -140,27 +140,21 @@ const fn traffic(link: &Link) -> u8 {
     }
 }
 
-const fn is_way(link: &Link) -> bool {
-    matches!(link.kind, LinkKind::Street(_) | LinkKind::Railway { tram: false })
-}
-
 impl<'a> Digger<'a> {
     fn of(ground: &'a Ground<'a>) -> Self {
         let graph = ground.graph;
         let at = graph.node_positions();
-        let mut meet: HashMap<Id, Vec<usize>> = HashMap::new();
-        let mut bands = Vec::new();
-        for (i, link) in graph.links.iter().enumerate().filter(|(_, link)| is_way(link)) {
-            meet.entry(link.from).or_default().push(i);
-            meet.entry(link.to).or_default().push(i);
-            if link.layer >= 0 {
-                let stations = stations(&graph.polyline(link, &at).unwrap_or_default(), link);
-                let parts = ground.bridges.on_ground(i).into_iter().map(|part| band::part(&stations, part));
-                let pieces = parts.flat_map(|part| band::pieces(&part, |share| width_at_m(link, share) / 2.0));
-                bands.extend(pieces.map(|band| (band, i)));
-            }
-        }
-        Self { ground, houses: facing::bodies(ground.given), ways: Index::new(bands), at, meet }
+        let on_ground = graph.links.iter().enumerate().filter(|(_, link)| is_way(link) && link.layer >= 0);
+        let bands = on_ground.flat_map(|(i, link)| {
+            let stations = stations(&graph.polyline(link, &at).unwrap_or_default(), link);
+            let parts: Vec<_> = ground.bridges.on_ground(i).into_iter().map(|part| band::part(&stations, part)).collect();
+            parts
+                .into_iter()
+                .flat_map(move |part| band::pieces(&part, |share| width_at_m(link, share) / 2.0))
+                .map(move |band| (band, i))
+        });
+        let ways = Index::new(bands.collect());
+        Self { ground, houses: facing::bodies(ground.given), ways, at, meet: meet(graph) }
     }
 
     /// What lies beyond an end of what lies below the ground.
@@ -243,18 +237,17 @@ impl<'a> Digger<'a> {
             return Err("another lies too near below or above");
         }
         let laid = self.lay(&way, &floor, (ramps.map(|ramp| samples[ramp.mouth].s), is_wall), self.crown_m(chain))?;
-        let (Some(start), Some(end)) = (floor.0.first(), floor.0.last()) else { return Err("it has no length") };
+        let [start, end] = floor.ends();
         let overlap_m = is_wall.map(|is| if is { 0.0 } else { OVERLAP_M });
         let (mut part, from) = self.part(&way, start.0.min(mapped.start)..end.0.max(mapped.end)).ok_or("it has no length")?;
         part.stretches.push(Stretch::below(start.0 - from..end.0 - from, (start.1, end.1), overlap_m));
         tunnels.openings.extend(laid.iter().enumerate().filter(|(_, span)| span.is_ramp()).flat_map(|(i, span)| {
-            let is_ramp = |i: Option<usize>| i.and_then(|i| laid.get(i)).is_none_or(WaySpan::is_ramp);
-            let edge = |i: Option<usize>| match i.and_then(|i| laid.get(i)) {
+            let longer_m = |next: Option<&WaySpan>| match next {
                 None => -OVERLAP_M,
-                Some(_) if is_ramp(i) => 0.0,
+                Some(next) if next.is_ramp() => 0.0,
                 Some(_) => WALL_M / 2.0,
             };
-            opening(span, [edge(i.checked_sub(1)), edge(Some(i + 1))])
+            opening(span, [longer_m(i.checked_sub(1).map(|i| &laid[i])), longer_m(laid.get(i + 1))])
         }));
         tunnels.spans.extend(laid);
         tunnels.links.extend(part.links.iter().map(|&(link, ..)| link));
@@ -313,7 +306,7 @@ impl<'a> Digger<'a> {
 
     /// Whether another tunnel lies so near above or below that there is no room.
     fn meets(&self, way: &Way, floor: &Floor, depth_m: f64, tunnels: &Tunnels) -> bool {
-        let (Some(start), Some(end)) = (floor.0.first(), floor.0.last()) else { return false };
+        let [start, end] = floor.ends();
         let count = ((end.0 - start.0) / STEP_M).ceil().max(1.0) as u32;
         let places: Vec<(f64, DVec2, DVec2)> = (0..=count)
             .filter_map(|i| {
@@ -355,7 +348,7 @@ impl<'a> Digger<'a> {
         (mouths, is_wall): ([f64; 2], [bool; 2]),
         crown_m: f64,
     ) -> Result<Vec<WaySpan>, &'static str> {
-        let (Some(&(start, _)), Some(&(end, _))) = (floor.0.first(), floor.0.last()) else { return Err("it has no length") };
+        let [start, end] = floor.ends().map(|end| end.0);
         let bends = bends(&way.line);
         let mut cuts = vec![start];
         for to in [mouths[0], mouths[1], end] {
@@ -366,8 +359,7 @@ impl<'a> Digger<'a> {
         let mut kinks: Vec<f64> = bends.iter().copied().chain(floor.0.iter().map(|kink| kink.0)).collect();
         kinks.sort_by(f64::total_cmp);
         let all = cuts.windows(2).flat_map(|pair| places(pair[0]..pair[1], &kinks).skip(usize::from(pair[0] > start)));
-        let stations = all.filter_map(|s| Some((s, station(self.ground.graph, way, s, floor.at(s))?)));
-        let all: Vec<_> = stations.collect();
+        let all: Vec<_> = all.filter_map(|s| Some((s, station(self.ground.graph, way, s, floor.at(s))?))).collect();
         let stations = laid_out(all.iter().copied(), &bends);
         // Ramps follow their streets from side to side.
         let is_open = |s: f64| (start..mouths[0]).contains(&s) || (mouths[1]..end).contains(&s);
@@ -409,17 +401,10 @@ fn opening(ramp: &WaySpan, longer_m: [f64; 2]) -> Vec<GridPolygon> {
         [here.at(-half) + off, here.at(half) + off]
     };
     let last = ramp.stations.len() - 1;
-    let at = |i: usize| {
-        sides(
-            i,
-            if i == 0 {
-                longer_m[0]
-            } else if i == last {
-                longer_m[1]
-            } else {
-                0.0
-            },
-        )
+    let at = |i: usize| match i {
+        0 => sides(i, longer_m[0]),
+        _ if i == last => sides(i, longer_m[1]),
+        _ => sides(i, 0.0),
     };
     let piece = |i: usize| {
         let ([a, b], [c, d]) = (at(i - 1), at(i));
