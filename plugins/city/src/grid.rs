@@ -155,15 +155,16 @@ fn ring_area_2(ring: &[GridPos]) -> i64 {
 }
 
 fn ring_contains(ring: &[GridPos], p: GridPos) -> bool {
-    let mut inside = false;
-    for (a, b) in ring_edges(ring) {
-        if (a.1 > p.1) != (b.1 > p.1) {
+    let Some(&last) = ring.last() else { return false };
+    let (mut a, mut a_is_above, mut inside) = (last, last.1 > p.1, false);
+    for &b in ring {
+        let b_is_above = b.1 > p.1;
+        if a_is_above != b_is_above {
             // Taken upwards whichever way the ring runs: of two rings that share an edge, one has the positions on it.
-            let (low, high) = if a.1 < b.1 { (a, b) } else { (b, a) };
-            if low.cross(high, p) > 0 {
-                inside = !inside;
-            }
+            let (low, high) = if b_is_above { (a, b) } else { (b, a) };
+            inside ^= low.cross(high, p) > 0;
         }
+        (a, a_is_above) = (b, b_is_above);
     }
     inside
 }

@@ -175,17 +175,30 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     bridges.add(tunnels.ways);
     let layers = streets::layers(graph, &areas, (&bridges, depths, &courses), tunnels.openings, &mut findings);
 
-    let mut ground = ground::partition(&extent, &layers);
-    ground::pave_verges(&mut ground, &extent, &facing::bodies(&drafts));
-    let on_ground = ground::index(&ground);
-    let grown = lots::grow_lots(graph, &areas, &layers, &ground, &extent, &drafts, &book, &mut findings);
+    let (ground, obstacles) = rayon::join(
+        || {
+            let mut ground = ground::partition(&extent, &layers);
+            ground::pave_verges(&mut ground, &extent, &facing::bodies(&drafts));
+            ground
+        },
+        || lots::Obstacles::new(graph, &layers, &drafts),
+    );
+    drop(layers);
+    let (on_ground, grown) = rayon::join(
+        || ground::index(&ground),
+        || lots::grow_lots(graph, &areas, &ground, &extent, drafts.len(), &obstacles, &book, &mut findings),
+    );
+    drop(obstacles);
     drafts.reserve_exact(grown.len());
     drafts.extend(grown);
-    drop(layers);
     let facing = facing::facing(&drafts, &on_ground);
-    let floors = floors::floors(&drafts, &facing, &terrain);
-    let masses = massing::masses(&drafts, &facing, &floors, &book, &mut findings);
-    let looks = variety::looks(&drafts, &facing, &book);
+    let (masses, looks) = rayon::join(
+        || {
+            let floors = floors::floors(&drafts, &facing, &terrain);
+            massing::masses(&drafts, &facing, &floors, &book, &mut findings)
+        },
+        || variety::looks(&drafts, &facing, &book),
+    );
     let mut houses = walls::houses(drafts, &facing, &masses, &looks, &book, &terrain);
     let mut designs = monuments::Designs::new(monuments, models);
     drop((facing, masses, looks));
@@ -196,12 +209,16 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     cellars::build(&mut houses, &terrain);
     designs.stand_in(graph, &mut houses, &mut findings);
 
-    let doorsteps = walls::doorsteps(&houses);
-    let decks = spans::Decks::new(spans.iter().enumerate());
+    let (doorsteps, decks) = rayon::join(|| walls::doorsteps(&houses), || spans::Decks::new(spans.iter().enumerate()));
     let site = objects::Site { terrain: &terrain, ground: &on_ground, decks: &decks, standing: &standing, doorsteps: &doorsteps };
-    let (mut objects, monumental) = objects::objects(graph, &areas, (&network, furniture), &site, &mut findings);
+    let ((mut objects, monumental), (markings, (places, streets))) = rayon::join(
+        || objects::objects(graph, &areas, (&network, furniture), &site, &mut findings),
+        || {
+            let others = || (places::places(graph, &houses, styles), streets::centre_lines(graph, &bridges));
+            rayon::join(|| markings::markings(graph, &network, &bridges, &site), others)
+        },
+    );
     designs.of_objects(&monumental, &mut objects, &mut findings);
-    let markings = markings::markings(graph, &network, &bridges, &site);
     let start = places::start(graph, &extent, &site, &objects, &mut findings);
     let plan = CityPlan {
         name: graph.name.clone(),
@@ -213,7 +230,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
         designs: designs.finish(),
         start,
         extent: extent.polygon(),
-        places: places::places(graph, &houses, styles),
+        places,
         terrain,
         ground,
         courses: courses.finish(),
@@ -221,7 +238,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
         objects,
         markings,
         spans,
-        streets: streets::centre_lines(graph, &bridges),
+        streets,
     };
     Ok(Growth { plan, findings })
 }

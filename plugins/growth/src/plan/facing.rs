@@ -167,9 +167,9 @@ const AT_ONCE: usize = 64;
 
 /// Looks out of every wall.
 pub(super) fn facing(drafts: &[Draft], ground: &Ground<'_>) -> Facing {
-    let walls = Edges::of(drafts);
-    let public = ground.cells_of(|(surface, _)| is_faced(*surface));
-    let before = Before { standing: bodies(drafts), ground, public };
+    let public = || ground.cells_of(|(surface, _)| is_faced(*surface));
+    let (walls, (standing, public)) = rayon::join(|| Edges::of(drafts), || (bodies(drafts), public()));
+    let before = Before { standing, ground, public };
     let of_some = |first: usize, some: &[Draft]| {
         let (around, spans, near) = (Vec::new(), Vec::new(), Vec::new());
         let seen = Facing::default();
@@ -359,12 +359,15 @@ impl Before<'_> {
 
     fn sees_public(&self, from: DVec2, out: DVec2) -> bool {
         let place = |step: f64| GridPos::from_metres(from + out * step);
-        if let Some(is_public) = self.is_public_at(place(STEPS_M[0])) {
+        let first = place(STEPS_M[0]);
+        if self.public.has(first)
+            && let Some(is_public) = self.is_public_at(first)
+        {
             return is_public;
         }
         let places = STEPS_M.map(place);
         let Some(last) = places.iter().rposition(|&pos| self.public.has(pos)) else { return false };
-        places[1..=last].iter().find_map(|&pos| self.is_public_at(pos)).unwrap_or(false)
+        places[..=last].iter().find_map(|&pos| self.is_public_at(pos)).unwrap_or(false)
     }
 
     /// Whether public ground lies at a place; `None` where neither that nor a house is.
@@ -372,7 +375,8 @@ impl Before<'_> {
         if self.standing.of_kind_at(pos, |(_, bottom)| *bottom < HEADROOM_M).next().is_some() {
             return Some(false);
         }
-        self.ground.of_kind_at(pos, |(surface, _)| is_faced(*surface)).next().is_some().then_some(true)
+        let is_public = || self.ground.of_kind_at(pos, |(surface, _)| is_faced(*surface)).next().is_some();
+        (self.public.has(pos) && is_public()).then_some(true)
     }
 }
 

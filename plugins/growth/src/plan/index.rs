@@ -59,18 +59,19 @@ impl Gathering {
     /// Notes something in all cells that an edge touches.
     pub fn edge(&mut self, a: GridPos, b: GridPos, note: u32) {
         let (low, high) = if a.1 <= b.1 { (a, b) } else { (b, a) };
-        let [row, last] = [low, high].map(|p| self.cells.row(p.1));
-        for row in row..=last {
-            // The part of the edge between the row's lower and upper side, no narrower than it is.
-            let side = |row: i64| i64::from(self.cells.low.1) + (row << self.cells.shift);
-            let below = side(row).max(i64::from(low.1));
-            // What lies beyond the last row belongs to it.
-            let above = if row == last { i64::from(high.1) } else { side(row + 1) };
-            let (x0, x1) = (across(low, high, below), across(low, high, above));
-            let [from, to] = [x0.0.min(x1.0), x0.1.max(x1.1)].map(|x| self.cells.column(x));
-            for column in from..=to {
+        let [first, last] = [low, high].map(|p| self.cells.row(p.1));
+        let side = |row: i64| i64::from(self.cells.low.1) + (row << self.cells.shift);
+        // Where the edge comes into a row and where it leaves it, as the whole steps about both. What lies beyond the first and the last row
+        // belongs to them.
+        let ends = [low, high].map(|p| (i64::from(p.0), i64::from(p.0)));
+        let mut from = ends[0];
+        for row in first..=last {
+            let to = if row == last { ends[1] } else { across(low, high, side(row + 1)) };
+            let columns = [from.0.min(to.0), from.1.max(to.1)].map(|x| self.cells.column(x));
+            for column in columns[0]..=columns[1] {
                 self.noted.push(((row * self.cells.columns + column) as u32, note));
             }
+            from = to;
         }
     }
 

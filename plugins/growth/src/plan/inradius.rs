@@ -70,11 +70,13 @@ pub(super) fn largest_disc(polygon: &GridPolygon, enough_m: f64) -> Option<(DVec
     let mut best = (DVec2::ZERO, 0.0_f64);
     let mut squares = BinaryHeap::new();
     let search = |middle: DVec2, half: f64, best: &mut (DVec2, f64), squares: &mut BinaryHeap<Square>| {
-        let radius = signed_distance(&edges, middle);
+        let beyond = half * core::f64::consts::SQRT_2;
+        // A disc no larger than that is not better, and nor is any about a place in the square.
+        let Some(radius) = signed_distance(&edges, middle, best.1.min(best.1 * (1.0 + SHARE) - beyond)) else { return };
         if radius > best.1 {
             *best = (middle, radius);
         }
-        let most = radius + half * core::f64::consts::SQRT_2;
+        let most = radius + beyond;
         if most > best.1 * (1.0 + SHARE) {
             squares.push(Square { middle, half, most });
         }
@@ -114,17 +116,21 @@ impl Edge {
     }
 }
 
-/// Distance from the border of a polygon, negative outside.
-fn signed_distance(edges: &[Edge], p: DVec2) -> f64 {
+/// Distance from the border of a polygon, negative outside; `None` as soon as it is known to be less than a distance.
+fn signed_distance(edges: &[Edge], p: DVec2, enough: f64) -> Option<f64> {
     let (mut least, mut is_inside) = (f64::INFINITY, false);
+    let too_near = enough.max(0.0) * enough.max(0.0);
     for edge in edges {
         let off = p - edge.from;
         let along = (off.dot(edge.way) * edge.inverse).clamp(0.0, 1.0);
         least = least.min((off - edge.way * along).length_squared());
+        if least < too_near {
+            return None;
+        }
         let (is_below, reaches_above) = (off.y < 0.0, off.y < edge.way.y);
         is_inside ^= is_below != reaches_above && (edge.way.perp_dot(off) > 0.0) == reaches_above;
     }
-    if is_inside { least.sqrt() } else { -least.sqrt() }
+    Some(if is_inside { least.sqrt() } else { -least.sqrt() })
 }
 
 #[cfg(test)]

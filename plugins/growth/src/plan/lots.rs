@@ -55,16 +55,16 @@ struct Plot {
 pub(super) fn grow_lots(
     graph: &CityGraph,
     areas: &[Area<'_>],
-    layers: &[Layer],
     ground: &[GroundPatch],
     extent: &Extent,
-    given: &[Draft],
+    given: usize,
+    obstacles: &Obstacles<'_>,
     book: &StyleBook<'_>,
     findings: &mut Vec<Finding>,
 ) -> Vec<Draft> {
     let built: Vec<&Area<'_>> = areas.iter().filter(|a| a.block.kind == BlockKind::Built).collect();
     let streets = graph.links.iter().filter(|l| matches!(l.kind, LinkKind::Street(_))).count();
-    let plots: Vec<Plot> = if built.is_empty() && given.len() * 2 < streets {
+    let plots: Vec<Plot> = if built.is_empty() && given * 2 < streets {
         found_plots(ground, extent)
     } else {
         let whole = extent.polygon();
@@ -80,10 +80,9 @@ pub(super) fn grow_lots(
         };
         built.iter().map(plot).collect()
     };
-    let obstacles = Obstacles::new(graph, layers, given);
     let grow = |plot: &Plot| {
         let mut findings = Vec::new();
-        let drafts = grow_plot(graph, plot, &obstacles, book, &mut findings);
+        let drafts = grow_plot(graph, plot, obstacles, book, &mut findings);
         (drafts, findings)
     };
     let (drafts, told): (Vec<Vec<Draft>>, Vec<Vec<Finding>>) = plots.par_iter().map(grow).unzip();
@@ -103,7 +102,7 @@ fn found_plots(ground: &[GroundPatch], extent: &Extent) -> Vec<Plot> {
 }
 
 /// What blocks are not built over.
-struct Obstacles<'a> {
+pub(super) struct Obstacles<'a> {
     /// Given houses.
     houses: Index<()>,
     /// Squares, water, parks, monuments, rails.
@@ -117,7 +116,7 @@ struct Obstacles<'a> {
 }
 
 impl<'a> Obstacles<'a> {
-    fn new(graph: &'a CityGraph, layers: &[Layer], given: &[Draft]) -> Self {
+    pub fn new(graph: &'a CityGraph, layers: &[Layer], given: &[Draft]) -> Self {
         let footprints = given.iter().flat_map(|d| &d.bodies).map(|b| (b.footprint.clone(), ()));
         let is_open =
             |l: &&Layer| matches!(l.rank, Rank::Opening | Rank::Square | Rank::Rails | Rank::Monument | Rank::Water | Rank::Park);

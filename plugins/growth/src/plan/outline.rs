@@ -119,24 +119,37 @@ pub(super) struct Box2 {
     pub width_m: f64,
 }
 
-/// Extent of a ring across a direction (a unit vector) and along it, metres.
+/// Extent of a ring along a direction (a unit vector) and across it, metres.
 pub(super) fn extent_along(ring: &[GridPos], along: DVec2) -> (f64, f64) {
-    let range = |axis: DVec2| {
-        let base = ring.first().map_or(DVec2::ZERO, |p| p.to_metres());
-        let dots = ring.iter().map(|p| (p.to_metres() - base).dot(axis));
-        let (lo, hi) = dots.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), d| (lo.min(d), hi.max(d)));
-        (hi - lo).max(0.0)
-    };
-    (range(along), range(along.perp()))
+    extent_of(&from_first(ring), along)
+}
+
+/// The corners of a ring from the first on, metres.
+fn from_first(ring: &[GridPos]) -> Vec<DVec2> {
+    let base = ring.first().map_or(DVec2::ZERO, |p| p.to_metres());
+    ring.iter().map(|p| p.to_metres() - base).collect()
+}
+
+fn extent_of(corners: &[DVec2], along: DVec2) -> (f64, f64) {
+    let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for p in corners {
+        let at = DVec2::new(p.dot(along), p.dot(along.perp()));
+        // Comparisons are one instruction each, which `min` and `max` are not.
+        (lo.x, hi.x) = (if at.x < lo.x { at.x } else { lo.x }, if at.x > hi.x { at.x } else { hi.x });
+        (lo.y, hi.y) = (if at.y < lo.y { at.y } else { lo.y }, if at.y > hi.y { at.y } else { hi.y });
+    }
+    let size = hi - lo;
+    (size.x.max(0.0), size.y.max(0.0))
 }
 
 /// The smallest rectangle about a ring that has a side along one of its edges.
 pub(super) fn smallest_box(ring: &[GridPos]) -> Box2 {
     let mut best = Box2 { along: DVec2::X, length_m: 0.0, width_m: f64::INFINITY };
     let mut least = f64::INFINITY;
+    let corners = from_first(ring);
     for (a, b) in edges(ring) {
         let Some(u) = (b - a).to_metres().try_normalize() else { continue };
-        let (along, across) = extent_along(ring, u);
+        let (along, across) = extent_of(&corners, u);
         if along * across < least - 1e-6 {
             least = along * across;
             best = if along >= across {

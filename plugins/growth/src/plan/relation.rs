@@ -51,16 +51,17 @@ pub(super) fn is_within(polygon: &GridPolygon, other: &GridPolygon, tolerance_m2
     let own: Vec<Edge> = edges(&polygon.outer).map(|(a, b)| Edge::new(local(a), local(b))).collect();
     let is_near = |p: GridPos, q: GridPos| do_meet(about(p, q), (low, high));
     let near = other.edges().filter(|&(p, q)| is_near(p, q));
-    let borders: Vec<Edge> = near.map(|(p, q)| Edge::new(local(p), local(q))).collect();
+    let borders: Vec<(DVec2, DVec2)> = near.map(|(p, q)| (local(p), local(q))).collect();
     // Most are convex: where no border comes into the core, that is inside or outside as a whole, and the rest is but a rim.
     let perimeter: f64 = own.iter().map(|edge| edge.length).sum();
     if perimeter * NEAR < tolerance_m2 * steps * steps && is_convex(&polygon.outer) {
         let middle = own.iter().map(|edge| edge.from).sum::<DVec2>() / own.len() as f64;
         // So deep that its position on the grid, which is up to √2 steps off, lies in the core as well.
-        if core_depth(&own, middle) > 1.5 && !borders.iter().any(|border| meets_core(&own, border)) {
+        if core_depth(&own, middle) > 1.5 && !borders.iter().any(|&border| meets_core(&own, border)) {
             return other.contains(low + GridPos(middle.x as i32, middle.y as i32));
         }
     }
+    let borders: Vec<Edge> = borders.into_iter().map(|(from, to)| Edge::new(from, to)).collect();
     let is_on_border = |p: DVec2| borders.iter().any(|border| border.is_near(p));
     if !polygon.outer.iter().all(|&p| is_on_border(local(p)) || other.contains(p)) {
         return false;
@@ -122,10 +123,10 @@ fn core_depth(ring: &[Edge], p: DVec2) -> f64 {
 
 /// Whether an edge may come into the core of a convex ring. (Cyrus and Beck, *Generalized two- and three-dimensional clipping*,
 /// Computers & Graphics 3, 1978.)
-fn meets_core(ring: &[Edge], other: &Edge) -> bool {
+fn meets_core(ring: &[Edge], (p, q): (DVec2, DVec2)) -> bool {
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
     for edge in ring {
-        let (before, after) = (edge.depth_of(other.from), edge.depth_of(other.to));
+        let (before, after) = (edge.depth_of(p), edge.depth_of(q));
         match (before < 0.0, after < 0.0) {
             (true, true) => return false,
             (true, false) => from = from.max(before / (before - after)),

@@ -152,8 +152,6 @@ struct Strip<'a> {
     /// Width of the pavement beside it.
     pavement_m: f64,
     key: Key,
-    /// Parts of the link that lie on the ground, as shares of its length.
-    on_ground: Vec<Range<f64>>,
 }
 
 impl Strip<'_> {
@@ -166,6 +164,15 @@ impl Strip<'_> {
     }
 }
 
+/// What a link covers.
+#[derive(Default)]
+struct Laid {
+    finding: Option<Finding>,
+    shapes: Vec<(Key, GridPolygon)>,
+    /// Where its bands end on the ground, and meet others of their family.
+    arms: Vec<((Family, Id), Arm<Key>)>,
+}
+
 fn link_shapes(
     graph: &CityGraph,
     areas: &[Area<'_>],
@@ -174,64 +181,70 @@ fn link_shapes(
     findings: &mut Vec<Finding>,
 ) {
     let at = graph.node_positions();
-    let mut strips = Vec::new();
-    for (i, link) in graph.links.iter().enumerate() {
-        // 0 leaves the width to the class.
-        if link.width_m != 0.0 && !(NARROWEST_M..=WIDEST_M).contains(&link.width_m) {
-            let message = format!(
-                "a width of {:?} m is not within {NARROWEST_M} to {WIDEST_M} m: {} m is taken",
-                link.width_m,
-                width_m(link)
-            );
-            findings.push(Finding::new(Severity::Repaired, link.id, at.get(&link.from).copied(), message));
-        }
+    let laid = |(i, link): (usize, &Link)| {
+        let finding = width_finding(link, &at);
+        let line = graph.polyline(link, &at);
         // Below the ground there are tunnels' ways alone.
-        if link.layer < 0 && !bridges.has(i) {
-            continue;
-        }
-        let on_ground = bridges.on_ground(i);
-        strips.extend(
-            strips_of(graph, &at, link, areas, (depths, courses.of_link(i)))
-                .into_iter()
-                .map(|s| Strip { on_ground: on_ground.clone(), ..s }),
-        );
-    }
+        let Some(line) = line.filter(|_| link.layer >= 0 || bridges.has(i)) else { return Laid { finding, ..Laid::default() } };
+        let strips = strips_of(link, &line, areas, (depths, courses.of_link(i)));
+        let (shapes, arms) = lay(&strips, &line, &bridges.on_ground(i));
+        Laid { finding, shapes, arms }
+    };
+    let all: Vec<Laid> = graph.links.par_iter().enumerate().map(laid).collect();
     let mut nodes: BTreeMap<(Family, Id), Vec<Arm<Key>>> = BTreeMap::new();
-    for strip in &strips {
-        let Some(line) = graph.polyline(strip.link, &at) else { continue };
-        let stations = stations(&line, strip.link);
-        for part in &strip.on_ground {
+    for Laid { finding, shapes: own, arms } in all {
+        findings.extend(finding);
+        own.into_iter().for_each(|(key, shape)| shapes.entry(key).or_default().push(shape));
+        arms.into_iter().for_each(|(node, arm)| nodes.entry(node).or_default().push(arm));
+    }
+    let between = |((family, node), mut arms): ((Family, Id), Vec<Arm<Key>>)| {
+        let mut out = Vec::new();
+        let Some(&pos) = at.get(&node) else { return out };
+        for (before, after, gap) in gaps(&mut arms) {
+            // The lower of both lies under what else is there.
+            let key = before.what.max(after.what);
+            let rounding = (family == Family::Kerbs).then(|| rounding(pos, before, after, gap));
+            out.extend(wedge(pos, before, after, gap).into_iter().chain(rounding.flatten()).map(|shape| (key, shape)));
+        }
+        out
+    };
+    let between: Vec<Vec<(Key, GridPolygon)>> = nodes.into_iter().collect::<Vec<_>>().into_par_iter().map(between).collect();
+    between.into_iter().flatten().for_each(|(key, shape)| shapes.entry(key).or_default().push(shape));
+}
+
+/// What there is to say of a link's width; 0 leaves it to the class.
+fn width_finding(link: &Link, at: &HashMap<Id, DVec2>) -> Option<Finding> {
+    if link.width_m == 0.0 || (NARROWEST_M..=WIDEST_M).contains(&link.width_m) {
+        return None;
+    }
+    let (given, taken) = (link.width_m, width_m(link));
+    let message = format!("a width of {given:?} m is not within {NARROWEST_M} to {WIDEST_M} m: {taken} m is taken");
+    Some(Finding::new(Severity::Repaired, link.id, at.get(&link.from).copied(), message))
+}
+
+/// The bands of a link where it lies on the ground, told as shares of its length, and their arms.
+fn lay(strips: &[Strip<'_>], line: &[DVec2], on_ground: &[Range<f64>]) -> (Vec<(Key, GridPolygon)>, Vec<((Family, Id), Arm<Key>)>) {
+    let (mut shapes, mut arms) = (Vec::new(), Vec::new());
+    for strip in strips {
+        let stations = stations(line, strip.link);
+        for part in on_ground {
             let shape = match *part {
                 Range { start: 0.0, end: 1.0 } => band(&stations, |share| strip.half_at(share)),
                 _ => band(&band::part(&stations, part.clone()), |share| strip.half_at(share)),
             };
-            shapes.entry(strip.key).or_default().extend(shape);
+            shapes.extend(shape.map(|shape| (strip.key, shape)));
         }
+        let arm = |line: &mut dyn Iterator<Item = DVec2>, share: f64| {
+            let is_on_ground = on_ground.iter().any(|part| part.start == share || part.end == share);
+            Arm::new(line, strip.half_at(share), strip.pavement_m, strip.key).filter(|_| is_on_ground)
+        };
         for family in Family::of(strip) {
-            let arm = |line: &mut dyn Iterator<Item = DVec2>, share: f64| {
-                let is_on_ground = strip.on_ground.iter().any(|part| part.start == share || part.end == share);
-                Arm::new(line, strip.half_at(share), strip.pavement_m, strip.key).filter(|_| is_on_ground)
-            };
-            let arms = [
-                (strip.link.from, arm(&mut line.iter().copied(), 0.0)),
-                (strip.link.to, arm(&mut line.iter().rev().copied(), 1.0)),
-            ];
-            for (node, arm) in arms {
-                nodes.entry((family, node)).or_default().extend(arm);
-            }
+            let forth = arm(&mut line.iter().copied(), 0.0).map(|arm| ((family, strip.link.from), arm));
+            let back = arm(&mut line.iter().rev().copied(), 1.0).map(|arm| ((family, strip.link.to), arm));
+            arms.extend(forth.into_iter().chain(back));
         }
     }
-    for ((family, node), mut arms) in nodes {
-        let Some(&pos) = at.get(&node) else { continue };
-        for (before, after, gap) in gaps(&mut arms) {
-            // The lower of both lies under what else is there.
-            let key = before.what.max(after.what);
-            shapes.entry(key).or_default().extend(wedge(pos, before, after, gap));
-            if family == Family::Kerbs {
-                shapes.entry(key).or_default().extend(rounding(pos, before, after, gap));
-            }
-        }
-    }
+    (shapes, arms)
 }
 
 /// Bands that join one another where they meet.
@@ -260,15 +273,9 @@ impl Family {
     }
 }
 
-fn strips_of<'a>(
-    graph: &CityGraph,
-    at: &HashMap<Id, DVec2>,
-    link: &'a Link,
-    areas: &[Area<'_>],
-    (depths, course): (Depths, Option<u32>),
-) -> Vec<Strip<'a>> {
+fn strips_of<'a>(link: &'a Link, line: &[DVec2], areas: &[Area<'_>], (depths, course): (Depths, Option<u32>)) -> Vec<Strip<'a>> {
     let width = width_m(link);
-    let strip = |half_m, key| Strip { link, half_m, pavement_m: 0.0, key, on_ground: Vec::new() };
+    let strip = |half_m, key| Strip { link, half_m, pavement_m: 0.0, key };
     let (half, own) = (width / 2.0, link_surface(link));
     match link.kind {
         LinkKind::Watercourse => vec![strip(half, (Rank::Water, depths.of_course(width), own, None))],
@@ -285,7 +292,7 @@ fn strips_of<'a>(
         }
         LinkKind::Street(StreetClass::Lane | StreetClass::Service) => vec![strip(half, key(Rank::Lane, own, course))],
         LinkKind::Street(_) => {
-            let is_gravel = link.surfacing.is_none() && in_park(graph, at, link, areas);
+            let is_gravel = link.surfacing.is_none() && in_park(line, areas);
             vec![strip(half, key(Rank::Path, if is_gravel { SurfaceKind::Gravel } else { own }, course))]
         }
     }
@@ -304,10 +311,9 @@ pub(super) fn link_surface(link: &Link) -> SurfaceKind {
     link.surfacing.map_or(own, surface)
 }
 
-/// Whether the middle of a link lies in a park.
-pub(super) fn in_park(graph: &CityGraph, at: &HashMap<Id, DVec2>, link: &Link, areas: &[Area<'_>]) -> bool {
-    let line = graph.polyline(link, at).unwrap_or_default();
-    let Some((middle, _)) = middle_of(&line) else { return false };
+/// Whether the middle of a polyline lies in a park.
+pub(super) fn in_park(line: &[DVec2], areas: &[Area<'_>]) -> bool {
+    let Some((middle, _)) = middle_of(line) else { return false };
     let pos = GridPos::from_metres(middle);
     areas.iter().filter(|a| a.block.kind == BlockKind::Park).any(|a: &Area<'_>| a.holds(pos))
 }

@@ -4,8 +4,9 @@
 use core::f64::consts::{FRAC_PI_6, TAU};
 
 use glam::DVec2;
+use rayon::prelude::*;
 use veduta_city::draw::Draw;
-use veduta_city::{BlockKind, CityGraph, GridPolygon, GridPos, LinkKind, StreetClass};
+use veduta_city::{BlockKind, CityGraph, GridPolygon, GridPos, Link, LinkKind, StreetClass};
 
 use super::band::band_of;
 use super::inradius::largest_disc;
@@ -44,14 +45,15 @@ pub(super) fn walks(graph: &CityGraph, areas: &[Area<'_>]) -> Vec<GridPolygon> {
     let parks: Vec<&Area<'_>> = areas.iter().filter(|area| area.block.kind == BlockKind::Park).collect();
     let at = graph.node_positions();
     let is_footway = |kind: LinkKind| matches!(kind, LinkKind::Street(StreetClass::Path | StreetClass::Steps));
-    if graph.links.iter().any(|link| is_footway(link.kind) && in_park(graph, &at, link, areas)) {
+    let is_walk = |link: &Link| is_footway(link.kind) && graph.polyline(link, &at).is_some_and(|line| in_park(&line, areas));
+    if graph.links.par_iter().any(is_walk) {
         return Vec::new();
     }
     let of_park = |park: &&Area<'_>| {
         let draw = Draw::new(graph.seed, park.block.id, "walks");
         park.polygons.iter().flat_map(move |polygon| of_lawn(polygon, draw)).collect::<Vec<_>>()
     };
-    parks.iter().flat_map(of_park).collect()
+    parks.par_iter().flat_map_iter(of_park).collect()
 }
 
 /// The walks of one piece of a park.
