@@ -4,10 +4,10 @@ use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::{GridPolygon, GridPos, SurfaceKind};
 
-use super::bounds::{Bounds, about, do_meet, grown, joined};
+use super::bounds::{Bounds, about, do_meet, grown};
 use super::ground::Ground;
 use super::houses::{Body, Draft};
-use super::index::{CellSet, Cells, Gathering, Index};
+use super::index::{CellSet, Index};
 use super::outline;
 
 /// Walls closer than this, side by side, are party walls; metres.
@@ -130,25 +130,6 @@ impl Facing {
     }
 }
 
-/// The edges of all footprints, and which run where.
-struct Edges {
-    all: Vec<(BodyRef, GridPos, GridPos)>,
-    cells: Cells,
-}
-
-impl Edges {
-    fn of(drafts: &[Draft]) -> Self {
-        let bodies: Vec<(BodyRef, &GridPolygon)> = bodies_of(drafts).map(|(at, body)| (at, &body.footprint)).collect();
-        let edges = |&(at, footprint): &(BodyRef, &'_ GridPolygon)| footprint.edges().map(move |(p, q)| (at, p, q)).collect();
-        let all: Vec<(BodyRef, GridPos, GridPos)> = bodies.par_iter().flat_map_iter::<_, Vec<_>>(edges).collect();
-        let boxes = all.iter().map(|&(_, p, q)| about(p, q));
-        let Some(bounds) = boxes.reduce(joined) else { return Self { all, cells: Cells::default() } };
-        let gathering = Gathering::new(bounds, drafts.len());
-        let cells = gathering.each(&all, |own, &(_, p, q), i| own.edge(p, q, i as u32)).sorted();
-        Self { all, cells }
-    }
-}
-
 /// Bodies, each with how far its foot hangs above the ground, metres.
 pub(super) type Bodies<'a> = Index<(BodyRef, f64), &'a GridPolygon>;
 
@@ -167,20 +148,19 @@ const AT_ONCE: usize = 64;
 
 /// Looks out of every wall.
 pub(super) fn facing(drafts: &[Draft], ground: &Ground<'_>) -> Facing {
-    let public = || ground.cells_of(|(surface, _)| is_faced(*surface));
-    let (walls, (standing, public)) = rayon::join(|| Edges::of(drafts), || (bodies(drafts), public()));
+    let (standing, public) = rayon::join(|| bodies(drafts), || ground.cells_of(|(surface, _)| is_faced(*surface)));
     let before = Before { standing, ground, public };
     let of_some = |first: usize, some: &[Draft]| {
         let (around, spans, near) = (Vec::new(), Vec::new(), Vec::new());
         let seen = Facing::default();
-        let mut view = View { drafts, walls: &walls, before: &before, around, spans, near, seen, found: Vec::new() };
+        let mut view = View { drafts, before: &before, around, spans, near, seen, found: Vec::new() };
         some.iter().enumerate().for_each(|(i, draft)| view.house(first + i, draft));
         view.seen
     };
     let parts = drafts.par_chunks(AT_ONCE).enumerate().map(|(i, some)| of_some(i * AT_ONCE, some));
     let parts: Vec<Facing> = parts.collect();
     // What was looked through is as large as what was seen, which is about to be there twice.
-    drop((walls, before));
+    drop(before);
     let sum = |count: fn(&Facing) -> usize| parts.iter().map(count).sum();
     let mut all = Facing {
         outlooks: Vec::with_capacity(sum(|part| part.outlooks.len())),
@@ -196,7 +176,6 @@ pub(super) fn facing(drafts: &[Draft], ground: &Ground<'_>) -> Facing {
 /// What can be seen from a house's walls.
 struct View<'a> {
     drafts: &'a [Draft],
-    walls: &'a Edges,
     before: &'a Before<'a>,
     /// Edges of others about the body that is looked at.
     around: Vec<Near>,
@@ -204,7 +183,7 @@ struct View<'a> {
     spans: Vec<(BodyRef, f64, f64)>,
     /// Houses near any of them, each once.
     near: Vec<usize>,
-    /// Edges that an index names.
+    /// Bodies that an index names.
     found: Vec<u32>,
     /// What was seen.
     seen: Facing,
@@ -242,10 +221,10 @@ impl View<'_> {
     fn look_around(&mut self, me: BodyRef, footprint: &GridPolygon) {
         self.around.clear();
         let Some(bounds) = footprint.bounds().map(reach) else { return };
-        self.walls.cells.within(bounds.0, bounds.1, |note| note, &mut self.found);
-        let edges = self.found.iter().map(|&number| self.walls.all[number as usize]);
-        let near = edges.filter(|&(body, ..)| body != me).map(|(body, p, q)| Near { body, ends: (p, q), bounds: about(p, q) });
-        self.around.extend(near.filter(|near| do_meet(near.bounds, bounds)));
+        for (other, &(body, _)) in self.before.standing.bordering(bounds, &mut self.found).filter(|(_, (body, _))| *body != me) {
+            let edges = other.edges().map(|ends| Near { body, ends, bounds: about(ends.0, ends.1) });
+            self.around.extend(edges.filter(|near| do_meet(near.bounds, bounds)));
+        }
     }
 
     /// Looks out of an edge of a body.

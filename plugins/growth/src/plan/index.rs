@@ -161,8 +161,8 @@ impl Cells {
         self.cell(pos).map_or(&[], |cell| self.of_cell(cell))
     }
 
-    /// What was noted in the cells that a box touches, ascending, each note once, as `key` has it.
-    pub fn within(&self, low: GridPos, high: GridPos, key: impl Fn(u32) -> u32, found: &mut Vec<u32>) {
+    /// What was noted in the cells that a box touches, as `key` has it: ascending, each once.
+    fn within(&self, (low, high): Bounds, key: impl Fn(u32) -> Option<u32>, found: &mut Vec<u32>) {
         found.clear();
         if self.starts.is_empty() {
             return;
@@ -171,7 +171,7 @@ impl Cells {
         for row in self.row(low.1)..=self.row(high.1) {
             let [from, to] =
                 [*columns.start(), *columns.end() + 1].map(|column| self.starts[(row * self.columns + column) as usize]);
-            found.extend(self.notes[from as usize..to as usize].iter().map(|&note| key(note)));
+            found.extend(self.notes[from as usize..to as usize].iter().filter_map(|&note| key(note)));
         }
         found.sort_unstable();
         found.dedup();
@@ -243,12 +243,19 @@ impl<T: Sync, P: Borrow<GridPolygon> + Sync> Index<T, P> {
         CellSet { frame: self.cells.frame(), holds: (0..count).into_par_iter().with_min_len(1 << 12).map(holds).collect() }
     }
 
+    /// All whose border may come into a box, in order of insertion. `found`: room for their numbers.
+    pub fn bordering<'a>(&'a self, bounds: Bounds, found: &'a mut Vec<u32>) -> impl Iterator<Item = (&'a GridPolygon, &'a T)> {
+        self.cells.within(bounds, |note| (note % 2 == 0).then_some(note / 2), found);
+        let things = found.iter().map(|&i| &self.things[i as usize]);
+        things.filter(move |thing| do_meet(thing.bounds, bounds)).map(|thing| (thing.polygon.borrow(), &thing.of))
+    }
+
     /// All that may come within a distance of the bounds of a polygon, in order of insertion: none of which the bounds do not.
     pub fn near(&self, polygon: &GridPolygon, reach_m: f64) -> Vec<(&GridPolygon, &T)> {
         let Some(bounds) = polygon.bounds() else { return Vec::new() };
         let bounds = grown(bounds, GridPos::steps(reach_m));
         let mut found = Vec::new();
-        self.cells.within(bounds.0, bounds.1, |note| note / 2, &mut found);
+        self.cells.within(bounds, |note| Some(note / 2), &mut found);
         let things = found.into_iter().map(|i| &self.things[i as usize]);
         things.filter(|thing| do_meet(thing.bounds, bounds)).map(|thing| (thing.polygon.borrow(), &thing.of)).collect()
     }
