@@ -156,11 +156,12 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
         return Err(GrowthError::StyleCount(styles.0.len()));
     }
     let mut findings = Vec::new();
-    let extent = extent::extent(graph, &mut findings);
-    let (areas, (courses, network)) = rayon::join(
-        || streets::areas(&graph.blocks, &mut findings),
+    let mut told = Vec::new();
+    let ((extent, areas), (courses, network)) = rayon::join(
+        || rayon::join(|| extent::extent(graph, &mut findings), || streets::areas(&graph.blocks, &mut told)),
         || rayon::join(|| courses::Courses::of(graph), || network::Network::new(graph)),
     );
+    findings.extend(told);
     let depths = water::Depths::of(graph.terrain.as_ref());
     let works = earthworks::Earthworks::of(graph);
     let waters = water::Waters::of(graph, &areas, depths);
@@ -191,7 +192,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     drop(obstacles);
     drafts.reserve_exact(grown.len());
     drafts.extend(grown);
-    let facing = facing::facing(&drafts, &on_ground);
+    let (facing, cells) = facing::facing(&drafts, &on_ground);
     let (masses, looks) = rayon::join(
         || {
             let floors = floors::floors(&drafts, &facing, &terrain);
@@ -202,7 +203,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     let mut houses = walls::houses(drafts, &facing, &masses, &looks, &book, &terrain);
     let mut designs = monuments::Designs::new(monuments, models);
     drop((facing, masses, looks));
-    let standing = walls::standing(&houses);
+    let standing = walls::standing(&houses, cells);
     designs.of_houses(graph, &mut houses, &mut findings);
     ornament::adorn(&mut houses, &standing, &terrain, &book, graph.seed);
     arcades::open(&mut houses, (&on_ground, &standing), &terrain);

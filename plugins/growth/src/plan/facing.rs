@@ -7,7 +7,7 @@ use veduta_city::{GridPolygon, GridPos, SurfaceKind};
 use super::bounds::{Bounds, about, do_meet, grown};
 use super::ground::Ground;
 use super::houses::{Body, Draft};
-use super::index::{CellSet, Index};
+use super::index::{CellSet, Cells, Index};
 use super::outline;
 
 /// Walls closer than this, side by side, are party walls; metres.
@@ -146,8 +146,8 @@ fn bodies_of(drafts: &[Draft]) -> impl Iterator<Item = (BodyRef, &Body)> {
 /// Houses that are looked out of one after the other.
 const AT_ONCE: usize = 64;
 
-/// Looks out of every wall.
-pub(super) fn facing(drafts: &[Draft], ground: &Ground<'_>) -> Facing {
+/// Looks out of every wall. Also where the bodies stand, for an index of what is built on them.
+pub(super) fn facing(drafts: &[Draft], ground: &Ground<'_>) -> (Facing, Cells) {
     let (standing, public) = rayon::join(|| bodies(drafts), || ground.cells_of(|(surface, _)| is_faced(*surface)));
     let before = Before { standing, ground, public };
     let of_some = |first: usize, some: &[Draft]| {
@@ -160,7 +160,7 @@ pub(super) fn facing(drafts: &[Draft], ground: &Ground<'_>) -> Facing {
     let parts = drafts.par_chunks(AT_ONCE).enumerate().map(|(i, some)| of_some(i * AT_ONCE, some));
     let parts: Vec<Facing> = parts.collect();
     // What was looked through is as large as what was seen, which is about to be there twice.
-    drop(before);
+    let cells = before.standing.into_cells();
     let sum = |count: fn(&Facing) -> usize| parts.iter().map(count).sum();
     let mut all = Facing {
         outlooks: Vec::with_capacity(sum(|part| part.outlooks.len())),
@@ -170,7 +170,7 @@ pub(super) fn facing(drafts: &[Draft], ground: &Ground<'_>) -> Facing {
         house_ends: Vec::with_capacity(drafts.len()),
     };
     parts.into_iter().for_each(|part| all.append(part));
-    all
+    (all, cells)
 }
 
 /// What can be seen from a house's walls.

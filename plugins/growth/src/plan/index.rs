@@ -205,16 +205,31 @@ struct Thing<T, P> {
     of: T,
 }
 
+impl<T, P: Borrow<GridPolygon>> Thing<T, P> {
+    fn new((polygon, of): (P, T)) -> Self {
+        Self { bounds: polygon.borrow().bounds().unwrap_or(NOWHERE), polygon, of }
+    }
+}
+
 impl<T: Sync, P: Borrow<GridPolygon> + Sync> Index<T, P> {
     /// An index over polygons with something attached.
     pub fn new(things: Vec<(P, T)>) -> Self {
-        let thing = |(polygon, of): (P, T)| Thing { bounds: polygon.borrow().bounds().unwrap_or(NOWHERE), polygon, of };
-        let things: Vec<Thing<T, P>> = things.into_iter().map(thing).collect();
+        let things: Vec<Thing<T, P>> = things.into_iter().map(Thing::new).collect();
         let all = things.iter().map(|thing| thing.bounds).filter(|&bounds| bounds != NOWHERE);
         let Some(bounds) = all.reduce(joined) else { return Self { cells: Cells::default(), things } };
         let gathering = Gathering::new(bounds, things.len());
         let gathering = gathering.each(&things, |own, thing, i| draw(own, thing.polygon.borrow(), 2 * i as u32));
         Self { cells: gathering.sorted(), things }
+    }
+
+    /// An index over as many of the same polygons with something else attached.
+    pub fn over(cells: Cells, things: Vec<(P, T)>) -> Self {
+        Self { cells, things: things.into_iter().map(Thing::new).collect() }
+    }
+
+    /// Where the polygons are, for another index over them.
+    pub fn into_cells(self) -> Cells {
+        self.cells
     }
 
     pub const fn is_empty(&self) -> bool {

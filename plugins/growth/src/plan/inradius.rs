@@ -27,6 +27,8 @@ struct Square {
     half: f64,
     /// No disc about a place in the square is larger.
     most: f64,
+    /// The edge nearest to the middle.
+    nearest: usize,
 }
 
 impl Ord for Square {
@@ -69,23 +71,24 @@ pub(super) fn largest_disc(polygon: &GridPolygon, enough_m: f64) -> Option<(DVec
     }
     let mut best = (DVec2::ZERO, 0.0_f64);
     let mut squares = BinaryHeap::new();
-    let search = |middle: DVec2, half: f64, best: &mut (DVec2, f64), squares: &mut BinaryHeap<Square>| {
+    let search = |(middle, half): (DVec2, f64), about: usize, best: &mut (DVec2, f64), squares: &mut BinaryHeap<Square>| {
         let beyond = half * core::f64::consts::SQRT_2;
         // A disc no larger than that is not better, and nor is any about a place in the square.
-        let Some(radius) = signed_distance(&edges, middle, best.1.min(best.1 * (1.0 + SHARE) - beyond)) else { return };
+        let enough = best.1.min(best.1 * (1.0 + SHARE) - beyond);
+        let Some((radius, nearest)) = signed_distance(&edges, middle, enough, about) else { return };
         if radius > best.1 {
             *best = (middle, radius);
         }
         let most = radius + beyond;
         if most > best.1 * (1.0 + SHARE) {
-            squares.push(Square { middle, half, most });
+            squares.push(Square { middle, half, most, nearest });
         }
     };
     let count = (size / side).ceil().max(DVec2::ONE);
     for row in 0..count.y as u32 {
         for column in 0..count.x as u32 {
             let middle = size * (DVec2::new(f64::from(column), f64::from(row)) + 0.5) / count;
-            search(middle, side / 2.0, &mut best, &mut squares);
+            search((middle, side / 2.0), 0, &mut best, &mut squares);
         }
     }
     while let Some(square) = squares.pop() {
@@ -94,7 +97,7 @@ pub(super) fn largest_disc(polygon: &GridPolygon, enough_m: f64) -> Option<(DVec
         }
         let half = square.half / 2.0;
         for quarter in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-            search(square.middle + DVec2::from(quarter) * half, half, &mut best, &mut squares);
+            search((square.middle + DVec2::from(quarter) * half, half), square.nearest, &mut best, &mut squares);
         }
     }
     (best.1 > 0.0).then(|| (low.to_metres() + best.0, best.1))
@@ -114,23 +117,35 @@ impl Edge {
         let squared = way.length_squared();
         Self { from, way, inverse: if squared > 0.0 { 1.0 / squared } else { 0.0 } }
     }
+
+    fn squared_distance(&self, p: DVec2) -> f64 {
+        let off = p - self.from;
+        let along = (off.dot(self.way) * self.inverse).clamp(0.0, 1.0);
+        (off - self.way * along).length_squared()
+    }
 }
 
-/// Distance from the border of a polygon, negative outside; `None` as soon as it is known to be less than a distance.
-fn signed_distance(edges: &[Edge], p: DVec2, enough: f64) -> Option<f64> {
-    let (mut least, mut is_inside) = (f64::INFINITY, false);
+/// Distance from the border of a polygon, negative outside, and the nearest edge; `None` as soon as the distance is known to be less than
+/// another. An edge that may be near is looked at first.
+fn signed_distance(edges: &[Edge], p: DVec2, enough: f64, about: usize) -> Option<(f64, usize)> {
+    let (mut least, mut nearest, mut is_inside) = (f64::INFINITY, 0, false);
     let too_near = enough.max(0.0) * enough.max(0.0);
-    for edge in edges {
-        let off = p - edge.from;
-        let along = (off.dot(edge.way) * edge.inverse).clamp(0.0, 1.0);
-        least = least.min((off - edge.way * along).length_squared());
-        if least < too_near {
-            return None;
+    if edges[about].squared_distance(p) < too_near {
+        return None;
+    }
+    for (i, edge) in edges.iter().enumerate() {
+        let squared = edge.squared_distance(p);
+        if squared < least {
+            (least, nearest) = (squared, i);
+            if least < too_near {
+                return None;
+            }
         }
+        let off = p - edge.from;
         let (is_below, reaches_above) = (off.y < 0.0, off.y < edge.way.y);
         is_inside ^= is_below != reaches_above && (edge.way.perp_dot(off) > 0.0) == reaches_above;
     }
-    Some(if is_inside { least.sqrt() } else { -least.sqrt() })
+    Some((if is_inside { least.sqrt() } else { -least.sqrt() }, nearest))
 }
 
 #[cfg(test)]

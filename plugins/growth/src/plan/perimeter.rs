@@ -90,12 +90,12 @@ fn slices(site: &GridPolygon, style: &Style, draw: Draw) -> Vec<GridPolygon> {
 fn cuts(length_m: f64, style: &Style, draw: Draw) -> Vec<f64> {
     let frontage = draw.between("frontage", style.frontage_m.0, style.frontage_m.1);
     let n = (libm::round(length_m / frontage) as usize).clamp(1, 10_000);
-    let weight = |i: usize| draw.part(i as u64).between("share", 0.8, 1.2);
-    let sum: f64 = (0..n).map(weight).sum();
+    let weights: Vec<f64> = (0..n).map(|i| draw.part(i as u64).between("share", 0.8, 1.2)).collect();
+    let sum: f64 = weights.iter().sum();
     let mut at = 0.0;
     let mut cuts = vec![0.0];
-    for i in 0..n - 1 {
-        at += weight(i) / sum * length_m;
+    for weight in &weights[..n - 1] {
+        at += weight / sum * length_m;
         cuts.push(at);
     }
     cuts.push(length_m);

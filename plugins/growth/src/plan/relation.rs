@@ -49,9 +49,16 @@ pub(super) fn is_within(polygon: &GridPolygon, other: &GridPolygon, tolerance_m2
     }
     let local = |p: GridPos| (p - low).to_metres() * steps;
     let own: Vec<Edge> = edges(&polygon.outer).map(|(a, b)| Edge::new(local(a), local(b))).collect();
-    let is_near = |p: GridPos, q: GridPos| do_meet(about(p, q), (low, high));
-    let near = other.edges().filter(|&(p, q)| is_near(p, q));
-    let borders: Vec<(DVec2, DVec2)> = near.map(|(p, q)| (local(p), local(q))).collect();
+    let mut borders: Vec<(DVec2, DVec2)> = Vec::new();
+    let mut add = |p: GridPos, q: GridPos| {
+        if do_meet(about(p, q), (low, high)) {
+            borders.push((local(p), local(q)));
+        }
+    };
+    for ring in other.rings() {
+        ring.windows(2).for_each(|ends| add(ends[0], ends[1]));
+        ring.first().zip(ring.last()).into_iter().for_each(|(&first, &last)| add(last, first));
+    }
     // Most are convex: where no border comes into the core, that is inside or outside as a whole, and the rest is but a rim.
     let perimeter: f64 = own.iter().map(|edge| edge.length).sum();
     if perimeter * NEAR < tolerance_m2 * steps * steps && is_convex(&polygon.outer) {

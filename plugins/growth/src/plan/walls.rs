@@ -7,7 +7,7 @@ use super::bounds::grown;
 use super::facing::{BodyRef, Edge, Facing, Party};
 use super::floors::{before_bay, threshold};
 use super::houses::{Body, Draft, StyleBook};
-use super::index::Index;
+use super::index::{Cells, Index};
 use super::massing::{self, Mass};
 use super::variety::{Look, bays, bounded};
 
@@ -298,11 +298,11 @@ fn put_door(wall: &mut Wall, kind: WallKind, length_m: f64, draft: &Draft, look:
 /// Volumes, each with how far its foot hangs above its house's floor, metres: for questions about places.
 pub(super) type Standing = Index<f64>;
 
-/// An index of all volumes.
-pub(super) fn standing(houses: &[House]) -> Standing {
+/// An index of all volumes, which are as many as the bodies that lie in cells.
+pub(super) fn standing(houses: &[House], cells: Cells) -> Standing {
     let volumes = houses.iter().flat_map(|house| house.volumes.iter().map(move |volume| (volume, house.floor)));
     let hangs_m = |(volume, floor): (&Volume, i32)| (volume.footprint.clone(), metres(volume.bottom.saturating_sub(floor)));
-    Index::new(volumes.map(hangs_m).collect())
+    Index::over(cells, volumes.map(hangs_m).collect())
 }
 
 /// The middles of all doors' thresholds.
