@@ -264,13 +264,11 @@ impl Lot {
 fn trimmed(lot: GridPolygon, site: &GridPolygon, earlier: &[Lot]) -> Option<GridPolygon> {
     let largest = |pieces: Vec<GridPolygon>| pieces.into_iter().max_by(|a, b| a.area_m2().total_cmp(&b.area_m2()));
     let lot = if outline::is_simple(&lot.outer) { lot } else { largest(boolean::union(&boolean::rings([&lot])))? };
-    // Kept as it was drawn if it lies within its site, so that party walls share their vertices.
-    let lot = if relation::is_within(&lot, site, TOLERATED_M2) {
+    // Kept as it was drawn if it lies within its site but for what rounding explains, so that party walls share their vertices.
+    let lot = if boolean::overlap_m2(&lot, site) > lot.area_m2() - TOLERATED_M2 {
         lot
     } else {
-        let area = lot.area_m2();
-        let within = largest(boolean::intersection(&boolean::rings([&lot]), &boolean::rings([site])))?;
-        if within.area_m2() > area - TOLERATED_M2 && area > 0.0 { lot } else { within }
+        largest(boolean::intersection(&boolean::rings([&lot]), &boolean::rings([site])))?
     };
     let mut lot = Lot::new(lot);
     for other in earlier {
