@@ -91,7 +91,7 @@ use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, 
 pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 15;
+pub const GROWTH_VERSION: u32 = 16;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -176,12 +176,9 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     bridges.add(tunnels.ways);
     let layers = streets::layers(graph, &areas, (&bridges, depths, &courses), tunnels.openings, &mut findings);
 
-    let (ground, obstacles) = rayon::join(
-        || {
-            let mut ground = ground::partition(&extent, &layers);
-            ground::pave_verges(&mut ground, &extent, &facing::bodies(&drafts));
-            ground
-        },
+    let mut ground = ground::partition(&extent, &layers);
+    let (_, obstacles) = rayon::join(
+        || ground::pave_verges(&mut ground, &extent, &facing::bodies(&drafts)),
         || lots::Obstacles::new(graph, &layers, &drafts),
     );
     drop(layers);

@@ -263,7 +263,8 @@ impl Lot {
 /// The largest piece of a lot that lies in its site and on no earlier lot.
 fn trimmed(lot: GridPolygon, site: &GridPolygon, earlier: &[Lot]) -> Option<GridPolygon> {
     let largest = |pieces: Vec<GridPolygon>| pieces.into_iter().max_by(|a, b| a.area_m2().total_cmp(&b.area_m2()));
-    let lot = if outline::is_simple(&lot.outer) { lot } else { largest(boolean::union(&boolean::rings([&lot])))? };
+    let is_sound = outline::is_simple(&lot.outer) && lot.area_m2() > 0.0;
+    let lot = if is_sound { lot } else { largest(boolean::union(&boolean::rings([&lot])))? };
     // Kept as it was drawn if it lies within its site but for what rounding explains, so that party walls share their vertices.
     let lot = if boolean::overlap_m2(&lot, site) > lot.area_m2() - TOLERATED_M2 {
         lot
