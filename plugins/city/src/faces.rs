@@ -18,12 +18,15 @@ pub type BorderEdge = (GridPos, GridPos);
 #[must_use]
 pub fn connected_faces(mut edges: Vec<BorderEdge>, keep_collinear: bool) -> Vec<GridPolygon> {
     edges.retain(|(a, b)| a != b);
-    if has_gaps(&edges) {
-        close_gaps(&mut edges);
+    let mut ways = Ways::of(&edges);
+    let with_gaps_closed;
+    if ways.have_gaps() {
+        with_gaps_closed = gaps_closed(&edges);
+        ways = Ways::of(&with_gaps_closed);
     }
     let mut faces: Vec<GridPolygon> = Vec::new();
     let mut lone: Vec<GridRing> = Vec::new();
-    for walk in walks(&edges) {
+    for walk in ways.walks() {
         let mut rings = simple_rings(walk);
         if !keep_collinear {
             rings.iter_mut().for_each(straighten);
@@ -57,19 +60,87 @@ fn adopt(faces: &mut [GridPolygon], hole: GridRing) {
     }
 }
 
-/// Whether edges begin elsewhere than they end.
-fn has_gaps(edges: &[BorderEdge]) -> bool {
-    let sorted = |ends: &mut dyn Iterator<Item = GridPos>| {
-        let mut ends: Vec<GridPos> = ends.collect();
-        ends.sort_unstable();
-        ends
-    };
-    sorted(&mut edges.iter().map(|edge| edge.0)) != sorted(&mut edges.iter().map(|edge| edge.1))
+/// A position as a number: greater ones are farther east, or farther north.
+fn key(p: GridPos) -> u64 {
+    let [x, y] = [p.0, p.1].map(|c| u64::from(c.cast_unsigned() ^ 1 << 31));
+    x << 32 | y
 }
 
-/// Adds an edge from each loose end to the nearest loose beginning: engines that round crossings to the grid may judge a
+/// Edges, and those that go on from each.
+struct Ways<'a> {
+    edges: &'a [BorderEdge],
+    /// Where edges begin, and their numbers.
+    order: Vec<(u64, usize)>,
+    /// Where in that order those that go on from each edge come.
+    next: Vec<usize>,
+}
+
+impl<'a> Ways<'a> {
+    fn of(edges: &'a [BorderEdge]) -> Self {
+        let mut order: Vec<(u64, usize)> = edges.iter().map(|edge| key(edge.0)).zip(0..).collect();
+        order.sort_unstable();
+        let place = |end: u64| order.partition_point(|begin| begin.0 < end);
+        let next = edges.iter().map(|edge| place(key(edge.1))).collect();
+        Self { edges, order, next }
+    }
+
+    /// Whether edges begin elsewhere than they end.
+    fn have_gaps(&self) -> bool {
+        let mut ends = vec![0; self.order.len()];
+        for (&next, edge) in self.next.iter().zip(self.edges) {
+            match self.order.get(next) {
+                Some(begin) if begin.0 == key(edge.1) => ends[next] += 1,
+                _ => return true,
+            }
+        }
+        let mut first = 0;
+        self.order.chunk_by(|a, b| a.0 == b.0).any(|same| {
+            let has_gap = ends[first] != same.len();
+            first += same.len();
+            has_gap
+        })
+    }
+
+    /// The edges that go on from one.
+    fn onward(&self, edge: usize) -> impl Iterator<Item = usize> {
+        let end = key(self.edges[edge].1);
+        self.order[self.next[edge]..].iter().take_while(move |begin| begin.0 == end).map(|begin| begin.1)
+    }
+
+    /// Closed walks along all edges that keep the inside on their left and turn as sharply as it allows at each vertex, so that a walk
+    /// never leads from one side of a touching to the other.
+    fn walks(&self) -> Vec<Walk> {
+        let mut is_walked = vec![false; self.edges.len()];
+        let mut walks = Vec::new();
+        for start in 0..self.edges.len() {
+            let mut walk = Walk { ring: GridRing::new(), has_choice: false };
+            let mut at = Some(start);
+            while let Some(edge) = at.filter(|&edge| !core::mem::replace(&mut is_walked[edge], true)) {
+                let (from, to) = self.edges[edge];
+                walk.ring.push(from);
+                at = self.onward(edge).reduce(|best, way| {
+                    walk.has_choice = true;
+                    if is_sooner(from, to, self.edges[way].1, self.edges[best].1) { way } else { best }
+                });
+            }
+            if walk.ring.len() > 2 {
+                walks.push(walk);
+            }
+        }
+        walks
+    }
+}
+
+/// A closed walk.
+struct Walk {
+    ring: GridRing,
+    /// Whether more than one edge went on somewhere: where none did, it comes by no vertex twice.
+    has_choice: bool,
+}
+
+/// The edges, and one from each loose end to the nearest loose beginning: engines that round crossings to the grid may judge a
 /// sliver's edge wrongly.
-fn close_gaps(edges: &mut Vec<BorderEdge>) {
+fn gaps_closed(edges: &[BorderEdge]) -> Vec<BorderEdge> {
     let mut ends: Vec<(GridPos, i32)> = edges.iter().flat_map(|&(a, b)| [(a, 1), (b, -1)]).collect();
     ends.sort_unstable_by_key(|end| end.0);
     let mut beginnings = Vec::new();
@@ -79,38 +150,14 @@ fn close_gaps(edges: &mut Vec<BorderEdge>) {
         let list = if surplus > 0 { &mut beginnings } else { &mut loose };
         list.extend(core::iter::repeat_n(same[0].0, surplus.unsigned_abs() as usize));
     }
+    let mut closed = edges.to_vec();
     for end in loose {
         let nearest = (0..beginnings.len()).min_by_key(|&i| (dot(end, beginnings[i], beginnings[i]), beginnings[i]));
         if let Some(i) = nearest {
-            edges.push((end, beginnings.swap_remove(i)));
+            closed.push((end, beginnings.swap_remove(i)));
         }
     }
-}
-
-/// Closed walks along all edges that keep the inside on their left and turn as sharply as it allows at each vertex, so that a walk
-/// never leads from one side of a touching to the other.
-fn walks(edges: &[BorderEdge]) -> Vec<GridRing> {
-    let mut order: Vec<(GridPos, usize)> = edges.iter().map(|edge| edge.0).zip(0..).collect();
-    order.sort_unstable();
-    let leaving = |p: GridPos| {
-        let first = order.partition_point(|&(from, _)| from < p);
-        order[first..].iter().take_while(move |&&(from, _)| from == p).map(|&(_, i)| i)
-    };
-    let mut is_walked = vec![false; edges.len()];
-    let mut walks = Vec::new();
-    for start in 0..edges.len() {
-        let mut walk = GridRing::new();
-        let mut at = Some(start);
-        while let Some(edge) = at.filter(|&edge| !core::mem::replace(&mut is_walked[edge], true)) {
-            let (from, to) = edges[edge];
-            walk.push(from);
-            at = leaving(to).reduce(|best, way| if is_sooner(from, to, edges[way].1, edges[best].1) { way } else { best });
-        }
-        if walk.len() > 2 {
-            walks.push(walk);
-        }
-    }
-    walks
+    closed
 }
 
 /// Whether, turning clockwise about `pivot` from the direction of `from`, one comes by `a` before `b`.
@@ -124,16 +171,23 @@ fn is_sooner(from: GridPos, pivot: GridPos, a: GridPos, b: GridPos) -> bool {
     if half_a == half_b { cross(pivot, a, b) < 0 } else { half_a < half_b }
 }
 
+/// One position as seen from another.
+fn off(o: GridPos, p: GridPos) -> (i64, i64) {
+    (i64::from(p.0) - i64::from(o.0), i64::from(p.1) - i64::from(o.1))
+}
+
+fn product(a: i64, b: i64) -> i128 {
+    i128::from(a) * i128::from(b)
+}
+
 fn cross(o: GridPos, a: GridPos, b: GridPos) -> i128 {
-    let d = |p: GridPos| (i128::from(p.0) - i128::from(o.0), i128::from(p.1) - i128::from(o.1));
-    let (a, b) = (d(a), d(b));
-    a.0 * b.1 - a.1 * b.0
+    let (a, b) = (off(o, a), off(o, b));
+    product(a.0, b.1) - product(a.1, b.0)
 }
 
 fn dot(o: GridPos, a: GridPos, b: GridPos) -> i128 {
-    let d = |p: GridPos| (i128::from(p.0) - i128::from(o.0), i128::from(p.1) - i128::from(o.1));
-    let (a, b) = (d(a), d(b));
-    a.0 * b.0 + a.1 * b.1
+    let (a, b) = (off(o, a), off(o, b));
+    product(a.0, b.0) + product(a.1, b.1)
 }
 
 fn twice_area(ring: &[GridPos]) -> i128 {
@@ -152,9 +206,9 @@ fn is_simple(walk: &[GridPos]) -> bool {
 }
 
 /// Cuts a walk where it comes by a vertex again; leaves out what has no area.
-fn simple_rings(walk: GridRing) -> Vec<GridRing> {
+fn simple_rings(Walk { ring: walk, has_choice }: Walk) -> Vec<GridRing> {
     let mut done = Vec::new();
-    if is_simple(&walk) {
+    if !has_choice || is_simple(&walk) {
         done.extend((twice_area(&walk) != 0).then_some(walk));
         return done;
     }
