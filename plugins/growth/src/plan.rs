@@ -184,7 +184,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     drop(layers);
     let (on_ground, grown) = rayon::join(
         || ground::index(&ground),
-        || lots::grow_lots(graph, &areas, &ground, &extent, drafts.len(), &obstacles, &book, &mut findings),
+        || lots::grow_lots(graph, &areas, &ground, &extent, &obstacles, &book, &mut findings),
     );
     drop(obstacles);
     drafts.reserve_exact(grown.len());

@@ -8,7 +8,8 @@ use geo::{Area, BooleanOps, Contains, Coord, LineString, MultiPolygon, Polygon, 
 use glam::DVec2;
 use proptest::prelude::*;
 use veduta_city::{
-    CityGraph, CityPlan, GridPolygon, House, Id, ObjectKind, Opening, StandingObject, SurfaceKind, Viewpoint, WallKind, metres,
+    Block, CityGraph, CityPlan, GridPolygon, House, Id, ObjectKind, Opening, StandingObject, SurfaceKind, Viewpoint, WallKind,
+    metres,
 };
 use veduta_growth::plan::{Growth, GrowthError, Stock, grow};
 
@@ -298,12 +299,21 @@ fn a_district_that_streets_cut_is_built_up_beside_them() {
 
 #[test]
 fn the_same_for_any_number_of_threads() {
-    let graph = synthetic::city(3, 4);
+    let mut graph = synthetic::city(3, 4);
+    // With something to tell in one stage after another.
+    graph.links.iter_mut().step_by(3).for_each(|link| link.width_m = 0.1);
+    graph.margin_m = -1.0;
+    let [a, b] = [graph.blocks[0].outline[0], graph.blocks[0].outline[1]];
+    let flat = vec![a, b, a.midpoint(b)];
+    let blocks = (0..3).map(|i| Block { id: Id(900 + i), outline: flat.clone(), ..graph.blocks[0].clone() });
+    graph.blocks.extend(blocks.collect::<Vec<_>>());
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
-        pool.install(|| veduta_city::file::to_text(&grown(&graph).plan).expect("plain values"))
+        pool.install(|| grown(&graph))
     };
-    assert!(run(1) == run(3));
+    let (alone, many) = (run(1), run(3));
+    assert!(alone.findings.len() > 10, "{:?}", alone.findings);
+    assert!(alone == many);
 }
 
 #[test]

@@ -159,8 +159,8 @@ pub(super) fn facing(drafts: &[Draft], ground: &Ground<'_>) -> (Facing, Cells) {
     };
     let parts = drafts.par_chunks(AT_ONCE).enumerate().map(|(i, some)| of_some(i * AT_ONCE, some));
     let parts: Vec<Facing> = parts.collect();
-    // What was looked through is as large as what was seen, which is about to be there twice.
-    let cells = before.standing.into_cells();
+    // What was seen is about to be there twice, and what was looked through need not be there still.
+    let cells = before.into_cells();
     let sum = |count: fn(&Facing) -> usize| parts.iter().map(count).sum();
     let mut all = Facing {
         outlooks: Vec::with_capacity(sum(|part| part.outlooks.len())),
@@ -324,6 +324,10 @@ struct Before<'a> {
 }
 
 impl Before<'_> {
+    fn into_cells(self) -> Cells {
+        self.standing.into_cells()
+    }
+
     /// Whether most of an edge looks at public ground before it looks at a house.
     fn is_public(&self, a: DVec2, b: DVec2) -> bool {
         let out = outward(a, b);
@@ -339,14 +343,13 @@ impl Before<'_> {
     fn sees_public(&self, from: DVec2, out: DVec2) -> bool {
         let place = |step: f64| GridPos::from_metres(from + out * step);
         let first = place(STEPS_M[0]);
-        if self.public.has(first)
-            && let Some(is_public) = self.is_public_at(first)
-        {
+        let is_near = self.public.has(first);
+        if is_near && let Some(is_public) = self.is_public_at(first) {
             return is_public;
         }
         let places = STEPS_M.map(place);
         let Some(last) = places.iter().rposition(|&pos| self.public.has(pos)) else { return false };
-        places[..=last].iter().find_map(|&pos| self.is_public_at(pos)).unwrap_or(false)
+        places[usize::from(is_near)..=last].iter().find_map(|&pos| self.is_public_at(pos)).unwrap_or(false)
     }
 
     /// Whether public ground lies at a place; `None` where neither that nor a house is.

@@ -222,8 +222,9 @@ impl<T: Sync, P: Borrow<GridPolygon> + Sync> Index<T, P> {
         Self { cells: gathering.sorted(), things }
     }
 
-    /// An index over as many of the same polygons with something else attached.
+    /// An index over the polygons that lie in cells, in their order, with something else attached.
     pub fn over(cells: Cells, things: Vec<(P, T)>) -> Self {
+        debug_assert!(cells.notes.iter().all(|&note| (note as usize / 2) < things.len()));
         Self { cells, things: things.into_iter().map(Thing::new).collect() }
     }
 
@@ -357,6 +358,31 @@ mod tests {
             };
             let want: Vec<usize> = quads.iter().enumerate().filter(|(_, quad)| is_near(quad)).map(|(i, _)| i).collect();
             prop_assert_eq!(found, want);
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, cases: 128, ..ProptestConfig::default() })]
+
+        #[test]
+        fn no_border_in_a_box_is_missed(
+            shapes in proptest::collection::vec(
+                (proptest::collection::vec((-900..900_i32, -900..900_i32), 1..9), (-200_000..200_000_i32, -200_000..200_000_i32)), 0..20),
+            (x, y, w, h) in (-260_000..260_000_i32, -260_000..260_000_i32, 0..60_000_i32, 0..60_000_i32),
+        ) {
+            let things: Vec<_> = shapes.iter().enumerate().map(|(i, (corners, at))| (GridPolygon::simple(ring(corners, *at)), i)).collect();
+            let index = Index::new(things.clone());
+            let bounds = (GridPos(x, y), GridPos(x + w, y + h));
+            let mut room = Vec::new();
+            let found: Vec<usize> = index.bordering(bounds, &mut room).map(|(_, i)| *i).collect();
+            prop_assert!(found.is_sorted());
+            for (polygon, i) in &things {
+                let comes_in = polygon.edges().any(|(a, b)| {
+                    let place = |k: i64, from: i32, to: i32| (i64::from(from) + (i64::from(to) - i64::from(from)) * k / 64) as i32;
+                    (0..=64).map(|k| GridPos(place(k, a.0, b.0), place(k, a.1, b.1))).any(|p| do_meet((p, p), bounds))
+                });
+                prop_assert!(!comes_in || found.contains(i), "{i} is missed");
+            }
         }
     }
 

@@ -71,11 +71,11 @@ pub(super) fn largest_disc(polygon: &GridPolygon, enough_m: f64) -> Option<(DVec
     }
     let mut best = (DVec2::ZERO, 0.0_f64);
     let mut squares = BinaryHeap::new();
-    let search = |(middle, half): (DVec2, f64), about: usize, best: &mut (DVec2, f64), squares: &mut BinaryHeap<Square>| {
+    let search = |(middle, half): (DVec2, f64), likely: usize, best: &mut (DVec2, f64), squares: &mut BinaryHeap<Square>| {
         let beyond = half * core::f64::consts::SQRT_2;
-        // A disc no larger than that is not better, and nor is any about a place in the square.
-        let enough = best.1.min(best.1 * (1.0 + SHARE) - beyond);
-        let Some((radius, nearest)) = signed_distance(&edges, middle, enough, about) else { return };
+        // Smaller discs are not the best, and so much smaller ones that there is none worth a search about a place in the square.
+        let least = best.1.min(best.1 * (1.0 + SHARE) - beyond);
+        let Some((radius, nearest)) = signed_distance(&edges, middle, least, likely) else { return };
         if radius > best.1 {
             *best = (middle, radius);
         }
@@ -126,11 +126,11 @@ impl Edge {
 }
 
 /// Distance from the border of a polygon, negative outside, and the nearest edge; `None` as soon as the distance is known to be less than
-/// another. An edge that may be near is looked at first.
-fn signed_distance(edges: &[Edge], p: DVec2, enough: f64, about: usize) -> Option<(f64, usize)> {
+/// another. An edge that is likely to be near is looked at first.
+fn signed_distance(edges: &[Edge], p: DVec2, least_m: f64, likely: usize) -> Option<(f64, usize)> {
     let (mut least, mut nearest, mut is_inside) = (f64::INFINITY, 0, false);
-    let too_near = enough.max(0.0) * enough.max(0.0);
-    if edges[about].squared_distance(p) < too_near {
+    let too_near = least_m.max(0.0) * least_m.max(0.0);
+    if edges[likely].squared_distance(p) < too_near {
         return None;
     }
     for (i, edge) in edges.iter().enumerate() {
@@ -150,7 +150,8 @@ fn signed_distance(edges: &[Edge], p: DVec2, enough: f64, about: usize) -> Optio
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::GridPos;
+    use veduta_city::draw::Draw;
+    use veduta_city::{GridPos, Id};
 
     use super::*;
 
@@ -178,6 +179,23 @@ mod tests {
             assert!(found <= radius * 1.001 && found > radius * 0.95, "{found} for {radius}");
             let enough = inradius_m(&polygon, 0.5 * radius);
             assert!(enough <= radius * 1.001 && enough >= 0.5 * radius, "{enough} for half of {radius}");
+        }
+    }
+
+    #[test]
+    fn no_place_lies_much_deeper_than_the_disc_that_is_found() {
+        for seed in 0..200_u64 {
+            let draw = Draw::new(seed, Id(1), "star");
+            let corner = |i: u64| DVec2::from_angle(0.5 * i as f64) * draw.part(i).between("radius", 3.0, 40.0);
+            let star: Vec<GridPos> = (0..12).map(|i| GridPos::from_metres(corner(i))).collect();
+            let polygon = GridPolygon::simple(star);
+            let edges: Vec<Edge> = polygon.edges().map(|(a, b)| Edge::new(a.to_metres(), b.to_metres())).collect();
+            let depth = |p: DVec2| signed_distance(&edges, p, f64::NEG_INFINITY, 0).map_or(0.0, |(depth, _)| depth);
+            let (middle, radius) = largest_disc(&polygon, f64::INFINITY).expect("it has area");
+            assert!((depth(middle) - radius).abs() < 1e-6, "seed {seed}");
+            let places = (-40..=40).flat_map(|x| (-40..=40).map(move |y| DVec2::new(f64::from(x), f64::from(y))));
+            let deepest = places.map(depth).fold(0.0, f64::max);
+            assert!(deepest <= radius * (1.0 + SHARE) + 1e-6, "seed {seed}: {deepest} m beside {radius} m");
         }
     }
 

@@ -2,7 +2,6 @@
 
 use core::ops::Range;
 use std::collections::HashMap;
-use std::sync::OnceLock;
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -57,14 +56,13 @@ pub(super) fn grow_lots(
     areas: &[Area<'_>],
     ground: &[GroundPatch],
     extent: &Extent,
-    given: usize,
-    obstacles: &Obstacles<'_>,
+    obstacles: &Obstacles,
     book: &StyleBook<'_>,
     findings: &mut Vec<Finding>,
 ) -> Vec<Draft> {
     let built: Vec<&Area<'_>> = areas.iter().filter(|a| a.block.kind == BlockKind::Built).collect();
     let streets = graph.links.iter().filter(|l| matches!(l.kind, LinkKind::Street(_))).count();
-    let plots: Vec<Plot> = if built.is_empty() && given * 2 < streets {
+    let plots: Vec<Plot> = if built.is_empty() && obstacles.given * 2 < streets {
         found_plots(ground, extent)
     } else {
         let whole = extent.polygon();
@@ -102,21 +100,21 @@ fn found_plots(ground: &[GroundPatch], extent: &Extent) -> Vec<Plot> {
 }
 
 /// What blocks are not built over.
-pub(super) struct Obstacles<'a> {
-    /// Given houses.
+pub(super) struct Obstacles {
+    /// How many houses are given, …
+    given: usize,
+    /// … and where their bodies stand.
     houses: Index<()>,
     /// Squares, water, parks, monuments, rails.
     open: Index<()>,
-    /// The streets of the graph, as stations along each.
-    streets: Vec<(&'a Link, Vec<Station>)>,
     /// Straight pieces of streets: their cores, …
     cores: Index<()>,
     /// … and their whole widths.
-    widths: OnceLock<Index<()>>,
+    widths: Index<()>,
 }
 
-impl<'a> Obstacles<'a> {
-    pub fn new(graph: &'a CityGraph, layers: &[Layer], given: &[Draft]) -> Self {
+impl Obstacles {
+    pub fn new(graph: &CityGraph, layers: &[Layer], given: &[Draft]) -> Self {
         let footprints = given.iter().flat_map(|d| &d.bodies).map(|b| (b.footprint.clone(), ()));
         let is_open =
             |l: &&Layer| matches!(l.rank, Rank::Opening | Rank::Square | Rank::Rails | Rank::Monument | Rank::Water | Rank::Park);
@@ -137,8 +135,9 @@ impl<'a> Obstacles<'a> {
         let streets = graph.links.iter().filter(is_street);
         let streets: Vec<(&Link, Vec<Station>)> =
             streets.map(|link| (link, stations(&graph.polyline(link, &at).unwrap_or_default(), link))).collect();
-        let cores = carved(&streets, CORE);
-        Self { houses: Index::new(footprints.collect()), open: Index::new(open), streets, cores, widths: OnceLock::new() }
+        // Both at once, though few blocks ask for the widths: what they wait for side by side must not be side by side itself.
+        let (cores, widths) = rayon::join(|| carved(&streets, CORE), || carved(&streets, 1.0));
+        Self { given: given.len(), houses: Index::new(footprints.collect()), open: Index::new(open), cores, widths }
     }
 
     /// What may be built on of a block.
@@ -160,7 +159,7 @@ impl<'a> Obstacles<'a> {
             sites
         };
         let sites = carve(&self.cores);
-        if sites.len() > 1 { carve(self.widths.get_or_init(|| carved(&self.streets, 1.0))) } else { sites }
+        if sites.len() > 1 { carve(&self.widths) } else { sites }
     }
 }
 
@@ -185,7 +184,7 @@ fn gaps(outline: &GridPolygon, house: &GridPolygon) -> Vec<GridPolygon> {
 fn grow_plot(
     graph: &CityGraph,
     plot: &Plot,
-    obstacles: &Obstacles<'_>,
+    obstacles: &Obstacles,
     book: &StyleBook<'_>,
     findings: &mut Vec<Finding>,
 ) -> Vec<Draft> {
@@ -266,7 +265,8 @@ fn trimmed(lot: GridPolygon, site: &GridPolygon, earlier: &[Lot]) -> Option<Grid
     let is_sound = outline::is_simple(&lot.outer) && lot.area_m2() > 0.0;
     let lot = if is_sound { lot } else { largest(boolean::union(&boolean::rings([&lot])))? };
     // Kept as it was drawn if it lies within its site but for what rounding explains, so that party walls share their vertices.
-    let lot = if boolean::overlap_m2(&lot, site) > lot.area_m2() - TOLERATED_M2 {
+    let shared = boolean::overlap_m2(&lot, site);
+    let lot = if shared > 0.0 && shared > lot.area_m2() - TOLERATED_M2 {
         lot
     } else {
         largest(boolean::intersection(&boolean::rings([&lot]), &boolean::rings([site])))?
@@ -413,6 +413,31 @@ mod tests {
             // Beside three sides of the block.
             let house = polygon(gap, gap, 20.0, 40.0 - 2.0 * gap);
             assert_eq!(gaps(&outline, &house).len(), slits, "a gap of {gap} m");
+        }
+    }
+
+    #[test]
+    fn a_lot_on_the_building_line_stays_as_it_was_drawn_though_rounded_beyond_it() {
+        let grid = |p: DVec2| GridPos::from_metres(p);
+        let corners = [(0.0, 0.0), (30.0, -4.0), (61.37, 7.91), (50.0, 60.0), (-5.0, 40.0)].map(DVec2::from);
+        let site = GridPolygon::simple(corners.map(grid).to_vec());
+        for (i, (from, to)) in (0..40).flat_map(|i| [(0, 1), (2, 3), (4, 0)].map(|(a, b)| (i, (corners[a], corners[b])))) {
+            let along = (to - from).normalize();
+            let lot = |depth: f64| {
+                let front = [1.0, 10.3].map(|at| from + along * (at + 0.35 * f64::from(i)));
+                let back = front.map(|p| p + along.perp() * depth);
+                GridPolygon::simple([front[0], front[1], back[1], back[0]].map(grid).to_vec())
+            };
+            let drawn = lot(11.0);
+            assert_eq!(trimmed(drawn.clone(), &site, &[]), Some(drawn.clone()), "{i} {from}");
+            // The same lot inside out is turned over, one beyond the line is none, and of one that goes through all the rest is left.
+            let mut turned = drawn.clone();
+            turned.outer.reverse();
+            let turned = trimmed(turned, &site, &[]).expect("the same ground");
+            assert!((turned.area_m2() - drawn.area_m2()).abs() < 0.01, "{i} {from}");
+            assert!(trimmed(lot(-11.0), &site, &[]).is_none_or(|rest| rest.area_m2() < 0.1), "{i} {from}");
+            let through = trimmed(lot(91.0), &site, &[]).expect("it begins in the site");
+            assert!(boolean::overlap_m2(&through, &site) > through.area_m2() - TOLERATED_M2 && through.area_m2() > 50.0);
         }
     }
 

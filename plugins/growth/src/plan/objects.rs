@@ -70,7 +70,10 @@ impl Site<'_> {
         if !is_off(object.pos) {
             return None;
         }
-        about(object.pos, 0.0, FARTHEST_BANK_M).find(|&p| self.is_free(p) && !is_off(p))
+        let is_land = |p: DVec2| self.surface(p).is_some() && !is_off(p);
+        let places = || about(object.pos, 0.0, FARTHEST_BANK_M).filter(|&p| is_land(p));
+        let has_room = |&p: &DVec2| self.is_free_about(p, object.kind.radius_m());
+        places().find(has_room).or_else(|| places().find(|&p| self.is_free(p)))
     }
 
     /// The foot of something round above the city's zero, grid steps: on slopes the lowest ground under it, so that it hangs nowhere.

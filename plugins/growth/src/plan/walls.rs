@@ -298,7 +298,7 @@ fn put_door(wall: &mut Wall, kind: WallKind, length_m: f64, draft: &Draft, look:
 /// Volumes, each with how far its foot hangs above its house's floor, metres: for questions about places.
 pub(super) type Standing = Index<f64>;
 
-/// An index of all volumes, which are as many as the bodies that lie in cells.
+/// An index of all volumes, in the cells of the bodies they were built on: of houses as they were built, before monuments take their place.
 pub(super) fn standing(houses: &[House], cells: Cells) -> Standing {
     let volumes = houses.iter().flat_map(|house| house.volumes.iter().map(move |volume| (volume, house.floor)));
     let hangs_m = |(volume, floor): (&Volume, i32)| (volume.footprint.clone(), metres(volume.bottom.saturating_sub(floor)));
