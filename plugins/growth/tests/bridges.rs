@@ -326,7 +326,55 @@ fn where_bridges_part_in_the_air_they_stand_on_piers() {
     assert!(heights.len() == 3 && heights.iter().all(|h| *h > 5.0 && (h - heights[0]).abs() < 0.15), "{heights:?}");
     let is_near = |station: &veduta_city::SpanStation| station.at(0.0).distance(part) < 2.0;
     let ends = plan.spans.iter().filter(|span| span.stations.last().is_some_and(is_near));
-    assert!(ends.clone().count() > 0 && ends.into_iter().all(|span| span.piers.1.is_some_and(|foot| metres(foot) < 0.0)));
+    let (on_piers, cut): (Vec<&WaySpan>, Vec<&WaySpan>) =
+        ends.partition(|span| span.piers.1.is_some_and(|foot| metres(foot) < 0.0));
+    assert!(!on_piers.is_empty());
+    // What ends without a pier is cut there, and goes on.
+    let goes_on = |span: &&WaySpan| plan.spans.iter().any(|other| other.stations.first() == span.stations.last());
+    assert!(cut.iter().all(goes_on));
+}
+
+#[test]
+fn no_parapet_crosses_the_lanes_of_another_bridge() {
+    for (east_m, side) in [(15.0, 1.0), (15.0, -1.0), (3.0, 1.0), (-10.0, 1.0)] {
+        let mut graph = parting(east_m);
+        graph.nodes.iter_mut().filter(|node| [Id(31), Id(32)].contains(&node.id)).for_each(|node| node.pos.y *= side);
+        let plan = grown(&graph);
+        let (ramp, road): (Vec<&WaySpan>, Vec<&WaySpan>) = plan.spans.iter().partition(|span| span.id == Id(41));
+        assert!(!ramp.is_empty() && !road.is_empty());
+        let is_on = |others: &[&WaySpan], p: DVec2, z: f64| {
+            others.iter().any(|other| other.height_m(p).is_some_and(|height| (height - z).abs() < 0.5))
+        };
+        // Well inside: so is all that is near.
+        let is_inside = |others: &[&WaySpan], p: DVec2, z: f64| {
+            (0..8).all(|i| is_on(others, p + DVec2::from_angle(f64::from(i) * core::f64::consts::FRAC_PI_4) * 0.9, z))
+        };
+        let mut open = 0;
+        for (own, others) in [(&ramp, &road), (&road, &ramp)] {
+            for span in own {
+                for (side, has_parapet) in [(1.0, span.parapets.0), (-1.0, span.parapets.1)] {
+                    open += usize::from(!has_parapet);
+                    for pair in span.stations.windows(2).filter(|_| has_parapet) {
+                        for k in 0..=20 {
+                            let edge = |station: &veduta_city::SpanStation| station.at(side * (station.half_m() + 0.15));
+                            let p = edge(&pair[0]).lerp(edge(&pair[1]), f64::from(k) / 20.0);
+                            let z = metres(pair[0].z) + metres(pair[1].z - pair[0].z) * f64::from(k) / 20.0;
+                            assert!(!is_inside(others, p, z), "{east_m}: a parapet of {} across another bridge at {p}", span.id);
+                        }
+                    }
+                }
+            }
+        }
+        assert!(open >= 2, "{east_m}: both are open where they part");
+        let shell = CellShell {
+            terrain: plan.terrain.clone(),
+            ground: plan.ground.clone(),
+            spans: plan.spans.clone(),
+            drawn_spans: plan.spans.len() as u32,
+            ..CellShell::default()
+        };
+        assert_eq!(mesh::spans(&shell).validate(), Ok(()));
+    }
 }
 
 #[test]

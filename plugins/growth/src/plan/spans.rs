@@ -45,6 +45,11 @@ const LEAST_M2: f64 = 0.05;
 /// Bridges no farther apart than this, and at heights that differ less than the second, are one; metres.
 const JOINED_M: f64 = 0.5;
 const STEP_M: f64 = 0.6;
+/// It is looked so closely whether another lies beside a bridge, where that changes is found by so many halvings, and no part of a span is
+/// shorter; metres.
+const LOOK_M: f64 = 1.0;
+const HALVINGS: u32 = 6;
+const LEAST_RUN_M: f64 = 0.8;
 /// Mitres at bends reach at most so many times as far as on a straight line.
 const LONGEST_MITRE: f64 = 1.5;
 
@@ -58,9 +63,8 @@ pub(super) fn spans(graph: &CityGraph, bridges: &Bridges, terrain: &PlanTerrain)
         let stretches = way.stretches.iter().filter(|stretch| !stretch.is_carried);
         stretches.flat_map(|stretch| builder.stretch(way, stretch)).map(|span| (w, span)).collect::<Vec<_>>()
     };
-    let mut spans: Vec<(usize, WaySpan)> = bridges.ways.par_iter().enumerate().flat_map_iter(own).collect();
-    join(&mut spans);
-    let mut spans: Vec<WaySpan> = spans.into_iter().map(|(_, span)| span).collect();
+    let spans: Vec<(usize, WaySpan)> = bridges.ways.par_iter().enumerate().flat_map_iter(own).collect();
+    let mut spans = join(&spans);
     lay_trams(graph, &mut spans, |_, layer| layer >= 0);
     spans
 }
@@ -80,28 +84,37 @@ pub(super) fn lay_trams(graph: &CityGraph, spans: &mut [WaySpan], is_on: impl Fn
     });
 }
 
-/// Leaves out parapets and pavements between the bridges of ways that lie side by side, and lets each reach as far as the other.
-fn join(spans: &mut [(usize, WaySpan)]) {
+/// Leaves out parapets and pavements where another way's bridge lies beside a bridge or comes into it, and lets each reach as far as the
+/// other. Girders are cut where that begins and ceases; arches are joined as a whole.
+fn join(spans: &[(usize, WaySpan)]) -> Vec<WaySpan> {
     let decks = Decks::new(spans.iter().enumerate().map(|(i, (_, span))| (i, span)));
-    let is_beside = |way: usize, span: &WaySpan, side: f64| {
-        let reaches = |station: &&SpanStation| {
-            let p = station.at(side * (station.half_m() + JOINED_M));
-            let mut others = decks.0.at(GridPos::from_metres(p)).filter(|(i, _)| spans[*i].0 != way);
-            others.any(|(_, other)| other.height_m(p).is_some_and(|z| (z - metres(station.z)).abs() < STEP_M))
-        };
-        2 * span.stations.iter().filter(reaches).count() > span.stations.len()
+    let is_beside = |way: usize, station: &SpanStation, side: f64| {
+        let p = station.at(side * (station.half_m() + JOINED_M));
+        let mut others = decks.0.at(GridPos::from_metres(p)).filter(|(i, _)| spans[*i].0 != way);
+        others.any(|(_, other)| other.height_m(p).is_some_and(|z| (z - metres(station.z)).abs() < STEP_M))
     };
-    let joined: Vec<[bool; 2]> = spans.par_iter().map(|(way, span)| [1.0, -1.0].map(|side| is_beside(*way, span, side))).collect();
+    let parts = spans.par_iter().flat_map_iter(|(way, span)| {
+        let beside = |at: f64| [1.0, -1.0].map(|side| is_beside(*way, &station_at(span, at), side));
+        let runs = runs(span, beside);
+        let last = runs.len() - 1;
+        let part = |(i, run): (usize, &Run)| {
+            let piers = (span.piers.0.filter(|_| i == 0), span.piers.1.filter(|_| i == last));
+            let stations = if runs.len() == 1 { span.stations.clone() } else { stations_of(span, &run.range) };
+            (WaySpan { stations, piers, ..span.clone() }, run.joined)
+        };
+        runs.iter().enumerate().map(part).collect::<Vec<_>>()
+    });
+    let (mut spans, joined): (Vec<WaySpan>, Vec<[bool; 2]>) = parts.unzip();
     // A station that two spans share is as wide for both.
     let meet = |i: usize| match spans.get(i..i + 2) {
-        Some([(_, a), (_, b)]) => a.stations.last() == b.stations.first(),
+        Some([a, b]) => a.stations.last() == b.stations.first(),
         _ => false,
     };
     let next = |i: usize| if meet(i) { joined[i + 1] } else { joined[i] };
     let before = |i: usize| i.checked_sub(1).filter(|&i| meet(i)).map_or(joined[i], |before| joined[before]);
     let ends: Vec<[[bool; 2]; 2]> =
         (0..spans.len()).map(|i| [before(i), next(i)].map(|other| [joined[i][0] && other[0], joined[i][1] && other[1]])).collect();
-    for (((_, span), [left, right]), ends) in spans.iter_mut().zip(joined).zip(ends) {
+    for ((span, [left, right]), ends) in spans.iter_mut().zip(joined).zip(ends) {
         span.parapets = (!left, !right);
         span.pavements = (if left { 0 } else { span.pavements.0 }, if right { 0 } else { span.pavements.1 });
         let last = span.stations.len() - 1;
@@ -119,6 +132,77 @@ fn join(spans: &mut [(usize, WaySpan)]) {
             station.right = if right { GridPos::from_metres(to_right) } else { station.right };
         }
     }
+    spans
+}
+
+/// A part of a span between two places on it, told by stations, on both sides of which it is the same: whether another lies beside its left
+/// and its right.
+struct Run {
+    range: Range<f64>,
+    joined: [bool; 2],
+}
+
+/// The runs of a span; of one that is not to be cut, one, which is as most of it is.
+fn runs(span: &WaySpan, beside: impl Fn(f64) -> [bool; 2]) -> Vec<Run> {
+    let end = (span.stations.len() - 1) as f64;
+    let segment = |(i, pair): (usize, &[SpanStation])| {
+        let count = (pair[0].at(0.0).distance(pair[1].at(0.0)) / LOOK_M).ceil().max(1.0);
+        (0..count as u32).map(move |k| i as f64 + (f64::from(k) + 0.5) / count)
+    };
+    let looks: Vec<f64> = span.stations.windows(2).enumerate().flat_map(segment).collect();
+    let seen: Vec<(f64, [bool; 2])> = looks.into_iter().map(|at| (at, beside(at))).collect();
+    if span.form != SpanForm::Girder {
+        let is_most = |side: usize| 2 * seen.iter().filter(|(_, joined)| joined[side]).count() > seen.len();
+        return vec![Run { range: 0.0..end, joined: [is_most(0), is_most(1)] }];
+    }
+    let mut runs: Vec<Run> = Vec::new();
+    for same in seen.chunk_by(|a, b| a.1 == b.1) {
+        let ((first, joined), from) = (same[0], runs.last().map_or(0.0, |run| run.range.end));
+        // Where it changes, found by halves.
+        let (mut low, mut high) = (from, first);
+        for _ in 0..if from > 0.0 { HALVINGS } else { 0 } {
+            let middle = f64::midpoint(low, high);
+            if beside(middle) == joined { high = middle } else { low = middle }
+        }
+        let from = if from > 0.0 { high } else { 0.0 };
+        if let Some(before) = runs.last_mut() {
+            before.range.end = from;
+        }
+        runs.push(Run { range: from..same[same.len() - 1].0, joined });
+    }
+    if let Some(last) = runs.last_mut() {
+        last.range.end = end;
+    }
+    // What is too short to be seen goes with what comes before it, or after it at the start.
+    let is_short =
+        |range: &Range<f64>| station_at(span, range.start).at(0.0).distance(station_at(span, range.end).at(0.0)) < LEAST_RUN_M;
+    let mut kept: Vec<Run> = Vec::new();
+    for run in runs {
+        match kept.last_mut() {
+            Some(before) if before.joined == run.joined || is_short(&run.range) => before.range.end = run.range.end,
+            Some(before) if is_short(&before.range) => *before = Run { range: before.range.start..run.range.end, ..run },
+            _ => kept.push(run),
+        }
+    }
+    kept
+}
+
+/// The cross-section of a span between two of its stations.
+fn station_at(span: &WaySpan, at: f64) -> SpanStation {
+    let i = (at.max(0.0) as usize).min(span.stations.len() - 2);
+    let (a, b, share) = (span.stations[i], span.stations[i + 1], at - i as f64);
+    let between = |p: GridPos, q: GridPos| GridPos::from_metres(p.to_metres().lerp(q.to_metres(), share));
+    let z = libm::round(f64::from(a.z) + (f64::from(b.z) - f64::from(a.z)) * share) as i32;
+    SpanStation { left: between(a.left, b.left), right: between(a.right, b.right), z }
+}
+
+/// The stations of a part of a span, its ends among them.
+fn stations_of(span: &WaySpan, range: &Range<f64>) -> Vec<SpanStation> {
+    let (first, last) = (station_at(span, range.start), station_at(span, range.end));
+    let is_apart = |station: &&SpanStation| [first, last].iter().all(|end| end.at(0.0).distance(station.at(0.0)) > STATION_M.1);
+    let inner = (0..).zip(&span.stations).filter(|(i, _)| range.start < f64::from(*i) && f64::from(*i) < range.end);
+    let inner = inner.map(|(_, station)| station).filter(is_apart);
+    core::iter::once(first).chain(inner.copied()).chain([last]).collect()
 }
 
 /// Where piers may not stand: streets and railways on the ground.
