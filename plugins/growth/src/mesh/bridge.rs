@@ -33,6 +33,8 @@ const IMPOST_M: f64 = 0.4;
 const GIRDER: f64 = 1.0 / 18.0;
 const GIRDER_M: (f64, f64) = (0.55, 1.5);
 const SLAB_M: (f64, f64) = (0.3, 0.9);
+/// Width of the upstand at the edge of a slab, metres.
+const UPSTAND_M: f64 = 0.25;
 /// Length of a girder's piers along the bridge, and their share of its breadth; metres.
 const SHAFT_M: f64 = 0.9;
 const SHAFT: f64 = 0.7;
@@ -336,20 +338,30 @@ impl<'a> Deck<'a> {
         let depth = (self.length_m() * GIRDER).clamp(GIRDER_M.0, GIRDER_M.1);
         let slab = SLAB_M.0.min(depth);
         let inset = SLAB_M.1.min(self.half_m * 0.4);
-        let edge = 0.25;
-        for side in [-1.0, 1.0] {
+        let (left, right) = self.span.parapets;
+        for (side, is_guarded) in [(1.0, left), (-1.0, right)] {
             let place = |out: f64, up: f64| rail(side, side * out, up);
             let mut face = |a: Rail, b: Rail, paint: Paint| {
                 if side < 0.0 { self.face(a, b, paint, mesh) } else { self.face(b, a, paint, mesh) }
             };
-            // The edge of the slab with its upstand, its underside, and the girder's side.
-            face(place(edge, -slab), place(edge, KERB_M), paint);
-            face(place(edge, KERB_M), place(0.0, KERB_M), paint);
-            face(place(0.0, KERB_M), place(0.0, 0.0), paint);
+            // The edge of the slab, with an upstand unless another bridge lies beside it, its underside, and the girder's side.
+            let edge = if is_guarded { UPSTAND_M } else { 0.0 };
+            if is_guarded {
+                face(place(edge, -slab), place(edge, KERB_M), paint);
+                face(place(edge, KERB_M), place(0.0, KERB_M), paint);
+                face(place(0.0, KERB_M), place(0.0, 0.0), paint);
+            } else {
+                face(place(0.0, -slab), place(0.0, 0.0), paint);
+            }
             face(place(-inset, -slab), place(edge, -slab), under);
             face(place(-inset, -depth), place(-inset, -slab), paint);
         }
         self.face(rail(1.0, -inset, -depth), rail(-1.0, inset, -depth), under, mesh);
+        // Its ends, which show where a shallower girder, or none, goes on.
+        for (s, near) in [(0.0, 1.0), (self.length_m(), -1.0)] {
+            let corner = |side: f64, up: f64| self.on(s, rail(side, -side * inset, up));
+            mesh.polygon(&[corner(near, -depth), corner(-near, -depth), corner(-near, -slab), corner(near, -slab)], paint);
+        }
         if let Some(foot) = self.span.piers.1 {
             let (end, half) = (self.length_m(), SHAFT_M / 2.0);
             let way = (self.plan(end, 0.0, 0.0) - self.plan(end - 0.01, 0.0, 0.0)).normalize_or_zero();
