@@ -317,7 +317,11 @@ fn export_object(
                     let placed = PlacedMonument { design: 0, pos: GridPos(0, 0), z: 0, heading: 0 };
                     mesh::monument(design, &placed, MonumentDetail::FINE, &mut made);
                 }
-                None => made = mesh::objects(&CellShell { objects: vec![at_origin], ..CellShell::default() }, Season::Summer),
+                None => {
+                    let alone = CellShell { objects: vec![at_origin], ..CellShell::default() };
+                    made = mesh::objects(&alone);
+                    made.append(&mesh::trees(&alone, Season::Summer));
+                }
             }
             *shapes.entry(key).or_insert(glb.mesh(&made)?)
         }

@@ -60,7 +60,7 @@ struct Order {
     ready: CellReady,
     shell: Arc<CellShell>,
     sheet: Option<Arc<FacadeSheet>>,
-    /// Whether the cell stands already and the season has turned.
+    /// Whether the level stands already and the season has turned.
     is_turned: bool,
 }
 
@@ -70,24 +70,25 @@ impl Order {
     }
 }
 
-/// The season that a cell's base was made for.
+/// The season that a cell's trees were made for.
 #[derive(Component, Debug, Clone, Copy)]
 pub(crate) struct MadeFor(Season);
 
-/// Orders what stands anew where it was made for another season.
+/// Orders anew the trees that were made for another season.
 pub(crate) fn turn_season(
     season: Res<CitySeason>,
-    bases: Query<(&CellMesh, &MadeFor, &ChildOf)>,
+    trees: Query<(&CellMesh, &MadeFor, &ChildOf)>,
     contents: Query<&CellContent>,
     mut queue: ResMut<Queue>,
 ) {
-    let mut old: Vec<(u32, Entity)> =
-        bases.iter().filter(|(_, made, _)| made.0 != season.0).map(|(mesh, _, cell)| (mesh.cell, cell.parent())).collect();
+    let old = trees.iter().filter(|(_, made, _)| made.0 != season.0);
+    let mut old: Vec<(u32, Level, Entity)> =
+        old.filter_map(|(mesh, _, cell)| Some((mesh.cell, mesh.kind.level()?, cell.parent()))).collect();
     old.sort_unstable();
-    for (cell, entity) in old {
-        let ready = CellReady { entity, cell, level: Level::One };
-        if let (false, Ok(content)) = (queue.turning.contains(&entity), contents.get(entity)) {
-            queue.turning.push(entity);
+    for (cell, level, entity) in old {
+        let ready = CellReady { entity, cell, level };
+        if let (false, Ok(content)) = (queue.turning.contains(&(entity, level)), contents.get(entity)) {
+            queue.turning.push((entity, level));
             queue.waiting.push_back(Order { is_turned: true, ..Order::new(ready, content) });
         }
     }
@@ -98,8 +99,8 @@ pub(crate) fn turn_season(
 pub(crate) struct Queue {
     waiting: VecDeque<Order>,
     making: VecDeque<Work>,
-    /// Cells that are being made anew for another season.
-    turning: Vec<Entity>,
+    /// Whose trees are being made anew for another season.
+    turning: Vec<(Entity, Level)>,
 }
 
 enum Work {
@@ -114,10 +115,13 @@ pub(crate) fn start(
     building: Res<Building>,
     settings: Res<BuildSettings>,
     season: Res<CitySeason>,
+    provided: Option<Res<MaterialsProvided>>,
     viewers: Query<&Eye, With<Viewer>>,
     mut queue: ResMut<Queue>,
 ) {
     let (settings, season) = (settings.in_frame(&viewers), season.0);
+    // Without the tiles a card is but a board.
+    let has_cards = provided.is_some();
     for &ready in ready.read() {
         let Ok(content) = contents.get(ready.entity) else { continue };
         queue.waiting.push_back(Order::new(ready, content));
@@ -125,40 +129,47 @@ pub(crate) fn start(
     while queue.making.len() < settings.in_the_making.max(1) {
         let Some(order) = queue.waiting.pop_front() else { break };
         if !contents.contains(order.ready.entity) {
-            queue.turning.retain(|&entity| entity != order.ready.entity);
+            queue.turning.retain(|&(entity, _)| entity != order.ready.entity);
             continue;
         }
         let work = match *building {
-            Building::Inline => Work::Done(Box::new(make(order, season))),
-            Building::Pool => Work::Task(AsyncComputeTaskPool::get().spawn(async move { make(order, season) })),
+            Building::Inline => Work::Done(Box::new(make(order, season, has_cards))),
+            Building::Pool => Work::Task(AsyncComputeTaskPool::get().spawn(async move { make(order, season, has_cards) })),
         };
         queue.making.push_back(work);
     }
 }
 
-/// Makes the meshes of one level of one cell; of a cell that stands, for another season, those that know seasons. Pure.
-fn make(order: Order, season: Season) -> Made {
-    let shell = &order.shell;
+/// Makes the meshes of one level of one cell; of a level that stands, for another season, its trees. Where there are no cards trees are
+/// bodies at level 1. Pure.
+fn make(order: Order, season: Season, has_cards: bool) -> Made {
+    let (shell, level) = (&order.shell, order.ready.level);
     let mut parts: Vec<(CellMeshKind, MeshData)> = Vec::new();
     let mut error = None;
-    match order.ready.level {
-        Level::One => {
-            let mut base = mesh::ground(shell);
-            base.append(&mesh::markings(shell));
-            base.append(&mesh::spans(shell));
-            base.append(&mesh::roofs(shell));
-            base.append(&mesh::objects(shell, season));
-            parts.push((CellMeshKind::Base, base));
-            if !order.is_turned {
-                parts.push((CellMeshKind::Walls(Level::One), mesh::level1(shell)));
+    if !order.is_turned {
+        match level {
+            Level::One => {
+                let mut base = mesh::ground(shell);
+                base.append(&mesh::markings(shell));
+                base.append(&mesh::spans(shell));
+                base.append(&mesh::roofs(shell));
+                base.append(&mesh::objects(shell));
+                parts.push((CellMeshKind::Base, base));
+                parts.push((CellMeshKind::Walls(level), mesh::level1(shell)));
             }
+            Level::Two => match order.sheet.as_ref().map(|sheet| mesh::level2(shell, sheet)) {
+                Some(Ok(data)) => parts.push((CellMeshKind::Walls(level), data)),
+                Some(Err(e)) => error = Some(e.to_string()),
+                None => error = Some("its façade sheet is not here".to_owned()),
+            },
+            level => error = Some(format!("{level} is not made by this version")),
         }
-        Level::Two => match order.sheet.as_ref().map(|sheet| mesh::level2(shell, sheet)) {
-            Some(Ok(data)) => parts.push((CellMeshKind::Walls(Level::Two), data)),
-            Some(Err(e)) => error = Some(e.to_string()),
-            None => error = Some("its façade sheet is not here".to_owned()),
-        },
-        level => error = Some(format!("{level} is not made by this version")),
+    }
+    match level {
+        Level::One if has_cards => parts.push((CellMeshKind::Trees(level), mesh::tree_cards(shell, season))),
+        Level::One => parts.push((CellMeshKind::Trees(level), mesh::trees(shell, season))),
+        Level::Two if has_cards => parts.push((CellMeshKind::Trees(level), mesh::trees(shell, season))),
+        _ => {}
     }
     let meshes = parts.into_iter().filter(|(_, data)| !data.is_empty()).map(|(kind, data)| {
         let vertices = data.positions.len();
@@ -178,7 +189,7 @@ pub(crate) fn finish(
     mut materials: Option<ResMut<Assets<StandardMaterial>>>,
     mut plain: Local<Option<Handle<StandardMaterial>>>,
     cells: Query<(&Cell, &CellContent)>,
-    bases: Query<(Entity, &ChildOf), With<MadeFor>>,
+    trees: Query<(Entity, &CellMesh, &ChildOf), With<MadeFor>>,
     mut standing: ResMut<StandingCells>,
     mut stands: MessageWriter<CellStands>,
 ) {
@@ -198,7 +209,7 @@ pub(crate) fn finish(
         };
         let CellReady { entity, cell, level } = made.order.ready;
         if made.order.is_turned {
-            queue.turning.retain(|&turned| turned != entity);
+            queue.turning.retain(|&turned| turned != (entity, level));
         }
         let Ok((_, content)) = cells.get(entity) else { continue }; // released meanwhile
         let same_sheet = || match (&content.sheet, &made.order.sheet) {
@@ -213,12 +224,13 @@ pub(crate) fn finish(
             continue;
         }
         if made.order.is_turned {
-            bases.iter().filter(|(_, cell)| cell.parent() == entity).for_each(|(base, _)| commands.entity(base).despawn());
+            let old = trees.iter().filter(|(_, mesh, cell)| cell.parent() == entity && mesh.kind == CellMeshKind::Trees(level));
+            old.for_each(|(old, ..)| commands.entity(old).despawn());
         }
         for (kind, mesh, count) in made.meshes {
             vertices += count;
             let mut child = commands.spawn((CellMesh { cell, kind }, Mesh3d(assets.add(mesh)), ChildOf(entity)));
-            if kind == CellMeshKind::Base {
+            if matches!(kind, CellMeshKind::Trees(_)) {
                 child.insert(MadeFor(made.season));
             }
             if provided.is_none()

@@ -1,11 +1,11 @@
-//! What stands is made anew when the season turns.
+//! Trees are made anew when the season turns.
 
 use std::sync::Arc;
 
 use bevy::prelude::*;
 use veduta_buildings::{Building, BuildingsPlugin, CitySeason};
-use veduta_city::{CellShell, GridPos, Id, Level, ObjectKind, PlanObject, Season};
-use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellStands, CityClock};
+use veduta_city::{CellShell, FacadeSheet, GridPos, Id, Level, ObjectKind, PlanObject, Season};
+use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellStands, CityClock, MaterialsProvided};
 
 fn tree() -> CellShell {
     let tree =
@@ -13,12 +13,16 @@ fn tree() -> CellShell {
     CellShell { objects: vec![tree], ..CellShell::default() }
 }
 
-/// Vertices of each base that stands.
-fn bases(app: &mut App) -> Vec<usize> {
+/// Vertices of each mesh of trees that stands, at level 1.
+fn trees(app: &mut App) -> Vec<usize> {
+    trees_at(app, Level::One)
+}
+
+fn trees_at(app: &mut App, level: Level) -> Vec<usize> {
     let mut query = app.world_mut().query::<(&CellMesh, &Mesh3d)>();
     let meshes = app.world().resource::<Assets<Mesh>>();
-    let bases = query.iter(app.world()).filter(|(mesh, _)| mesh.kind == CellMeshKind::Base);
-    bases.map(|(_, mesh)| meshes.get(&mesh.0).expect("a mesh").count_vertices()).collect()
+    let trees = query.iter(app.world()).filter(|(mesh, _)| mesh.kind == CellMeshKind::Trees(level));
+    trees.map(|(_, mesh)| meshes.get(&mesh.0).expect("a mesh").count_vertices()).collect()
 }
 
 /// A cell with a tree, ordered but not made.
@@ -35,20 +39,20 @@ fn ordered(building: Building) -> (App, Entity) {
 fn trees_turn_with_the_clock() {
     let (mut app, _) = ordered(Building::Inline);
     app.update();
-    let summer = bases(&mut app);
+    let summer = trees(&mut app);
     assert_eq!((summer.len(), app.world().resource::<CitySeason>().0), (1, Season::Summer));
 
     app.world_mut().resource_mut::<CityClock>().day = 20;
     app.update();
-    let winter = bases(&mut app);
-    assert_eq!((winter.len(), app.world().resource::<CitySeason>().0), (1, Season::Winter), "one base takes the other's place");
+    let winter = trees(&mut app);
+    assert_eq!((winter.len(), app.world().resource::<CitySeason>().0), (1, Season::Winter), "one mesh takes the other's place");
     assert_ne!(summer, winter, "a bare tree is not one in leaf");
     let told = app.world().resource::<Messages<CellStands>>().len();
     assert_eq!(told, 1, "it came to stand a frame ago, and not again in this one");
 
     app.world_mut().resource_mut::<CityClock>().day = 160;
     app.update();
-    assert_eq!(bases(&mut app), summer);
+    assert_eq!(trees(&mut app), summer);
 }
 
 #[test]
@@ -57,11 +61,11 @@ fn a_cell_that_goes_while_it_turns_leaves_nothing() {
     for _ in 0..2000 {
         app.update();
         std::thread::sleep(core::time::Duration::from_millis(1));
-        if !bases(&mut app).is_empty() {
+        if !trees(&mut app).is_empty() {
             break;
         }
     }
-    assert_eq!(bases(&mut app).len(), 1);
+    assert_eq!(trees(&mut app).len(), 1);
     app.world_mut().resource_mut::<CityClock>().day = 20;
     app.update();
     app.world_mut().entity_mut(entity).despawn();
@@ -69,5 +73,27 @@ fn a_cell_that_goes_while_it_turns_leaves_nothing() {
         app.update();
         std::thread::sleep(core::time::Duration::from_millis(1));
     }
-    assert_eq!(bases(&mut app), [0; 0]);
+    assert_eq!(trees(&mut app), [0; 0]);
+}
+
+#[test]
+fn where_there_are_tiles_trees_are_cards_from_afar_and_bodies_near_by() {
+    let (mut plain, _) = ordered(Building::Inline);
+    plain.update();
+    let bodies = trees(&mut plain);
+    let (mut app, entity) = ordered(Building::Inline);
+    app.insert_resource(MaterialsProvided);
+    app.update();
+    assert_eq!((trees_at(&mut app, Level::One), trees_at(&mut app, Level::Two)), (vec![20], vec![]), "two cards and the crown's");
+
+    app.world_mut().get_mut::<CellContent>(entity).expect("it stands").sheet = Some(Arc::new(FacadeSheet::default()));
+    app.world_mut().write_message(CellReady { entity, cell: 0, level: Level::Two });
+    app.update();
+    assert_eq!((trees_at(&mut app, Level::One), trees_at(&mut app, Level::Two)), (vec![20], bodies.clone()));
+
+    app.world_mut().resource_mut::<CityClock>().day = 20;
+    app.update();
+    let bare = trees_at(&mut app, Level::Two);
+    assert_eq!((trees_at(&mut app, Level::One), bare.len()), (vec![20], 1), "both are made anew");
+    assert_ne!(bare, bodies);
 }

@@ -52,6 +52,7 @@ mod terrain;
 mod testing;
 mod tile;
 mod tour;
+pub mod tree;
 mod width;
 
 pub use anchor::Anchor;

@@ -79,6 +79,9 @@ impl ObjectKind {
         Self::Palm,
     ];
 
+    /// Those that are trees.
+    pub const TREES: [Self; 7] = [Self::Tree, Self::Conifer, Self::Poplar, Self::Birch, Self::Willow, Self::FruitTree, Self::Palm];
+
     /// Whether it is a tree.
     #[must_use]
     pub const fn is_tree(self) -> bool {

@@ -1,5 +1,6 @@
 use serde::{Deserialize, Serialize};
 
+use crate::tree::TreeCard;
 use crate::{ObjectKind, Opening, Rgb, RoofShape, SurfaceKind};
 
 /// A small texture of the workshop: one layer of the texture array that walls, roofs and ground are drawn with. Meshes name
@@ -31,6 +32,11 @@ pub enum Tile {
     Carved,
     /// Leaded glass: church windows.
     Glass,
+    /// A tree in leaf as it is seen from afar, on a card: see [`TreeCard`](crate::tree::TreeCard). The kind is one of
+    /// [`ObjectKind::TREES`].
+    LeafyTree(ObjectKind),
+    /// A tree without leaves on a card, of a kind that sheds them.
+    BareTree(ObjectKind),
 }
 
 /// Openings in the order of their layers.
@@ -66,9 +72,24 @@ const SURFACES: [SurfaceKind; 9] = [
     SurfaceKind::Ballast,
 ];
 
+/// Trees that shed their leaves, in the order of their layers.
+const BARE: [ObjectKind; 5] = [ObjectKind::Tree, ObjectKind::Poplar, ObjectKind::Birch, ObjectKind::Willow, ObjectKind::FruitTree];
+
 impl Tile {
     /// Number of layers.
-    pub const COUNT: usize = 1 + OPENINGS.len() + 3 + SURFACES.len() + 5;
+    pub const COUNT: usize = 1 + OPENINGS.len() + 3 + SURFACES.len() + 5 + ObjectKind::TREES.len() + BARE.len();
+
+    /// The card of a kind of tree, in leaf or bare.
+    #[must_use]
+    pub const fn of_tree(kind: ObjectKind, is_bare: bool) -> Self {
+        if is_bare { Self::BareTree(kind) } else { Self::LeafyTree(kind) }
+    }
+
+    /// Whether it is a picture that does not fill its tile: what its normal picture's alpha leaves out is not drawn.
+    #[must_use]
+    pub const fn is_card(self) -> bool {
+        matches!(self, Self::LeafyTree(_) | Self::BareTree(_))
+    }
 
     /// The tile of an opening.
     #[must_use]
@@ -136,6 +157,8 @@ impl Tile {
             Self::Leaves => stuffs + 2,
             Self::Carved => stuffs + 3,
             Self::Glass => stuffs + 4,
+            Self::LeafyTree(kind) => stuffs + 5 + position(ObjectKind::TREES.iter().position(|&k| k == kind)),
+            Self::BareTree(kind) => stuffs + 5 + ObjectKind::TREES.len() + position(BARE.iter().position(|&k| k == kind)),
         }
     }
 
@@ -146,10 +169,12 @@ impl Tile {
             .chain([Self::RoofTile, Self::Slate, Self::Metal])
             .chain(SURFACES.map(Self::Ground))
             .chain([Self::Stone, Self::Wood, Self::Leaves, Self::Carved, Self::Glass])
+            .chain(ObjectKind::TREES.map(Self::LeafyTree))
+            .chain(BARE.map(Self::BareTree))
     }
 
-    /// Width and height in metres that one repeat of the tile covers. Bays are stretched to their wall's grid instead; for
-    /// them it is the size they are painted for.
+    /// Width and height in metres that one repeat of the tile covers. Bays are stretched to their wall's grid instead, and cards
+    /// to their tree; for them it is the size they are painted for.
     #[must_use]
     pub const fn size_m(self) -> (f32, f32) {
         match self {
@@ -160,6 +185,10 @@ impl Tile {
             Self::Ground(SurfaceKind::Cobbles | SurfaceKind::Mosaic) => (1.6, 1.6),
             Self::Ground(SurfaceKind::Water) => (8.0, 8.0),
             Self::Ground(_) => (3.2, 3.2),
+            Self::LeafyTree(kind) | Self::BareTree(kind) => {
+                let card = TreeCard::of(kind);
+                (4.0 * card.half_m as f32, card.height_m as f32)
+            }
         }
     }
 }

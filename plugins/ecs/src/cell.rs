@@ -25,10 +25,23 @@ pub struct CellContent {
 /// What a mesh of a cell shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum CellMeshKind {
-    /// Ground, roofs and standing objects: shown at every distance.
+    /// Ground, roofs and standing objects but trees: shown at every distance.
     Base,
     /// Walls of one level.
     Walls(Level),
+    /// Trees: cards at level 1, bodies from level 2 on.
+    Trees(Level),
+}
+
+impl CellMeshKind {
+    /// The level that shows it; `None` of what is shown at every distance.
+    #[must_use]
+    pub const fn level(self) -> Option<Level> {
+        match self {
+            Self::Base => None,
+            Self::Walls(level) | Self::Trees(level) => Some(level),
+        }
+    }
 }
 
 /// A mesh of a cell; a child of its [`Cell`]. Whoever provides materials answers its arrival, and hands the cell's fades to

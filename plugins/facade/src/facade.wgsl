@@ -7,7 +7,7 @@
     mesh_view_bindings::view,
 }
 
-#import veduta_facade::levels::{Facade, keeps}
+#import veduta_facade::levels::{Facade, is_cut, keeps}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
 @group(#{MATERIAL_BIND_GROUP}) @binding(101) var colour_tiles: texture_2d_array<f32>;
@@ -54,12 +54,14 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let uv_down = dpdy(in.uv);
     let tile = textureSample(colour_tiles, tile_sampler, in.uv, layer);
     let relief = textureSample(normal_tiles, tile_sampler, in.uv, layer);
+    if is_cut(facade) && relief.a < 0.5 { discard; }
     // Where alpha is 1 the tile modulates the vertex colour about one half; where it is 0 it stands as it is.
     let albedo = mix(tile.rgb, 2.0 * tile.rgb * in.color.rgb, tile.a) * wear(in.world_position.xyz, in.world_normal.y);
 
     var pbr_input = pbr_input_from_standard_material(in, is_front);
     pbr_input.material.base_color = vec4<f32>(albedo, 1.0);
-    pbr_input.material.perceptual_roughness = clamp(relief.a, 0.08, 1.0);
+    // Of a card it is the cover that is told, and leaves are dull.
+    pbr_input.material.perceptual_roughness = select(clamp(relief.a, 0.08, 1.0), 0.85, is_cut(facade));
 
     let n = normalize(in.world_normal);
     var tangent = vec3<f32>(1.0, 0.0, 0.0);
@@ -77,7 +79,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 
     // Contact shade where walls meet the ground, and less sky the deeper a wall stands in its street.
     let foot = mix(0.55, 1.0, smoothstep(-0.2, 1.6, height)) * mix(0.7, 1.0, smoothstep(0.0, 14.0, height));
-    let wall = 1.0 - abs(n.y);
+    let wall = 1.0 - abs(select(n.y, pbr_input.N.y, is_cut(facade)));
     pbr_input.diffuse_occlusion *= vec3<f32>(mix(1.0, foot, wall));
 
     // Lit windows at night: glass is what is dark and smooth on a wall.

@@ -4,6 +4,12 @@
 struct Facade {
     near_level: vec4<f32>,
     far_lit: vec4<f32>,
+    cut: vec4<f32>,
+}
+
+// Whether what is drawn are cards, which their tiles do not fill: the normal's alpha tells how much of a pixel is covered.
+fn is_cut(facade: Facade) -> bool {
+    return facade.cut.x > 0.0;
 }
 
 // Threshold of the 8×8 Bayer pattern at a pixel, in (0, 1): bits of x and x^y interleaved, most significant last.

@@ -63,6 +63,8 @@ pub struct FacadeUniform {
     near_level: Vec4,
     /// `x, y, z`: far ends of the bands; `w`: share of windows that are lit, 0 to 1.
     far_lit: Vec4,
+    /// `x`: 1 where what is drawn are cards, which their tiles do not fill.
+    cut: Vec4,
 }
 
 /// Extends the standard material by tiles and level switching.
@@ -87,17 +89,18 @@ impl MaterialExtension for FacadeExtension {
     }
 }
 
-/// The materials in use: for what shows at every distance, and for each level's walls.
+/// The materials in use: for what shows at every distance, for each level's walls and bodies, and for cards.
 #[derive(Resource, Debug, Clone)]
 pub struct CityMaterials {
     base: Handle<CityMaterial>,
-    walls: [Handle<CityMaterial>; 4],
+    levels: [Handle<CityMaterial>; 4],
+    cards: Handle<CityMaterial>,
 }
 
 /// Share of windows that are lit, 0 to 1, is set from outside through the materials.
 impl CityMaterials {
     fn handles(&self) -> impl Iterator<Item = &Handle<CityMaterial>> {
-        core::iter::once(&self.base).chain(&self.walls)
+        [&self.base, &self.cards].into_iter().chain(&self.levels)
     }
 
     /// Sets the share of lit windows, 0 to 1, if it differs by more than a hundredth.
@@ -151,7 +154,7 @@ fn paint(
     };
     let colour = array(tiles.colour, TextureFormat::Rgba8UnormSrgb);
     let normal = array(tiles.normal, TextureFormat::Rgba8Unorm);
-    let mut material = |level: f32| {
+    let mut material = |level: f32, is_cut: bool| {
         let [a, b, c] = distances.near;
         let [d, e, f] = distances.far;
         materials.add(CityMaterial {
@@ -163,13 +166,19 @@ fn paint(
                 ..StandardMaterial::default()
             },
             extension: FacadeExtension {
-                uniform: FacadeUniform { near_level: Vec4::new(a, b, c, level), far_lit: Vec4::new(d, e, f, 0.0) },
+                uniform: FacadeUniform {
+                    near_level: Vec4::new(a, b, c, level),
+                    far_lit: Vec4::new(d, e, f, 0.0),
+                    cut: Vec4::X * f32::from(u8::from(is_cut)),
+                },
                 colour: colour.clone(),
                 normal: normal.clone(),
             },
         })
     };
-    commands.insert_resource(CityMaterials { base: material(0.0), walls: [1.0, 2.0, 3.0, 4.0].map(&mut material) });
+    let (base, cards) = (material(0.0, false), material(1.0, true));
+    let levels = [1.0, 2.0, 3.0, 4.0].map(|level| material(level, false));
+    commands.insert_resource(CityMaterials { base, levels, cards });
 }
 
 fn set_distances(distances: Res<LevelDistances>, in_use: Option<Res<CityMaterials>>, mut assets: ResMut<Assets<CityMaterial>>) {
@@ -185,14 +194,18 @@ fn set_distances(distances: Res<LevelDistances>, in_use: Option<Res<CityMaterial
     }
 }
 
-/// Gives new cell meshes their material. Level 1 and the base cast shadows; finer walls have the same silhouette.
+/// Gives new cell meshes their material. Level 1 and the base cast shadows; finer walls have the same silhouette. Trees' bodies cast
+/// them in place of their cards.
 fn dress_meshes(mut commands: Commands, in_use: Option<Res<CityMaterials>>, new: Query<(Entity, &CellMesh), NewCellMesh>) {
     let Some(in_use) = in_use else { return };
     for (entity, mesh) in &new {
         let mut entity = commands.entity(entity);
         match mesh.kind {
             CellMeshKind::Base => entity.insert(MeshMaterial3d(in_use.base.clone())),
-            CellMeshKind::Walls(level) => entity.insert(MeshMaterial3d(in_use.walls[level.index()].clone())),
+            CellMeshKind::Trees(Level::One) => entity.insert(MeshMaterial3d(in_use.cards.clone())),
+            CellMeshKind::Walls(level) | CellMeshKind::Trees(level) => {
+                entity.insert(MeshMaterial3d(in_use.levels[level.index()].clone()))
+            }
         };
         if matches!(mesh.kind, CellMeshKind::Walls(level) if level != Level::One) {
             entity.insert(NotShadowCaster);

@@ -3,16 +3,25 @@
 #ifdef PREPASS_FRAGMENT
 #import bevy_pbr::prepass_io::FragmentOutput
 #endif
-#import veduta_facade::levels::{Facade, keeps}
+#import veduta_facade::levels::{Facade, fades, is_cut, keeps}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
+@group(#{MATERIAL_BIND_GROUP}) @binding(102) var tile_sampler: sampler;
+@group(#{MATERIAL_BIND_GROUP}) @binding(103) var normal_tiles: texture_2d_array<f32>;
 
 fn drop_other_levels(in: VertexOutput) {
-    // The sun's views are orthographic: level 1 casts whole shadows, whatever the eye sees of it.
-#ifndef VIEW_PROJECTION_ORTHOGRAPHIC
+    if is_cut(facade) {
+        let cover = textureSample(normal_tiles, tile_sampler, in.uv, i32(in.color.a + 0.5)).a;
+        if cover < 0.5 { discard; }
+    }
+    let tag = mesh_functions::get_tag(in.instance_index);
+#ifdef VIEW_PROJECTION_ORTHOGRAPHIC
+    // The sun's views are orthographic: level 1 casts whole shadows, whatever the eye sees of it; but cards none where bodies do.
+    if is_cut(facade) && fades(tag).y > 0.5 { discard; }
+#else
     let model = mesh_functions::get_world_from_local(in.instance_index);
     let centre = (model * vec4<f32>(in.uv_b.x, 0.0, in.uv_b.y, 1.0)).xz;
-    if !keeps(facade, in.position.xy, distance(centre, view.world_position.xz), mesh_functions::get_tag(in.instance_index)) {
+    if !keeps(facade, in.position.xy, distance(centre, view.world_position.xz), tag) {
         discard;
     }
 #endif

@@ -68,6 +68,6 @@ pub use marking::markings;
 pub use monument::{MonumentDetail, monument, monument_bounds, monuments};
 pub use moulding::mouldings;
 pub(crate) use object::radius_m;
-pub use object::{lantern, objects};
+pub use object::{lantern, objects, tree_cards, trees};
 pub use roof::{roof_coverings, roofs};
 pub use wall::{facades, level1, level2};

@@ -155,7 +155,8 @@ fn entry(
     read_back(&Packet::Shell(Box::new(shell.clone())), &decode_packet(&stored, &blob, Level::One)?)?;
     sink(&blob, &stored)?;
     packets[Level::One.index()] = Some(blob);
-    if walls > 0 {
+    // Trees know two levels too, though nothing is to be told of the second.
+    if walls > 0 || shell.objects.iter().any(|object| object.kind.is_tree()) {
         let stored = encode_sheet(sheet);
         let blob = BlobRef::of(&stored);
         read_back(&Packet::Facades(sheet.clone()), &decode_packet(&stored, &blob, Level::Two)?)?;

@@ -269,7 +269,7 @@ fn forget_level(world: &mut World, cell: u32, entity: Entity, level: Level) {
     let mut meshes = world.query::<(Entity, &CellMesh)>();
     let gone: Vec<Entity> = meshes
         .iter(world)
-        .filter(|(_, mesh)| mesh.cell == cell && mesh.kind == CellMeshKind::Walls(level))
+        .filter(|(_, mesh)| mesh.cell == cell && mesh.kind.level() == Some(level))
         .map(|(entity, _)| entity)
         .collect();
     for mesh in gone {

@@ -1,4 +1,5 @@
-//! Paints all tiles and writes pictures: every tile on its wall, mock façades, surfaces laid two by two, a few tiles close up.
+//! Paints all tiles and writes pictures: every tile on its wall, mock façades, surfaces laid two by two, a few tiles close up,
+//! cards of trees cut out.
 //!
 //! ```text
 //! cargo run --release -p veduta-texture --example contact_sheet [FOLDER] [SIZE] [SEED]
@@ -113,13 +114,40 @@ fn facade(tiles: &TileArray, bay: u32, wall: Rgb) -> RgbImage {
 
 /// Surfaces laid two by two, lit, to show seams and normals.
 fn surfaces(tiles: &TileArray) -> RgbImage {
-    let list: Vec<Tile> = Tile::all().filter(|t| !matches!(t, Tile::Bay(_))).collect();
+    let list: Vec<Tile> = Tile::all().filter(|t| !matches!(t, Tile::Bay(_)) && !t.is_card()).collect();
     let (columns, side, gap) = (4, 384, 6);
     let rows = (list.len() as u32).div_ceil(columns);
     let mut picture = RgbImage::from_pixel(columns * (side + gap), rows * (side + gap), Pixel([60, 60, 62]));
     for (i, &tile) in list.iter().enumerate() {
         let at = ((i as u32 % columns) * (side + gap), (i as u32 / columns) * (side + gap));
         lay(&mut picture, at, (side, side), tiles, tile, wall_of(tile), true, 2);
+    }
+    picture
+}
+
+/// Cards before the sky, lit and cut out: large, and as small as they are far away.
+fn cards(tiles: &TileArray) -> RgbImage {
+    let list: Vec<Tile> = Tile::all().filter(|tile| tile.is_card()).collect();
+    let (columns, side) = (4, 384);
+    let rows = (list.len() as u32).div_ceil(columns);
+    let mut picture = RgbImage::from_pixel(columns * side * 3 / 2, rows * side, Pixel([168, 190, 212]));
+    for (i, &tile) in list.iter().enumerate() {
+        let (left, top) = ((i as u32 % columns) * side * 3 / 2, (i as u32 / columns) * side);
+        let (mut at, mut drawn) = ((left, top), side);
+        for mip in 0..tiles.mips.min(6) {
+            let layer = tile.index() as u32;
+            let (Some(colour), Some(normal)) = (tiles.colour_of(layer, mip), tiles.normal_of(layer, mip)) else { continue };
+            let texels = tiles.size >> mip;
+            for (x, y) in (0..drawn).flat_map(|y| (0..drawn).map(move |x| (x, y))) {
+                let texel = ((y * texels / drawn) * texels + x * texels / drawn) as usize * 4;
+                if normal[texel + 3] >= 128 {
+                    let pixel = shown(&colour[texel..texel + 4], &normal[texel..texel + 4], Rgb(0x6C, 0x86, 0x4A), true);
+                    picture.put_pixel(at.0 + x, at.1 + y, pixel);
+                }
+            }
+            at = if mip == 0 { (left + side, top) } else { (at.0, at.1 + drawn) };
+            drawn /= 2;
+        }
     }
     picture
 }
@@ -162,6 +190,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     facade(&tiles, bay, Rgb(0xBF, 0xCB, 0x9F)).save(folder.join("facade_pistachio.png"))?;
     close_ups(seed).save(folder.join("close_ups.png"))?;
     surfaces(&tiles).save(folder.join("surfaces.png"))?;
+    cards(&tiles).save(folder.join("cards.png"))?;
     println!("pictures are in {}", folder.display());
     Ok(())
 }

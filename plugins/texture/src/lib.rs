@@ -24,7 +24,7 @@
 //! | picture | r g b | a |
 //! |---|---|---|
 //! | colour | sRGB. Where a = 1: modulation of the wall's colour, [`MODULATION_UNIT`] (linear 0.5, byte [`NEUTRAL_BYTE`]) leaves it unchanged. Where a = 0: the albedo itself. Between: the mixture above | share of the wall's colour, linear |
-//! | normal | tangent-space normal, x right, y up in the image, z out of the wall; 128 is 0, 255 is 1 | perceptual roughness |
+//! | normal | tangent-space normal, x right, y up in the image, z out of the wall; 128 is 0, 255 is 1 | perceptual roughness; of cards ([`Tile::is_card`]) the share of the pixel that they cover |
 //!
 //! Glass, timber, stone and ground stand in their own colours; plaster and roof coverings are tinted; mouldings lie between:
 //! the wall's colour drawn towards a warm white. Bays are painted with the shade of reveals, cornices and sills, light
@@ -48,6 +48,7 @@
 
 mod bay;
 mod canvas;
+mod card;
 mod door;
 mod glass;
 mod hole;
@@ -67,6 +68,7 @@ use veduta_city::draw::Draw;
 use veduta_city::{Id, Opening, SurfaceKind, Tile};
 
 use canvas::Canvas;
+use card::{Card, Leaf};
 use mips::Encoder;
 
 /// The modulation that leaves the wall's colour unchanged, in linear light: a stored modulation `m` is `m / 2`, so that it can
@@ -147,8 +149,15 @@ pub fn paint_tiles(size: u32, seed: u64) -> TileArray {
     array.colour.reserve_exact(total);
     array.normal.reserve_exact(total);
     let encoder = Encoder::new();
-    let wall = bay::bay_wall(size, seed);
+    let (wall, leaf) = (bay::bay_wall(size, seed), leaf(seed));
     for tile in Tile::all() {
+        if let Some(card) = draw_card(tile, size, seed, &leaf) {
+            for picture in card.pictures(&encoder) {
+                array.colour.extend(picture.iter().flat_map(|dot| dot[0]));
+                array.normal.extend(picture.iter().flat_map(|dot| dot[1]));
+            }
+            continue;
+        }
         let canvas = draw_tile(tile, size, seed, &wall);
         let (mut side, mut facets, mut texels) = (size as usize, mips::facets(&canvas), canvas.texels);
         loop {
@@ -168,10 +177,31 @@ pub fn paint_tiles(size: u32, seed: u64) -> TileArray {
 /// Colour and normal (with roughness) of one tile at mip 0, row by row from the top; pixels as in [`TileArray`].
 #[must_use]
 pub fn paint_tile(tile: Tile, size: u32, seed: u64) -> (Vec<[u8; 4]>, Vec<[u8; 4]>) {
-    let size = paintable_size(size);
+    let (size, encoder) = (paintable_size(size), Encoder::new());
+    if tile.is_card()
+        && let Some(card) = draw_card(tile, size, seed, &leaf(seed))
+    {
+        let largest = card.pictures(&encoder).next().unwrap_or_default();
+        return largest.into_iter().map(|[colour, normal]| (colour, normal)).unzip();
+    }
     let canvas = draw_tile(tile, size, seed, &bay::bay_wall(size, seed));
-    let encoder = Encoder::new();
     (canvas.texels.iter().map(|t| encoder.colour(t)).collect(), mips::facets(&canvas).iter().map(mips::Facet::bytes).collect())
+}
+
+/// The pattern of leaves on cards.
+fn leaf(seed: u64) -> Leaf {
+    Leaf::new(Draw::new(seed, Id(Tile::Leaves.index() as u64), "card"))
+}
+
+/// Draws a tile that is a card; `None` of others.
+fn draw_card(tile: Tile, size: u32, seed: u64, leaf: &Leaf) -> Option<Card> {
+    let (kind, is_bare) = match tile {
+        Tile::LeafyTree(kind) => (kind, false),
+        Tile::BareTree(kind) => (kind, true),
+        _ => return None,
+    };
+    // A tree is one tree in leaf and bare.
+    Some(Card::of_tree(kind, is_bare, size, Draw::new(seed, Id(Tile::LeafyTree(kind).index() as u64), "card"), leaf))
 }
 
 /// Draws a tile; bays are drawn upon `bay_wall`, the same for all.
@@ -192,7 +222,7 @@ fn draw_tile(tile: Tile, size: u32, seed: u64, bay_wall: &Canvas) -> Canvas {
         Tile::Ground(surface) => draw_ground(surface, size, size_m, draw),
         Tile::Stone => stone::ashlar(size, size_m, draw),
         Tile::Wood => timber::planks(size, size_m, draw),
-        Tile::Leaves => soil::leaves(size, size_m, draw),
+        Tile::Leaves | Tile::LeafyTree(_) | Tile::BareTree(_) => soil::leaves(size, size_m, draw),
         Tile::Carved => stone::carved(size, size_m, draw),
         Tile::Glass => glass::leaded(size, size_m, draw),
     }

@@ -112,7 +112,7 @@ fn bays_meet_in_the_same_plaster() {
 
 #[test]
 fn surfaces_repeat_without_a_seam() {
-    for tile in Tile::all().filter(|t| !matches!(t, Tile::Bay(_))) {
+    for tile in Tile::all().filter(|t| !matches!(t, Tile::Bay(_)) && !t.is_card()) {
         let (colour, normal) = paint_tile(tile, SIZE as u32, 7);
         for (what, pixels) in [("colour", &colour), ("normal", &normal)] {
             let columns: Vec<f32> = (1..SIZE).map(|x| difference(&column(pixels, x - 1), &column(pixels, x))).collect();
@@ -134,8 +134,13 @@ fn nothing_is_pure_black_or_white_and_normals_face_outwards() {
         assert!(colour.iter().all(|p| p[..3].iter().all(|c| (8..=247).contains(c))), "{tile:?}");
         for n in normal {
             let [x, y, z] = [n[0], n[1], n[2]].map(|c| (f32::from(c) - 128.0) / 127.0);
-            assert!(z > 0.4 && ((x * x + y * y + z * z).sqrt() - 1.0).abs() < 0.03, "{tile:?}: {n:?}");
-            assert!(n[3] > 10, "{tile:?} is a mirror");
+            assert!(((x * x + y * y + z * z).sqrt() - 1.0).abs() < 0.03, "{tile:?}: {n:?}");
+            if tile.is_card() {
+                assert!(z > -0.01, "{tile:?} shows its back: {n:?}");
+            } else {
+                assert!(z > 0.4, "{tile:?}: {n:?}");
+                assert!(n[3] > 10, "{tile:?} is a mirror");
+            }
         }
     }
 }
@@ -149,6 +154,7 @@ fn openings_show_glass_or_timber_and_ground_its_own_colour() {
             Tile::Bay(Opening::Slit) => assert!(own > 0.005, "{tile:?}: {own}"),
             Tile::Bay(_) => assert!((0.04..0.8).contains(&own), "{tile:?}: {own}"),
             Tile::Ground(_) => assert_eq!(own, 1.0, "{tile:?}"),
+            _ if tile.is_card() => {}
             _ => assert!(own < 0.1, "{tile:?}: {own}"),
         }
     }
@@ -167,4 +173,62 @@ fn coverings_are_on_the_whole_as_bright_as_their_vertex_colour() {
         let by = seen.iter().sum::<f32>() / 3.0 / wall;
         assert!((0.65..1.15).contains(&by), "{tile:?} shows {by} times its colour");
     }
+}
+
+/// Where the cards' normal pictures say that they are drawn, by row and column.
+fn drawn(normal: &[[u8; 4]], side: usize) -> impl Iterator<Item = (usize, usize)> {
+    let drawn = normal.iter().enumerate().filter(|(_, n)| n[3] >= 128);
+    drawn.map(move |(i, _)| (i / side, i % side)).collect::<Vec<_>>().into_iter()
+}
+
+#[test]
+fn cards_show_a_tree_from_its_front_and_from_above_and_nothing_between() {
+    for seed in [1, 7, 8] {
+        for tile in Tile::all().filter(|tile| tile.is_card()) {
+            let (_, normal) = paint_tile(tile, SIZE as u32, seed);
+            let (front, above): (Vec<_>, Vec<_>) = drawn(&normal, SIZE).partition(|&(_, x)| x < SIZE / 2);
+            let bounds = |of: &[(usize, usize)]| {
+                let [rows, columns] = [|p: &(usize, usize)| p.0, |p: &(usize, usize)| p.1].map(|of_p| {
+                    let all: Vec<usize> = of.iter().map(of_p).collect();
+                    (all.iter().copied().min().unwrap_or(0), all.iter().copied().max().unwrap_or(0))
+                });
+                (rows, columns)
+            };
+            let (rows, columns) = bounds(&front);
+            assert_eq!(rows.1, SIZE - SIZE / 128 - 1, "{tile:?} stands on its foot");
+            assert!(rows.0 < SIZE / 6, "{tile:?} fills its height: from {rows:?}");
+            assert!(columns.0 > 0 && columns.1 < SIZE / 2 - 1, "{tile:?} is whole: {columns:?}");
+            assert!(columns.1 - columns.0 > SIZE / 5, "{tile:?} fills its width: {columns:?}");
+            let (rows, columns) = bounds(&above);
+            assert!(
+                rows.0 > 0 && rows.1 < SIZE / 2 && columns.0 > SIZE / 2 && columns.1 < SIZE - 1,
+                "{tile:?}: {rows:?} {columns:?}"
+            );
+            assert!(rows.1 - rows.0 > SIZE / 5 && columns.1 - columns.0 > SIZE / 5, "{tile:?}: {rows:?} {columns:?}");
+        }
+    }
+}
+
+#[test]
+fn a_card_keeps_its_cover_as_it_grows_smaller() {
+    let tiles = paint_tiles(SIZE as u32, 7);
+    for tile in Tile::all().filter(|tile| tile.is_card()) {
+        let share = |mip: u32| {
+            let normal = tiles.normal_of(tile.index() as u32, mip).expect("a mip");
+            let drawn = normal.chunks_exact(4).filter(|n| n[3] >= 128).count();
+            drawn as f32 / (normal.len() / 4) as f32
+        };
+        let whole = share(0);
+        for mip in 1..4 {
+            assert!((share(mip) / whole - 1.0).abs() < 0.2, "{tile:?} at mip {mip}: {} of {whole}", share(mip));
+        }
+    }
+}
+
+#[test]
+fn leaves_on_cards_are_tinted_and_their_trunks_are_not() {
+    let (leafy, normal) = paint_tile(Tile::LeafyTree(veduta_city::ObjectKind::Birch), SIZE as u32, 7);
+    let at = |row: usize| drawn(&normal, SIZE).filter(move |&(y, x)| y == row && x < SIZE / 2).map(|(y, x)| leafy[y * SIZE + x][3]);
+    assert!(at(SIZE / 2).count() > 0 && at(SIZE / 2).all(|share| share > 200));
+    assert!(at(SIZE - SIZE / 16).count() > 0 && at(SIZE - SIZE / 16).all(|share| share < 50));
 }

@@ -1,15 +1,18 @@
 //! Standing objects, recognisable at a glance and cheap: 50 to 400 triangles each.
 
+mod card;
 mod tree;
 
 use glam::{DVec2, DVec3};
 use veduta_city::draw::Draw;
+use veduta_city::tree::{GREENS, nominal_m as tree_m};
 use veduta_city::{CellShell, ObjectKind, PlanObject, Rgb, Season, SurfaceKind, Tile, metres};
 
 use super::data::{MeshData, Paint};
 use super::outline::{centre_of, engine};
 use super::shape::{Ball, Sculptor};
-use tree::EVERGREEN;
+
+pub use card::tree_cards;
 
 const IRON: Rgb = Rgb(0x33, 0x38, 0x36);
 const LANTERN: Rgb = Rgb(0xFF, 0xEB, 0xBE);
@@ -31,30 +34,35 @@ const AWNINGS: [Rgb; 3] = [Rgb(0x8C, 0x3E, 0x2C), Rgb(0x4E, 0x6A, 0x4C), Rgb(0xC
 /// Height of a lamp's light above its foot at nominal size; metres.
 const LIGHT_M: f64 = 3.7;
 
-/// All standing objects of a cell but those that are seen as monuments, trees as they are in a season. Centres are the objects'
-/// positions.
+/// All standing objects of a cell but trees and those that are seen as monuments. Centres are the objects' positions.
 #[must_use]
-pub fn objects(shell: &CellShell, season: Season) -> MeshData {
+pub fn objects(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
     let ball = Ball::new();
-    for object in shell.objects.iter().filter(|object| object.monument.is_none()) {
-        let plan = object.pos.to_metres();
-        let heading = f64::from(object.heading).to_radians();
-        let mut maker = Maker {
-            sculptor: Sculptor {
-                mesh: &mut mesh,
-                foot: engine(plan, metres(object.z)),
-                front: DVec2::new(libm::sin(heading), libm::cos(heading)),
-                scale: scale_of(object),
-            },
-            ball: &ball,
-            centre: centre_of(plan),
-            draw: Draw::new(0, object.id, "object"),
-            season,
-        };
-        maker.make(object.kind);
+    for object in drawn(shell).filter(|object| !object.kind.is_tree()) {
+        Maker::new(object, &ball, &mut mesh).make(object.kind);
     }
     mesh
+}
+
+/// All trees of a cell as they are in a season, for who is near. Centres are their positions.
+#[must_use]
+pub fn trees(shell: &CellShell, season: Season) -> MeshData {
+    let mut mesh = MeshData::default();
+    let ball = Ball::new();
+    for object in drawn(shell).filter(|object| object.kind.is_tree()) {
+        Maker::new(object, &ball, &mut mesh).tree(object.kind, season);
+    }
+    mesh
+}
+
+fn drawn(shell: &CellShell) -> impl Iterator<Item = &PlanObject> {
+    shell.objects.iter().filter(|object| object.monument.is_none())
+}
+
+/// What is random about an object.
+fn draw_of(object: &PlanObject) -> Draw {
+    Draw::new(0, object.id, "object")
 }
 
 /// Where the light of a lamp is, in the mesh's axes; `None` for other objects.
@@ -68,13 +76,6 @@ pub fn lantern(object: &PlanObject) -> Option<[f32; 3]> {
 const fn nominal_m(kind: ObjectKind) -> f64 {
     match kind {
         ObjectKind::Lamp => 4.2,
-        ObjectKind::Tree => 9.0,
-        ObjectKind::Conifer => 11.0,
-        ObjectKind::Poplar => 11.8,
-        ObjectKind::Birch => 9.6,
-        ObjectKind::Willow => 7.2,
-        ObjectKind::FruitTree => 4.6,
-        ObjectKind::Palm => 8.2,
         ObjectKind::Bench => 0.85,
         ObjectKind::Fountain => 3.2,
         ObjectKind::Statue => 4.2,
@@ -87,6 +88,7 @@ const fn nominal_m(kind: ObjectKind) -> f64 {
         ObjectKind::Hedge => 0.95,
         ObjectKind::Planter => 1.1,
         ObjectKind::Shrub => 1.2,
+        _ => tree_m(kind),
     }
 }
 
@@ -106,20 +108,24 @@ struct Maker<'a> {
     ball: &'a Ball,
     centre: [f32; 2],
     draw: Draw,
-    season: Season,
 }
 
-impl Maker<'_> {
+impl<'a> Maker<'a> {
+    fn new(object: &PlanObject, ball: &'a Ball, mesh: &'a mut MeshData) -> Self {
+        let plan = object.pos.to_metres();
+        let heading = f64::from(object.heading).to_radians();
+        let sculptor = Sculptor {
+            mesh,
+            foot: engine(plan, metres(object.z)),
+            front: DVec2::new(libm::sin(heading), libm::cos(heading)),
+            scale: scale_of(object),
+        };
+        Self { sculptor, ball, centre: centre_of(plan), draw: draw_of(object) }
+    }
+
     fn make(&mut self, kind: ObjectKind) {
         match kind {
             ObjectKind::Lamp => self.lamp(),
-            ObjectKind::Tree
-            | ObjectKind::Conifer
-            | ObjectKind::Poplar
-            | ObjectKind::Birch
-            | ObjectKind::Willow
-            | ObjectKind::FruitTree
-            | ObjectKind::Palm => self.tree(kind),
             ObjectKind::Bench => self.bench(),
             ObjectKind::Fountain => self.fountain(),
             ObjectKind::Statue => self.statue(),
@@ -134,6 +140,7 @@ impl Maker<'_> {
             ObjectKind::Hedge => self.hedge(),
             ObjectKind::Planter => self.planter(),
             ObjectKind::Shrub => self.shrub(),
+            _ => {}
         }
     }
 
@@ -320,7 +327,7 @@ impl Maker<'_> {
 
     /// Clipped: straight sides, a level top.
     fn hedge(&mut self) {
-        let hue = EVERGREEN[3];
+        let hue = GREENS[3];
         for (k, x) in [-0.75, -0.25, 0.25, 0.75].into_iter().enumerate() {
             let part = self.draw.part(k as u64);
             let leaves = self.paint(hue.scaled(part.between("shade", 0.9, 1.08)), Tile::Leaves);
@@ -338,7 +345,7 @@ impl Maker<'_> {
         for y in [0.14, 0.5] {
             self.sculptor.block((0.0, 0.0), (0.435, 0.435), (y, y + 0.03), iron);
         }
-        let leaves = self.paint(EVERGREEN[0], Tile::Leaves);
+        let leaves = self.paint(GREENS[0], Tile::Leaves);
         self.sculptor.blob(self.ball, DVec3::new(0.0, 0.68, 0.0), DVec3::new(0.4, 0.26, 0.4), 0.2, self.draw.part(0), leaves);
         let first = self.draw.below("flowers", FLOWERS.len());
         for k in 0..2 {
@@ -351,7 +358,7 @@ impl Maker<'_> {
 
     fn shrub(&mut self) {
         self.turned(5, &[(0.06, 0.0), (0.03, 0.4)], self.paint(BARK, Tile::Wood));
-        let hue = self.draw.pick("leaves", &EVERGREEN).copied().unwrap_or(EVERGREEN[0]);
+        let hue = self.draw.pick("leaves", &GREENS).copied().unwrap_or(GREENS[0]);
         for (k, (x, z, size)) in [(0.0, 0.0, 0.76), (0.5, 0.25, 0.5), (-0.4, 0.35, 0.46)].into_iter().enumerate() {
             let part = self.draw.part(k as u64);
             let size = size * part.between("size", 0.96, 1.04);
@@ -370,7 +377,10 @@ mod tests {
     fn one(kind: ObjectKind, heading: u16, season: Season) -> MeshData {
         let height = GridPos::steps(nominal_m(kind));
         let object = PlanObject { id: Id(3), kind, pos: GridPos(2048, 1024), z: 1024, heading, height, monument: None };
-        objects(&CellShell { objects: vec![object], ..Default::default() }, season)
+        let shell = CellShell { objects: vec![object], ..Default::default() };
+        let mut mesh = objects(&shell);
+        mesh.append(&trees(&shell, season));
+        mesh
     }
 
     fn in_all_seasons() -> impl Iterator<Item = (ObjectKind, Season)> {

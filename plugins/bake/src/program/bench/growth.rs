@@ -65,7 +65,8 @@ pub(crate) fn growth(bench: &GrowthBench) -> Result<(), Failure> {
     figures.push(Figure::new("buildings_per_s", houses / seconds, "1/s"));
     let full = |(shell, sheet): &(CellShell, FacadeSheet)| {
         let walls = mesh::level2(shell, sheet)?;
-        Ok::<_, mesh::MeshError>(triangles(&[walls, mesh::roofs(shell), mesh::ground(shell), mesh::objects(shell, Season::Summer)]))
+        let trees = mesh::trees(shell, Season::Summer);
+        Ok::<_, mesh::MeshError>(triangles(&[walls, mesh::roofs(shell), mesh::ground(shell), mesh::objects(shell), trees]))
     };
     let (seconds, made) = best(bench.repeat, || parts.par_iter().map(full).sum::<Result<usize, _>>());
     figures.push(Figure::new("triangles_per_s", made? as f64 / seconds, "1/s"));

@@ -1,0 +1,342 @@
+//! Cards: pictures of trees, taken of the very bodies that are seen near by.
+//!
+//! ```text
+//!  tree::build ──► triangles ──► from the front and from above, nearest first ──► rims frayed into leaves ──► mips that keep
+//!                                                                                                             their cover
+//! ```
+
+use glam::{DVec3, Vec2, Vec3};
+use veduta_city::draw::Draw;
+use veduta_city::tree::{self, Skin, TreeBuilder, TreeCard};
+use veduta_city::{ObjectKind, Season};
+
+use crate::canvas::Texel;
+use crate::mips::Encoder;
+use crate::noise::{Fractal, Pebbles, floor, mix, smoothstep, word};
+
+/// A pixel is looked at in so many places across and down.
+const SAMPLES: usize = 2;
+/// Meridians and parallels of a lump, and sides of a bough.
+const LUMP: (usize, usize) = (28, 16);
+const BOUGH: usize = 5;
+/// Boughs are at least so thick, as a share of the card's height: twigs that no pixel holds would vanish.
+const LEAST_TWIG: f64 = 0.0022;
+/// Pictures go on so far beyond their edges, as a share of the layer.
+const BEYOND: f64 = 1.0 / 128.0;
+/// Patterns repeat after so many metres.
+const PATTERN_M: f32 = 4.0;
+
+/// A pixel of a card.
+#[derive(Debug, Clone, Copy)]
+struct Dot {
+    /// Its colour; meaningless where nothing covers it.
+    texel: Texel,
+    /// Towards the viewer; shorter where averaged.
+    normal: Vec3,
+    /// Share that is covered.
+    cover: f32,
+}
+
+const NOTHING: Dot =
+    Dot { texel: Texel { own: Vec3::ZERO, tint: Vec3::ZERO, height: 0.0, rough: 0.0 }, normal: Vec3::ZERO, cover: 0.0 };
+
+impl Dot {
+    /// The mean, each in proportion to what it covers.
+    fn mean(dots: &[Self]) -> Self {
+        let cover: f32 = dots.iter().map(|dot| dot.cover).sum();
+        if cover <= 0.0 {
+            return NOTHING;
+        }
+        let sum = |of: fn(&Self) -> Vec3| dots.iter().map(|dot| of(dot) * dot.cover).sum::<Vec3>() / cover;
+        let texel = Texel { own: sum(|dot| dot.texel.own), tint: sum(|dot| dot.texel.tint), ..NOTHING.texel };
+        Self { texel, normal: sum(|dot| dot.normal), cover: cover / dots.len() as f32 }
+    }
+
+    /// Colour, and normal with the cover, in bytes.
+    fn bytes(&self, encoder: &Encoder, cover: f32) -> [[u8; 4]; 2] {
+        let n = self.normal.normalize_or(Vec3::Z);
+        let signed = |c: f32| (128.0 + c * 127.0 + 0.5).clamp(1.0, 255.0) as u8;
+        let cover = (cover.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        [encoder.colour(&self.texel), [signed(n.x), signed(n.y), signed(n.z), cover]]
+    }
+}
+
+/// A card and its smaller selves.
+pub(crate) struct Card {
+    /// From the largest down to one pixel, rows from the top.
+    mips: Vec<Vec<Dot>>,
+    /// What the cover of each is multiplied by, so that as much of it is drawn as of the largest.
+    gains: Vec<f32>,
+}
+
+impl Card {
+    /// A tree in leaf, or bare.
+    pub(crate) fn of_tree(kind: ObjectKind, is_bare: bool, size: u32, draw: Draw, leaf: &Leaf) -> Self {
+        let bodies = Bodies::of(kind, if is_bare { Season::Winter } else { Season::Summer }, draw);
+        let (n, fine) = (size as usize, size as usize * SAMPLES);
+        let mut samples = vec![NOTHING; fine * fine];
+        let card = TreeCard::of(kind);
+        let (half, height) = (card.half_m as f32, card.height_m as f32);
+        bodies.take(&mut samples, fine, leaf, &View::new(TreeCard::SIDE, [(-half, half), (height, 0.0)], |p| p));
+        bodies.take(
+            &mut samples,
+            fine,
+            leaf,
+            &View::new(TreeCard::TOP, [(-half, half), (half, -half)], |p| Vec3::new(p.x, -p.z, p.y)),
+        );
+        Self::with_mips(halved(fine, &samples), n)
+    }
+
+    fn with_mips(largest: Vec<Dot>, size: usize) -> Self {
+        let mut mips = vec![largest];
+        let mut side = size;
+        while side > 1 {
+            mips.push(halved(side, &mips[mips.len() - 1]));
+            side /= 2;
+        }
+        let share = mips[0].iter().filter(|dot| dot.cover >= 0.5).count() as f32 / mips[0].len() as f32;
+        let gains = mips.iter().enumerate().map(|(i, mip)| if i == 0 { 1.0 } else { gain(mip, share) }).collect();
+        // What is not covered takes its colour from the next smaller picture, so that nothing bleeds into edges.
+        for i in (0..mips.len() - 1).rev() {
+            let (larger, smaller) = mips.split_at_mut(i + 1);
+            let side = size >> i;
+            for (at, dot) in larger[i].iter_mut().enumerate().filter(|(_, dot)| dot.cover <= 0.0) {
+                let under = smaller[0][(at / side / 2) * (side / 2).max(1) + (at % side) / 2];
+                (dot.texel, dot.normal) = (under.texel, under.normal);
+            }
+        }
+        Self { mips, gains }
+    }
+
+    /// Colours, and normals with the cover, of each picture from the largest on.
+    pub(crate) fn pictures<'a>(&'a self, encoder: &'a Encoder) -> impl Iterator<Item = Vec<[[u8; 4]; 2]>> + 'a {
+        self.mips.iter().zip(&self.gains).map(|(mip, gain)| mip.iter().map(|dot| dot.bytes(encoder, dot.cover * gain)).collect())
+    }
+}
+
+fn halved(side: usize, from: &[Dot]) -> Vec<Dot> {
+    crate::mips::halve(side, from, |four| Dot::mean(&four))
+}
+
+/// By what cover is to be multiplied so that such a share of a picture is covered by half at least.
+fn gain(mip: &[Dot], share: f32) -> f32 {
+    let mut covers: Vec<f32> = mip.iter().map(|dot| dot.cover).collect();
+    covers.sort_unstable_by(|a, b| b.total_cmp(a));
+    let wanted = ((share * mip.len() as f32 + 0.5) as usize).clamp(1, covers.len());
+    // Many pixels are covered alike: all of these are drawn, or none, as is nearer to what is wanted.
+    let least = covers[wanted - 1];
+    let (more, all) = (covers.partition_point(|&cover| cover > least), covers.partition_point(|&cover| cover >= least));
+    let drawn = if more > 0 && wanted - more < all - wanted { more } else { all };
+    (0.5 / covers[drawn - 1].max(0.02)).clamp(0.5, 4.0)
+}
+
+/// The pattern of leaves, the same on every card: how bright they are at a place, about 1, and how far they stand out there, about −1
+/// to 1.
+pub(crate) struct Leaf(Vec<(f32, f32)>);
+
+impl Leaf {
+    /// Places of the pattern, across and down.
+    const SIDE: i32 = 192;
+
+    pub(crate) fn new(draw: Draw) -> Self {
+        let clumps = [Pebbles::new(draw.bits("clumps a"), 15, 15, 0.95), Pebbles::new(draw.bits("clumps b"), 26, 26, 0.95)];
+        let frays = Fractal::new(draw.bits("frays"), 11, 11, 3, 0.7);
+        let at = |u: f32, v: f32| {
+            let fray = frays.at(u, v);
+            let [large, small] = [0, 1].map(|i: usize| clumps[i].at(u + 0.02 * fray, v + 0.013 * fray));
+            let [round, dot] = [&large, &small].map(|clump| smoothstep(0.8, 0.1, clump.near));
+            let light = mix(0.62, 1.14, 0.55 * round + 0.45 * dot) * (0.88 + 0.24 * word(small.bits, 0));
+            let high = 0.2 * (large.offset.1 + small.offset.1);
+            (light * (1.0 + high), (1.2 * round + 0.8 * dot - 1.0) * 0.7 + 0.5 * fray)
+        };
+        let share = |i: i32| (i as f32 + 0.5) / Self::SIDE as f32;
+        Self((0..Self::SIDE * Self::SIDE).map(|i| at(share(i % Self::SIDE), share(i / Self::SIDE))).collect())
+    }
+
+    fn at(&self, p: Vec2) -> (f32, f32) {
+        let [x, y] = (p * (Self::SIDE as f32 / PATTERN_M)).to_array().map(|at| floor(at).rem_euclid(Self::SIDE));
+        self.0[(y * Self::SIDE + x) as usize]
+    }
+}
+
+/// A corner of a triangle.
+#[derive(Clone, Copy)]
+struct Corner {
+    place: Vec3,
+    normal: Vec3,
+    /// Where on a ball it would lie: near the rim for who looks across it.
+    round: Vec3,
+}
+
+impl Corner {
+    fn new(place: DVec3, normal: DVec3) -> Self {
+        Self { place: place.as_vec3(), normal: normal.as_vec3(), round: normal.as_vec3() }
+    }
+}
+
+/// A tree as triangles.
+struct Bodies {
+    triangles: Vec<([Corner; 3], Skin, bool)>,
+    least_m: f64,
+}
+
+/// Where on its layer a picture lies, what of the tree it shows, and how that is turned to be looked at along −z.
+struct View<F> {
+    layer: [(f64, f64); 2],
+    shown: [(f32, f32); 2],
+    turn: F,
+}
+
+impl<F: Fn(Vec3) -> Vec3> View<F> {
+    fn new(layer: [(f64, f64); 2], shown: [(f32, f32); 2], turn: F) -> Self {
+        Self { layer, shown, turn }
+    }
+
+    /// Pixels a metre, and the pixel of the origin, along u and v.
+    fn scale(&self, fine: usize) -> (Vec2, Vec2) {
+        let along = |i: usize| {
+            let ((from, to), (first, last)) = (self.layer[i], self.shown[i]);
+            let scale = (to - from) as f32 * fine as f32 / (last - first);
+            (scale, from as f32 * fine as f32 - first * scale)
+        };
+        let ((x, x0), (y, y0)) = (along(0), along(1));
+        (Vec2::new(x, y), Vec2::new(x0, y0))
+    }
+}
+
+impl Bodies {
+    fn of(kind: ObjectKind, season: Season, draw: Draw) -> Self {
+        let mut bodies = Self { triangles: Vec::new(), least_m: TreeCard::of(kind).height_m * LEAST_TWIG };
+        tree::build(kind, season, draw, &mut bodies);
+        bodies
+    }
+
+    /// A net of corners, row by row, as triangles; each row is closed by its own first corner being its last too.
+    fn net(&mut self, rows: &[Vec<Corner>], skin: Skin, is_round: bool) {
+        for pair in rows.windows(2) {
+            for i in 0..pair[0].len() - 1 {
+                let (a, b, c, d) = (pair[0][i], pair[0][i + 1], pair[1][i + 1], pair[1][i]);
+                self.triangles.extend([([a, b, c], skin, is_round), ([a, c, d], skin, is_round)]);
+            }
+        }
+    }
+
+    /// Draws what is nearest into the samples of a layer.
+    fn take<F: Fn(Vec3) -> Vec3>(&self, samples: &mut [Dot], fine: usize, leaf: &Leaf, view: &View<F>) {
+        let (scale, origin) = view.scale(fine);
+        let mut depths = vec![f32::NEG_INFINITY; samples.len()];
+        // Somewhat beyond the picture, for the sake of what is blended at its foot.
+        let within = |i: usize, (low, high): (f32, f32)| -> (usize, usize) {
+            let edge = |at: f64| (at * fine as f64) as usize;
+            let (first, last) = (edge(view.layer[i].0 - BEYOND), edge(view.layer[i].1 + BEYOND));
+            ((low.max(0.0) as usize).max(first), (high.max(0.0) as usize + 1).min(last))
+        };
+        for (corners, skin, is_round) in &self.triangles {
+            let turned = corners.map(|corner| [corner.place, corner.normal, corner.round].map(&view.turn));
+            let at = turned.map(|[place, ..]| place.truncate() * scale + origin);
+            let area = (at[1] - at[0]).perp_dot(at[2] - at[0]);
+            if area.abs() < 1e-9 {
+                continue;
+            }
+            let [low, high] = [at[0].min(at[1]).min(at[2]), at[0].max(at[1]).max(at[2])];
+            let ((left, right), (top, bottom)) = (within(0, (low.x, high.x)), within(1, (low.y, high.y)));
+            for (row, column) in (top..bottom).flat_map(|row| (left..right).map(move |column| (row, column))) {
+                let p = Vec2::new(column as f32 + 0.5, row as f32 + 0.5);
+                let share = |i: usize| (at[(i + 1) % 3] - p).perp_dot(at[(i + 2) % 3] - p) / area;
+                let shares = [share(0), share(1), share(2)];
+                if shares.iter().any(|&s| s < 0.0) {
+                    continue;
+                }
+                let [place, normal, round] = [0, 1, 2].map(|k| (0..3).map(|i| turned[i][k] * shares[i]).sum::<Vec3>());
+                let index = row * fine + column;
+                if place.z <= depths[index] {
+                    continue;
+                }
+                let normal = normal.normalize_or(Vec3::Z);
+                let normal = if *is_round { normal } else { normal * normal.z.signum() };
+                let facing = if *is_round { round.z } else { 1.0 };
+                if normal.z <= 0.0 {
+                    continue;
+                }
+                let Some(texel) = covered(*skin, place, facing, leaf) else { continue };
+                depths[index] = place.z;
+                samples[index] = Dot { texel, normal, cover: 1.0 };
+            }
+        }
+    }
+}
+
+/// What is seen at a place of a tree that faces the viewer so far, 0 to 1; `None` where its rim is frayed.
+fn covered(skin: Skin, place: Vec3, facing: f32, leaf: &Leaf) -> Option<Texel> {
+    match skin {
+        Skin::Bark(colour) => Some(Texel::solid(Vec3::from_array(colour.to_linear()) * (0.75 + 0.25 * facing), 0.9)),
+        Skin::Leaves(shade) => {
+            let (light, stands_out) = leaf.at(Vec2::new(place.x + 0.3 * place.z, place.y));
+            // Leaves at the rim stand apart; those that lie deeper see less of the sky.
+            let sky = mix(0.72, 1.06, smoothstep(-0.1, 0.8, facing));
+            (facing > 0.42 - 0.4 * stands_out).then(|| Texel::tinted(shade as f32 * light * sky, 0.8))
+        }
+    }
+}
+
+impl TreeBuilder for Bodies {
+    fn lump(&mut self, middle: DVec3, radii: DVec3, rough: f64, draw: Draw, skin: Skin) {
+        let skinned = Fractal::new(draw.bits("skin"), 6, 6, 2, 0.6);
+        let corner = |i: usize, j: usize| {
+            let (turn, rise) = (i as f64 / LUMP.0 as f64, j as f64 / LUMP.1 as f64);
+            let (angle, up) = (turn * core::f64::consts::TAU, (rise - 0.5) * core::f64::consts::PI);
+            let p = DVec3::new(libm::cos(up) * libm::cos(angle), libm::sin(up), libm::cos(up) * libm::sin(angle));
+            let swell = 1.0 + rough * f64::from(skinned.at(turn as f32, rise as f32)) * libm::cos(up);
+            Corner { round: p.as_vec3(), ..Corner::new(middle + p * radii * swell, (p / radii).normalize()) }
+        };
+        let rows: Vec<Vec<Corner>> = (0..=LUMP.1).map(|j| (0..=LUMP.0).map(|i| corner(i, j)).collect()).collect();
+        self.net(&rows, skin, true);
+    }
+
+    fn turned(&mut self, axis: (f64, f64), sides: usize, rings: &[(f64, f64)], skin: Skin) {
+        let sides = sides * 4;
+        for pair in rings.windows(2) {
+            let ((low, y0), (high, y1)) = (pair[0], pair[1]);
+            let corner = |i: usize, radius: f64, y: f64| {
+                let angle = core::f64::consts::TAU * i as f64 / sides as f64;
+                let spoke = DVec3::new(libm::cos(angle), 0.0, libm::sin(angle));
+                let normal = (spoke * (y1 - y0) + DVec3::Y * (low - high)).normalize_or(spoke);
+                // What stands on the ground goes on below it.
+                let y = if y <= 0.0 { y - 1.0 } else { y };
+                // Needles and hanging boughs end in tips.
+                let tip = match skin {
+                    Skin::Leaves(_) if i % 2 == 1 => 0.7,
+                    Skin::Leaves(_) => 1.05,
+                    Skin::Bark(_) => 1.0,
+                };
+                Corner::new(DVec3::new(axis.0, y, axis.1) + spoke * (radius * tip), normal)
+            };
+            let rows = [(low, y0), (high, y1)].map(|(radius, y)| (0..=sides).map(|i| corner(i, radius, y)).collect::<Vec<_>>());
+            self.net(&rows, skin, true);
+        }
+    }
+
+    fn limb(&mut self, from: DVec3, to: DVec3, radii: (f64, f64), skin: Skin) {
+        let Some(way) = (to - from).try_normalize() else { return };
+        let x = way.cross(if way.y.abs() < 0.9 { DVec3::Y } else { DVec3::X }).normalize();
+        let z = x.cross(way);
+        let row = |at: DVec3, radius: f64| -> Vec<Corner> {
+            let corner = |i: usize| {
+                let angle = core::f64::consts::TAU * i as f64 / BOUGH as f64;
+                let spoke = x * libm::cos(angle) + z * libm::sin(angle);
+                Corner::new(at + spoke * radius.max(self.least_m), spoke)
+            };
+            (0..=BOUGH).map(corner).collect()
+        };
+        let rows = [row(from, radii.0), row(to, radii.1)];
+        self.net(&rows, skin, true);
+    }
+
+    fn blade(&mut self, corners: &[DVec3], skin: Skin) {
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or(DVec3::Y);
+        let corners: Vec<Corner> = corners.iter().map(|&p| Corner::new(p, normal)).collect();
+        for i in 1..corners.len() - 1 {
+            self.triangles.push(([corners[0], corners[i], corners[i + 1]], skin, false));
+        }
+    }
+}
