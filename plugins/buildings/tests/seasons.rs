@@ -84,16 +84,20 @@ fn where_there_are_tiles_trees_are_cards_from_afar_and_bodies_near_by() {
     let (mut app, entity) = ordered(Building::Inline);
     app.insert_resource(MaterialsProvided);
     app.update();
-    assert_eq!((trees_at(&mut app, Level::One), trees_at(&mut app, Level::Two)), (vec![20], vec![]), "two cards and the crown's");
+    assert_eq!(
+        (trees_at(&mut app, Level::One), trees_at(&mut app, Level::Two)),
+        (vec![36], vec![]),
+        "four cards with two sides each, and the crown's"
+    );
 
     app.world_mut().get_mut::<CellContent>(entity).expect("it stands").sheet = Some(Arc::new(FacadeSheet::default()));
     app.world_mut().write_message(CellReady { entity, cell: 0, level: Level::Two });
     app.update();
-    assert_eq!((trees_at(&mut app, Level::One), trees_at(&mut app, Level::Two)), (vec![20], bodies.clone()));
+    assert_eq!((trees_at(&mut app, Level::One), trees_at(&mut app, Level::Two)), (vec![36], bodies.clone()));
 
     app.world_mut().resource_mut::<CityClock>().day = 20;
     app.update();
     let bare = trees_at(&mut app, Level::Two);
-    assert_eq!((trees_at(&mut app, Level::One), bare.len()), (vec![20], 1), "both are made anew");
+    assert_eq!((trees_at(&mut app, Level::One), bare.len()), (vec![36], 1), "both are made anew");
     assert_ne!(bare, bodies);
 }

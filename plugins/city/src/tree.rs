@@ -43,19 +43,21 @@ pub const fn nominal_m(kind: ObjectKind) -> f64 {
     }
 }
 
-/// What cards that stand for a tree afar show, in metres of its nominal height: an upright picture from the front and one of the crown
-/// from above. Both lie on one layer of the texture array, within [`TreeCard::SIDE`] and [`TreeCard::TOP`].
+/// What cards that stand for a tree afar show, in metres of its nominal height: upright ones a picture from the front, another one of
+/// the crown from above. Both lie on one layer of the texture array, within [`TreeCard::SIDE`] and [`TreeCard::TOP`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TreeCard {
-    /// Half the width of both, and half the depth of that from above.
+    /// Half the width of all, and half the depth of that from above.
     pub half_m: f64,
-    /// Height of the upright one.
+    /// Height of the upright ones.
     pub height_m: f64,
     /// How high the one from above lies.
     pub crown_m: f64,
 }
 
 impl TreeCard {
+    /// Upright cards of a tree, at even angles.
+    pub const UPRIGHT: u32 = 4;
     /// Kept free about both pictures, so that neither shows at the edge of the other; as a share of the layer.
     const MARGIN: f64 = 1.0 / 64.0;
     /// Where the upright picture lies: u from its left to its right, v from its top to its foot.
@@ -71,7 +73,7 @@ impl TreeCard {
             ObjectKind::Poplar => (1.7, 12.2, 5.5),
             ObjectKind::Birch => (2.5, 10.0, 5.6),
             ObjectKind::Willow => (3.6, 8.0, 4.6),
-            ObjectKind::FruitTree => (2.2, 5.0, 3.0),
+            ObjectKind::FruitTree => (2.15, 4.7, 3.0),
             ObjectKind::Palm => (2.95, 9.0, 7.2),
             _ => (3.7, 9.8, 5.8),
         };

@@ -7,6 +7,23 @@ struct Facade {
     cut: vec4<f32>,
 }
 
+// Half the angle between neighbouring upright cards of a tree, and half of that over which they take turns; radians.
+const HALF_TURN: f32 = 0.3926991;
+const HALF_BAND: f32 = 0.1;
+// Sine of the eye's elevation at which the card from above begins to take over, and has done so.
+const FROM_ABOVE: vec2<f32> = vec2<f32>(0.64, 0.9);
+
+// Whether a card is the one of its tree to be seen from a direction. Of all that cross one another there is one at every threshold.
+fn is_turned_to(normal: vec3<f32>, to_eye: vec3<f32>, threshold: f32) -> bool {
+    let above = smoothstep(FROM_ABOVE.x, FROM_ABOVE.y, to_eye.y);
+    if abs(normal.y) > 0.5 * length(normal) { return threshold < above; }
+    if threshold < above { return false; }
+    let front = normal.xz * sign(dot(normal.xz, to_eye.xz));
+    let angle = atan2(front.x * to_eye.z - front.y * to_eye.x, dot(front, to_eye.xz));
+    let share = clamp((HALF_TURN + HALF_BAND - abs(angle)) / (2.0 * HALF_BAND), 0.0, 1.0);
+    return select(threshold >= 1.0 - share, threshold < share, angle > 0.0);
+}
+
 // Whether what is drawn are cards, which their tiles do not fill: the normal's alpha tells how much of a pixel is covered.
 fn is_cut(facade: Facade) -> bool {
     return facade.cut.x > 0.0;

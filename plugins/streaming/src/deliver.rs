@@ -4,8 +4,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use veduta_city::{GridPos, Level};
 use veduta_ecs::{
-    Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellReleased, City, CityFailed, CityOpened, LevelFade, StandingCells,
-    WorldOrigin,
+    Cell, CellContent, CellMesh, CellReady, CellReleased, City, CityFailed, CityOpened, LevelFade, StandingCells, WorldOrigin,
 };
 use veduta_store::{CityIndex, ClientEvent, Packet, sheet_fits};
 

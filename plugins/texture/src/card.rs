@@ -19,8 +19,13 @@ const SAMPLES: usize = 2;
 /// Meridians and parallels of a lump, and sides of a bough.
 const LUMP: (usize, usize) = (28, 16);
 const BOUGH: usize = 5;
+/// From so many trees the one is chosen that is shown.
+const TREES: u64 = 9;
 /// Boughs are at least so thick, as a share of the card's height: twigs that no pixel holds would vanish.
 const LEAST_TWIG: f64 = 0.0022;
+/// From this cover on a pixel is drawn; and cover is multiplied by so much at most.
+const DRAWN: f32 = 0.5;
+const MOST_GAIN: f32 = 8.0;
 /// Pictures go on so far beyond their edges, as a share of the layer.
 const BEYOND: f64 = 1.0 / 128.0;
 /// Patterns repeat after so many metres.
@@ -53,10 +58,10 @@ impl Dot {
     }
 
     /// Colour, and normal with the cover, in bytes.
-    fn bytes(&self, encoder: &Encoder, cover: f32) -> [[u8; 4]; 2] {
+    fn bytes(&self, encoder: &Encoder) -> [[u8; 4]; 2] {
         let n = self.normal.normalize_or(Vec3::Z);
         let signed = |c: f32| (128.0 + c * 127.0 + 0.5).clamp(1.0, 255.0) as u8;
-        let cover = (cover.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        let cover = (self.cover * 255.0 + 0.5) as u8;
         [encoder.colour(&self.texel), [signed(n.x), signed(n.y), signed(n.z), cover]]
     }
 }
@@ -65,13 +70,12 @@ impl Dot {
 pub(crate) struct Card {
     /// From the largest down to one pixel, rows from the top.
     mips: Vec<Vec<Dot>>,
-    /// What the cover of each is multiplied by, so that as much of it is drawn as of the largest.
-    gains: Vec<f32>,
 }
 
 impl Card {
     /// A tree in leaf, or bare.
     pub(crate) fn of_tree(kind: ObjectKind, is_bare: bool, size: u32, draw: Draw, leaf: &Leaf) -> Self {
+        let draw = Bodies::typical(kind, draw);
         let bodies = Bodies::of(kind, if is_bare { Season::Winter } else { Season::Summer }, draw);
         let (n, fine) = (size as usize, size as usize * SAMPLES);
         let mut samples = vec![NOTHING; fine * fine];
@@ -94,8 +98,10 @@ impl Card {
             mips.push(halved(side, &mips[mips.len() - 1]));
             side /= 2;
         }
-        let share = mips[0].iter().filter(|dot| dot.cover >= 0.5).count() as f32 / mips[0].len() as f32;
-        let gains = mips.iter().enumerate().map(|(i, mip)| if i == 0 { 1.0 } else { gain(mip, share) }).collect();
+        let whole: Vec<f32> = mips[0].chunks_exact((size / 2).max(1)).map(drawn).collect();
+        for (i, mip) in mips.iter_mut().enumerate().skip(1) {
+            keep_cover(mip, size >> i, &whole, size);
+        }
         // What is not covered takes its colour from the next smaller picture, so that nothing bleeds into edges.
         for i in (0..mips.len() - 1).rev() {
             let (larger, smaller) = mips.split_at_mut(i + 1);
@@ -105,12 +111,12 @@ impl Card {
                 (dot.texel, dot.normal) = (under.texel, under.normal);
             }
         }
-        Self { mips, gains }
+        Self { mips }
     }
 
     /// Colours, and normals with the cover, of each picture from the largest on.
     pub(crate) fn pictures<'a>(&'a self, encoder: &'a Encoder) -> impl Iterator<Item = Vec<[[u8; 4]; 2]>> + 'a {
-        self.mips.iter().zip(&self.gains).map(|(mip, gain)| mip.iter().map(|dot| dot.bytes(encoder, dot.cover * gain)).collect())
+        self.mips.iter().map(|mip| mip.iter().map(|dot| dot.bytes(encoder)).collect())
     }
 }
 
@@ -118,16 +124,33 @@ fn halved(side: usize, from: &[Dot]) -> Vec<Dot> {
     crate::mips::halve(side, from, |four| Dot::mean(&four))
 }
 
-/// By what cover is to be multiplied so that such a share of a picture is covered by half at least.
-fn gain(mip: &[Dot], share: f32) -> f32 {
-    let mut covers: Vec<f32> = mip.iter().map(|dot| dot.cover).collect();
-    covers.sort_unstable_by(|a, b| b.total_cmp(a));
-    let wanted = ((share * mip.len() as f32 + 0.5) as usize).clamp(1, covers.len());
-    // Many pixels are covered alike: all of these are drawn, or none, as is nearer to what is wanted.
-    let least = covers[wanted - 1];
-    let (more, all) = (covers.partition_point(|&cover| cover > least), covers.partition_point(|&cover| cover >= least));
-    let drawn = if more > 0 && wanted - more < all - wanted { more } else { all };
-    (0.5 / covers[drawn - 1].max(0.02)).clamp(0.5, 4.0)
+/// The share of some dots that is drawn: where they are covered by half at least.
+fn drawn(dots: &[Dot]) -> f32 {
+    dots.iter().filter(|dot| dot.cover >= DRAWN).count() as f32 / dots.len() as f32
+}
+
+/// Changes the cover of a smaller picture so that in each half of each row as much is drawn as in the rows of the largest that it is
+/// the mean of (after Castaño 2010, row by row): so trunks and twigs stay when they are thinner than a pixel.
+fn keep_cover(mip: &mut [Dot], side: usize, whole: &[f32], size: usize) {
+    if side < 2 {
+        return;
+    }
+    for (k, half) in mip.chunks_exact_mut(side / 2).enumerate() {
+        let (row, is_right, rows) = (k / 2, k % 2, size / side);
+        let share = (row * rows..(row + 1) * rows).map(|row| whole[2 * row + is_right]).sum::<f32>() / rows as f32;
+        let mut covers: Vec<f32> = half.iter().map(|dot| dot.cover).filter(|&cover| cover > 0.0).collect();
+        if covers.is_empty() || share <= 0.0 {
+            continue;
+        }
+        covers.sort_unstable_by(|a, b| b.total_cmp(a));
+        let wanted = ((share * half.len() as f32 + 0.5) as usize).clamp(1, covers.len());
+        // Many pixels are covered alike: all of these are drawn, or none, as is nearer to what is wanted.
+        let least = covers[wanted - 1];
+        let (more, all) = (covers.partition_point(|&cover| cover > least), covers.partition_point(|&cover| cover >= least));
+        let last = if more > 0 && wanted - more < all - wanted { more } else { all };
+        let gain = (DRAWN / covers[last - 1]).clamp(0.5, MOST_GAIN);
+        half.iter_mut().for_each(|dot| dot.cover = (dot.cover * gain).min(1.0));
+    }
 }
 
 /// The pattern of leaves, the same on every card: how bright they are at a place, about 1, and how far they stand out there, about −1
@@ -209,6 +232,18 @@ impl Bodies {
         let mut bodies = Self { triangles: Vec::new(), least_m: TreeCard::of(kind).height_m * LEAST_TWIG };
         tree::build(kind, season, draw, &mut bodies);
         bodies
+    }
+
+    /// Of some trees in leaf, the one whose crown is as broad from the front as is usual.
+    fn typical(kind: ObjectKind, draw: Draw) -> Draw {
+        let breadth = |draw: Draw| {
+            let bodies = Self::of(kind, Season::Summer, draw);
+            let ends = bodies.triangles.iter().flat_map(|(corners, ..)| corners).map(|corner| corner.place.x);
+            ends.clone().fold(0.0, f32::max) - ends.fold(0.0, f32::min)
+        };
+        let mut trees = (0..TREES).map(|i| draw.part(i)).map(|draw| (breadth(draw), draw)).collect::<Vec<_>>();
+        trees.sort_by(|a, b| a.0.total_cmp(&b.0));
+        trees[trees.len() / 2].1
     }
 
     /// A net of corners, row by row, as triangles; each row is closed by its own first corner being its last too.

@@ -1,4 +1,5 @@
-//! Trees as cards, for who is far away: two upright pictures across one another, and one of the crown for those who look from above.
+//! Trees as cards, for who is far away: upright pictures across one another, of which the shader shows the one that looks towards the
+//! eye, and one of the crown for those who look from above.
 
 use glam::{DVec2, DVec3};
 use veduta_city::tree::{self, TreeCard};
@@ -8,7 +9,7 @@ use super::{draw_of, drawn, scale_of};
 use crate::mesh::data::{MeshData, Paint};
 use crate::mesh::outline::{centre_of, engine};
 
-/// All trees of a cell as cards that bear their pictures, as they are in a season: ten triangles each. Centres are their positions.
+/// All trees of a cell as cards that bear their pictures, as they are in a season: 18 triangles each. Centres are their positions.
 #[must_use]
 pub fn tree_cards(shell: &CellShell, season: Season) -> MeshData {
     let mut mesh = MeshData::default();
@@ -26,11 +27,14 @@ fn lay(object: &PlanObject, season: Season, mesh: &mut MeshData) {
     let TreeCard { half_m, height_m, crown_m } = TreeCard::of(object.kind);
     let (half, foot) = (half_m * scale, engine(plan, metres(object.z)));
     let angle = draw.between("cards", 0.0, core::f64::consts::PI);
-    let along = DVec3::new(libm::cos(angle), 0.0, libm::sin(angle));
-    for right in [along, -along, along.cross(DVec3::Y), DVec3::Y.cross(along)] {
+    let way = |turn: f64| DVec3::new(libm::cos(angle + turn), 0.0, libm::sin(angle + turn));
+    // Once about: each is seen from both sides.
+    for i in 0..2 * TreeCard::UPRIGHT {
+        let right = way(core::f64::consts::PI * f64::from(i) / f64::from(TreeCard::UPRIGHT));
         let rise = DVec3::Y * (height_m * scale);
         picture(mesh, [foot - right * half, foot + right * half], rise, (right.cross(DVec3::Y), TreeCard::SIDE), paint);
     }
+    let along = way(0.0);
     let (middle, back) = (foot + DVec3::Y * (crown_m * scale), DVec3::Y.cross(along) * half);
     let front = [middle - back - along * half, middle - back + along * half];
     picture(mesh, front, back * 2.0, (DVec3::Y, TreeCard::TOP), paint);
@@ -59,10 +63,10 @@ mod tests {
     }
 
     #[test]
-    fn cards_are_ten_triangles_that_face_where_their_normals_point() {
+    fn cards_are_few_triangles_that_face_where_their_normals_point() {
         for (kind, season) in ObjectKind::TREES.into_iter().flat_map(|kind| Season::ALL.map(|season| (kind, season))) {
             let mesh = tree_cards(&wood(kind), season);
-            assert_eq!((mesh.validate(), mesh.triangle_count()), (Ok(()), 400), "{kind:?}");
+            assert_eq!((mesh.validate(), mesh.triangle_count()), (Ok(()), 40 * 18), "{kind:?}");
             for t in mesh.indices.chunks_exact(3) {
                 let [a, b, c] = [t[0], t[1], t[2]].map(|i| Vec3::from_array(mesh.positions[i as usize]));
                 let normal = Vec3::from_array(mesh.normals[t[0] as usize]);
