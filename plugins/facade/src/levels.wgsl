@@ -21,7 +21,9 @@ fn is_turned_to(normal: vec3<f32>, to_eye: vec3<f32>, threshold: f32) -> bool {
     let front = normal.xz * sign(dot(normal.xz, to_eye.xz));
     let angle = atan2(front.x * to_eye.z - front.y * to_eye.x, dot(front, to_eye.xz));
     let share = clamp((HALF_TURN + HALF_BAND - abs(angle)) / (2.0 * HALF_BAND), 0.0, 1.0);
-    return select(threshold >= 1.0 - share, threshold < share, angle > 0.0);
+    // One has the lower thresholds, its neighbour the others.
+    if angle > 0.0 { return threshold < share; }
+    return threshold >= 1.0 - share;
 }
 
 // Whether what is drawn are cards, which their tiles do not fill: the normal's alpha tells how much of a pixel is covered.

@@ -148,7 +148,7 @@ fn keep_cover(mip: &mut [Dot], side: usize, whole: &[f32], size: usize) {
         let least = covers[wanted - 1];
         let (more, all) = (covers.partition_point(|&cover| cover > least), covers.partition_point(|&cover| cover >= least));
         let last = if more > 0 && wanted - more < all - wanted { more } else { all };
-        let gain = (DRAWN / covers[last - 1]).clamp(0.5, MOST_GAIN);
+        let gain = (1.01 * DRAWN / covers[last - 1]).clamp(0.5, MOST_GAIN);
         half.iter_mut().for_each(|dot| dot.cover = (dot.cover * gain).min(1.0));
     }
 }
@@ -234,16 +234,17 @@ impl Bodies {
         bodies
     }
 
-    /// Of some trees in leaf, the one whose crown is as broad from the front as is usual.
+    /// Of some trees in leaf, the one that is nearest to being as broad from the front, and as high, as is usual.
     fn typical(kind: ObjectKind, draw: Draw) -> Draw {
-        let breadth = |draw: Draw| {
+        let size = |draw: Draw| {
             let bodies = Self::of(kind, Season::Summer, draw);
-            let ends = bodies.triangles.iter().flat_map(|(corners, ..)| corners).map(|corner| corner.place.x);
-            ends.clone().fold(0.0, f32::max) - ends.fold(0.0, f32::min)
+            let places = || bodies.triangles.iter().flat_map(|(corners, ..)| corners).map(|corner| corner.place);
+            places().fold(Vec3::MIN, Vec3::max) - places().fold(Vec3::MAX, Vec3::min)
         };
-        let mut trees = (0..TREES).map(|i| draw.part(i)).map(|draw| (breadth(draw), draw)).collect::<Vec<_>>();
-        trees.sort_by(|a, b| a.0.total_cmp(&b.0));
-        trees[trees.len() / 2].1
+        let trees: Vec<(Draw, Vec3)> = (0..TREES).map(|i| draw.part(i)).map(|draw| (draw, size(draw))).collect();
+        let usual = trees.iter().map(|(_, size)| *size).sum::<Vec3>() / trees.len() as f32;
+        let off = |size: Vec3| (size / usual - 1.0).abs().truncate().element_sum();
+        trees.iter().min_by(|a, b| off(a.1).total_cmp(&off(b.1))).map_or(draw, |tree| tree.0)
     }
 
     /// A net of corners, row by row, as triangles; each row is closed by its own first corner being its last too.
