@@ -21,8 +21,11 @@ const LUMP: (usize, usize) = (28, 16);
 const BOUGH: usize = 5;
 /// From so many trees the one is chosen that is shown.
 const TREES: u64 = 9;
-/// Boughs are at least so thick, as a share of the card's height: twigs that no pixel holds would vanish.
-const LEAST_TWIG: f64 = 0.0022;
+/// Boughs and trunks are at least so thick, as a share of the card's height: what no pixel holds would vanish.
+const LEAST_TWIG: f64 = 0.0025;
+const LEAST_TRUNK: f64 = 0.014;
+/// Lumps are larger by so much, for what is frayed of them.
+const FRAYED: f64 = 1.07;
 /// From this cover on a pixel is drawn; and cover is multiplied by so much at most.
 const DRAWN: f32 = 0.5;
 const MOST_GAIN: f32 = 8.0;
@@ -200,7 +203,7 @@ impl Corner {
 /// A tree as triangles.
 struct Bodies {
     triangles: Vec<([Corner; 3], Skin, bool)>,
-    least_m: f64,
+    height_m: f64,
 }
 
 /// Where on its layer a picture lies, what of the tree it shows, and how that is turned to be looked at along −z.
@@ -229,7 +232,7 @@ impl<F: Fn(Vec3) -> Vec3> View<F> {
 
 impl Bodies {
     fn of(kind: ObjectKind, season: Season, draw: Draw) -> Self {
-        let mut bodies = Self { triangles: Vec::new(), least_m: TreeCard::of(kind).height_m * LEAST_TWIG };
+        let mut bodies = Self { triangles: Vec::new(), height_m: TreeCard::of(kind).height_m };
         tree::build(kind, season, draw, &mut bodies);
         bodies
     }
@@ -323,14 +326,14 @@ impl TreeBuilder for Bodies {
             let (angle, up) = (turn * core::f64::consts::TAU, (rise - 0.5) * core::f64::consts::PI);
             let p = DVec3::new(libm::cos(up) * libm::cos(angle), libm::sin(up), libm::cos(up) * libm::sin(angle));
             let swell = 1.0 + rough * f64::from(skinned.at(turn as f32, rise as f32)) * libm::cos(up);
-            Corner { round: p.as_vec3(), ..Corner::new(middle + p * radii * swell, (p / radii).normalize()) }
+            Corner { round: p.as_vec3(), ..Corner::new(middle + p * radii * (FRAYED * swell), (p / radii).normalize()) }
         };
         let rows: Vec<Vec<Corner>> = (0..=LUMP.1).map(|j| (0..=LUMP.0).map(|i| corner(i, j)).collect()).collect();
         self.net(&rows, skin, true);
     }
 
     fn turned(&mut self, axis: (f64, f64), sides: usize, rings: &[(f64, f64)], skin: Skin) {
-        let sides = sides * 4;
+        let (sides, least) = (sides * 4, self.height_m * LEAST_TRUNK);
         for pair in rings.windows(2) {
             let ((low, y0), (high, y1)) = (pair[0], pair[1]);
             let corner = |i: usize, radius: f64, y: f64| {
@@ -340,12 +343,11 @@ impl TreeBuilder for Bodies {
                 // What stands on the ground goes on below it.
                 let y = if y <= 0.0 { y - 1.0 } else { y };
                 // Needles and hanging boughs end in tips.
-                let tip = match skin {
-                    Skin::Leaves(_) if i % 2 == 1 => 0.7,
-                    Skin::Leaves(_) => 1.05,
-                    Skin::Bark(_) => 1.0,
+                let radius = match skin {
+                    Skin::Leaves(_) => radius * if i % 2 == 1 { 0.7 } else { 1.05 },
+                    Skin::Bark(_) => radius.max(least),
                 };
-                Corner::new(DVec3::new(axis.0, y, axis.1) + spoke * (radius * tip), normal)
+                Corner::new(DVec3::new(axis.0, y, axis.1) + spoke * radius, normal)
             };
             let rows = [(low, y0), (high, y1)].map(|(radius, y)| (0..=sides).map(|i| corner(i, radius, y)).collect::<Vec<_>>());
             self.net(&rows, skin, true);
@@ -356,11 +358,12 @@ impl TreeBuilder for Bodies {
         let Some(way) = (to - from).try_normalize() else { return };
         let x = way.cross(if way.y.abs() < 0.9 { DVec3::Y } else { DVec3::X }).normalize();
         let z = x.cross(way);
+        let least = self.height_m * LEAST_TWIG;
         let row = |at: DVec3, radius: f64| -> Vec<Corner> {
             let corner = |i: usize| {
                 let angle = core::f64::consts::TAU * i as f64 / BOUGH as f64;
                 let spoke = x * libm::cos(angle) + z * libm::sin(angle);
-                Corner::new(at + spoke * radius.max(self.least_m), spoke)
+                Corner::new(at + spoke * radius.max(least), spoke)
             };
             (0..=BOUGH).map(corner).collect()
         };
