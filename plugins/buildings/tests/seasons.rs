@@ -86,18 +86,18 @@ fn where_there_are_tiles_trees_are_cards_from_afar_and_bodies_near_by() {
     app.update();
     assert_eq!(
         (trees_at(&mut app, Level::One), trees_at(&mut app, Level::Two)),
-        (vec![36], vec![]),
-        "four cards with two sides each, and the crown's"
+        (vec![68], vec![]),
+        "two cards in each of eight directions, and one from above"
     );
 
     app.world_mut().get_mut::<CellContent>(entity).expect("it stands").sheet = Some(Arc::new(FacadeSheet::default()));
     app.world_mut().write_message(CellReady { entity, cell: 0, level: Level::Two });
     app.update();
-    assert_eq!((trees_at(&mut app, Level::One), trees_at(&mut app, Level::Two)), (vec![36], bodies.clone()));
+    assert_eq!((trees_at(&mut app, Level::One), trees_at(&mut app, Level::Two)), (vec![68], bodies.clone()));
 
     app.world_mut().resource_mut::<CityClock>().day = 20;
     app.update();
     let bare = trees_at(&mut app, Level::Two);
-    assert_eq!((trees_at(&mut app, Level::One), bare.len()), (vec![36], 1), "both are made anew");
+    assert_eq!((trees_at(&mut app, Level::One), bare.len()), (vec![68], 1), "both are made anew");
     assert_ne!(bare, bodies);
 }

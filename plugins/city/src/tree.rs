@@ -43,11 +43,12 @@ pub const fn nominal_m(kind: ObjectKind) -> f64 {
     }
 }
 
-/// What cards that stand for a tree afar show, in metres of its nominal height: upright ones a picture from the front, another one of
-/// the crown from above. Both lie on one layer of the texture array, within [`TreeCard::SIDE`] and [`TreeCard::TOP`].
+/// What cards that stand for a tree afar show, in metres of its nominal height: upright ones a picture from the front, slanting ones a
+/// picture from half above, and one the crown from above. All lie on one layer of the texture array, within [`TreeCard::SIDE`],
+/// [`TreeCard::SLANT`] and [`TreeCard::TOP`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TreeCard {
-    /// Half the width of all, and half the depth of that from above.
+    /// Half the width of all, and half the height of that from above.
     pub half_m: f64,
     /// Height of the upright ones.
     pub height_m: f64,
@@ -56,14 +57,19 @@ pub struct TreeCard {
 }
 
 impl TreeCard {
-    /// Upright cards of a tree, at even angles.
-    pub const UPRIGHT: u32 = 4;
-    /// Kept free about both pictures, so that neither shows at the edge of the other; as a share of the layer.
+    /// Directions that upright and slanting cards look in, at even angles.
+    pub const DIRECTIONS: u32 = 8;
+    /// How far slanting cards lean back, radians.
+    pub const LEAN: f64 = core::f64::consts::FRAC_PI_4;
+    /// Kept free about the pictures, so that none shows at the edge of another; as a share of the layer.
     const MARGIN: f64 = 1.0 / 64.0;
     /// Where the upright picture lies: u from its left to its right, v from its top to its foot.
     pub const SIDE: [(f64, f64); 2] = [(Self::MARGIN, 0.5 - Self::MARGIN), (Self::MARGIN, 1.0 - Self::MARGIN)];
     /// Where the picture from above lies: u from its left to its right, v from behind to the front.
     pub const TOP: [(f64, f64); 2] = [(0.5 + Self::MARGIN, 1.0 - Self::MARGIN), (Self::MARGIN, 0.5 - Self::MARGIN)];
+
+    /// Where the picture from half above lies, in the same way as the upright one.
+    pub const SLANT: [(f64, f64); 2] = [(0.5 + Self::MARGIN, 1.0 - Self::MARGIN), (0.5 + Self::MARGIN, 1.0 - Self::MARGIN)];
 
     /// The cards of a kind of tree.
     #[must_use]
@@ -78,6 +84,12 @@ impl TreeCard {
             _ => (3.7, 9.8, 5.8),
         };
         Self { half_m, height_m, crown_m }
+    }
+
+    /// Height of slanting cards along their lean. They pass through the middle of the tree, which is the middle of their picture too.
+    #[must_use]
+    pub fn slant_m(&self) -> f64 {
+        self.height_m * libm::cos(Self::LEAN) + 2.0 * self.half_m * libm::sin(Self::LEAN)
     }
 }
 

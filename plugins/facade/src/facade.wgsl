@@ -7,7 +7,7 @@
     mesh_view_bindings::view,
 }
 
-#import veduta_facade::levels::{Facade, bayer, is_cut, is_turned_to, keeps}
+#import veduta_facade::levels::{Facade, bayer, is_cut, is_drawn, is_turned_to, keeps}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
 @group(#{MATERIAL_BIND_GROUP}) @binding(101) var colour_tiles: texture_2d_array<f32>;
@@ -60,7 +60,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let uv_down = dpdy(in.uv);
     let tile = textureSample(colour_tiles, tile_sampler, in.uv, layer);
     let relief = textureSample(normal_tiles, tile_sampler, in.uv, layer);
-    if is_cut(facade) && relief.a < 0.5 { discard; }
+    if is_cut(facade) && !is_drawn(relief.a, in.position.xy) { discard; }
     // Where alpha is 1 the tile modulates the vertex colour about one half; where it is 0 it stands as it is.
     let albedo = mix(tile.rgb, 2.0 * tile.rgb * in.color.rgb, tile.a) * wear(in.world_position.xyz, in.world_normal.y);
 

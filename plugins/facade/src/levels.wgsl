@@ -7,23 +7,34 @@ struct Facade {
     cut: vec4<f32>,
 }
 
-// Half the angle between neighbouring upright cards of a tree, and half of that over which they take turns; radians.
+// Half the angle between the directions of a tree's cards, and half of that over which neighbours take turns; radians.
 const HALF_TURN: f32 = 0.3926991;
 const HALF_BAND: f32 = 0.1;
-// Sine of the eye's elevation at which the card from above begins to take over, and has done so.
-const FROM_ABOVE: vec2<f32> = vec2<f32>(0.64, 0.9);
+// Sines of the eye's elevation between which slanting cards take over from upright ones, and the one from above from them.
+const SLANTING: vec2<f32> = vec2<f32>(0.44, 0.56);
+const FROM_ABOVE: vec2<f32> = vec2<f32>(0.82, 0.91);
 
 // Whether a card is the one of its tree to be seen from a direction. Of all that cross one another there is one at every threshold.
 fn is_turned_to(normal: vec3<f32>, to_eye: vec3<f32>, threshold: f32) -> bool {
+    let slanting = smoothstep(SLANTING.x, SLANTING.y, to_eye.y);
     let above = smoothstep(FROM_ABOVE.x, FROM_ABOVE.y, to_eye.y);
-    if abs(normal.y) > 0.5 * length(normal) { return threshold < above; }
-    if threshold < above { return false; }
-    let front = normal.xz * sign(dot(normal.xz, to_eye.xz));
+    let n = normalize(normal);
+    if abs(n.y) > 0.9 { return threshold < above; }
+    let is_upright = abs(n.y) < 0.3;
+    if is_upright && threshold < slanting { return false; }
+    if !is_upright && (threshold >= slanting || threshold < above) { return false; }
+    // Slanting cards look up.
+    let front = n.xz * select(sign(n.y), sign(dot(n.xz, to_eye.xz)), is_upright);
     let angle = atan2(front.x * to_eye.z - front.y * to_eye.x, dot(front, to_eye.xz));
     let share = clamp((HALF_TURN + HALF_BAND - abs(angle)) / (2.0 * HALF_BAND), 0.0, 1.0);
     // One has the lower thresholds, its neighbour the others.
     if angle > 0.0 { return threshold < share; }
     return threshold >= 1.0 - share;
+}
+
+// Whether a card that covers so much of a pixel is drawn there: interleaved gradient noise (Jimenez 2014) thins it out.
+fn is_drawn(cover: f32, pixel: vec2<f32>) -> bool {
+    return cover > fract(52.9829189 * fract(dot(floor(pixel), vec2<f32>(0.06711056, 0.00583715))));
 }
 
 // Whether what is drawn are cards, which their tiles do not fill: the normal's alpha tells how much of a pixel is covered.

@@ -3,7 +3,7 @@
 #ifdef PREPASS_FRAGMENT
 #import bevy_pbr::prepass_io::FragmentOutput
 #endif
-#import veduta_facade::levels::{Facade, bayer, fades, is_cut, is_turned_to, keeps}
+#import veduta_facade::levels::{Facade, bayer, fades, is_cut, is_drawn, is_turned_to, keeps}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
 @group(#{MATERIAL_BIND_GROUP}) @binding(102) var tile_sampler: sampler;
@@ -14,7 +14,7 @@ fn drop_other_levels(in: VertexOutput) {
     let tag = mesh_functions::get_tag(in.instance_index);
     if is_cut(facade) {
         let cover = textureSample(normal_tiles, tile_sampler, in.uv, i32(in.color.a + 0.5)).a;
-        if cover < 0.5 { discard; }
+        if !is_drawn(cover, in.position.xy) { discard; }
     }
 #ifdef VIEW_PROJECTION_ORTHOGRAPHIC
     // The sun's views are orthographic: level 1 casts whole shadows, whatever the eye sees of it; but cards cast none where bodies do,

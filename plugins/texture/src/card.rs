@@ -1,8 +1,7 @@
 //! Cards: pictures of trees, taken of the very bodies that are seen near by.
 //!
 //! ```text
-//!  tree::build ──► triangles ──► from the front and from above, nearest first ──► rims frayed into leaves ──► mips that keep
-//!                                                                                                             their cover
+//!  tree::build ──► triangles ──► from the front, from half above, from above ──► rims frayed into leaves ──► mips that keep trunks
 //! ```
 
 use glam::{DVec3, Vec2, Vec3};
@@ -26,9 +25,8 @@ const LEAST_TWIG: f64 = 0.0025;
 const LEAST_TRUNK: f64 = 0.014;
 /// Lumps are larger by so much, for what is frayed of them.
 const FRAYED: f64 = 1.07;
-/// From this cover on a pixel is drawn; and cover is multiplied by so much at most.
-const DRAWN: f32 = 0.5;
-const MOST_GAIN: f32 = 8.0;
+/// What covers less of a row of pixels is too thin to be a trunk.
+const LEAST_COVER: f32 = 0.15;
 /// Pictures go on so far beyond their edges, as a share of the layer.
 const BEYOND: f64 = 1.0 / 128.0;
 /// Patterns repeat after so many metres.
@@ -84,13 +82,17 @@ impl Card {
         let mut samples = vec![NOTHING; fine * fine];
         let card = TreeCard::of(kind);
         let (half, height) = (card.half_m as f32, card.height_m as f32);
-        bodies.take(&mut samples, fine, leaf, &View::new(TreeCard::SIDE, [(-half, half), (height, 0.0)], |p| p));
-        bodies.take(
-            &mut samples,
-            fine,
-            leaf,
-            &View::new(TreeCard::TOP, [(-half, half), (half, -half)], |p| Vec3::new(p.x, -p.z, p.y)),
-        );
+        // From the front, from half above and from above, turned so that the viewer looks along −z.
+        let side = View::new(TreeCard::SIDE, [(-half, half), (height, 0.0)], |p| p);
+        bodies.take(&mut samples, fine, leaf, &side);
+        let (sin, cos) = (libm::sin(TreeCard::LEAN) as f32, libm::cos(TreeCard::LEAN) as f32);
+        let (middle, reach) = (height / 2.0 * cos, card.slant_m() as f32 / 2.0);
+        let slant = View::new(TreeCard::SLANT, [(-half, half), (middle + reach, middle - reach)], |p| {
+            Vec3::new(p.x, p.y * cos - p.z * sin, p.y * sin + p.z * cos)
+        });
+        bodies.take(&mut samples, fine, leaf, &slant);
+        let top = View::new(TreeCard::TOP, [(-half, half), (half, -half)], |p| Vec3::new(p.x, -p.z, p.y));
+        bodies.take(&mut samples, fine, leaf, &top);
         Self::with_mips(halved(fine, &samples), n)
     }
 
@@ -101,9 +103,8 @@ impl Card {
             mips.push(halved(side, &mips[mips.len() - 1]));
             side /= 2;
         }
-        let whole: Vec<f32> = mips[0].chunks_exact((size / 2).max(1)).map(drawn).collect();
         for (i, mip) in mips.iter_mut().enumerate().skip(1) {
-            keep_cover(mip, size >> i, &whole, size);
+            mip.chunks_exact_mut((size >> i).div_ceil(2)).for_each(keep_trunk);
         }
         // What is not covered takes its colour from the next smaller picture, so that nothing bleeds into edges.
         for i in (0..mips.len() - 1).rev() {
@@ -127,32 +128,18 @@ fn halved(side: usize, from: &[Dot]) -> Vec<Dot> {
     crate::mips::halve(side, from, |four| Dot::mean(&four))
 }
 
-/// The share of some dots that is drawn: where they are covered by half at least.
-fn drawn(dots: &[Dot]) -> f32 {
-    dots.iter().filter(|dot| dot.cover >= DRAWN).count() as f32 / dots.len() as f32
-}
-
-/// Changes the cover of a smaller picture so that in each half of each row as much is drawn as in the rows of the largest that it is
-/// the mean of (after Castaño 2010, row by row): so trunks and twigs stay when they are thinner than a pixel.
-fn keep_cover(mip: &mut [Dot], side: usize, whole: &[f32], size: usize) {
-    if side < 2 {
-        return;
-    }
-    for (k, half) in mip.chunks_exact_mut(side / 2).enumerate() {
-        let (row, is_right, rows) = (k / 2, k % 2, size / side);
-        let share = (row * rows..(row + 1) * rows).map(|row| whole[2 * row + is_right]).sum::<f32>() / rows as f32;
-        let mut covers: Vec<f32> = half.iter().map(|dot| dot.cover).filter(|&cover| cover > 0.0).collect();
-        if covers.is_empty() || share <= 0.0 {
-            continue;
+/// Where half a row is covered by one thing that is thinner than two pixels, that covers a whole one: thinned out, a trunk would be
+/// but dots.
+fn keep_trunk(row: &mut [Dot]) {
+    let sum: f32 = row.iter().map(|dot| dot.cover).sum();
+    let Some(i) = (0..row.len()).max_by(|&i, &k| row[i].cover.total_cmp(&row[k].cover)) else { return };
+    let beside = |k: usize| row.get(k).map_or(0.0, |dot| dot.cover);
+    let k = if beside(i.wrapping_sub(1)) > beside(i + 1) { i - 1 } else { i + 1 };
+    if (LEAST_COVER..2.0).contains(&sum) && row[i].cover + beside(k) > 0.9 * sum {
+        row[i].cover = 1.0;
+        if let Some(dot) = row.get_mut(k) {
+            dot.cover = (sum - 1.0).max(0.0);
         }
-        covers.sort_unstable_by(|a, b| b.total_cmp(a));
-        let wanted = ((share * half.len() as f32 + 0.5) as usize).clamp(1, covers.len());
-        // Many pixels are covered alike: all of these are drawn, or none, as is nearer to what is wanted.
-        let least = covers[wanted - 1];
-        let (more, all) = (covers.partition_point(|&cover| cover > least), covers.partition_point(|&cover| cover >= least));
-        let last = if more > 0 && wanted - more < all - wanted { more } else { all };
-        let gain = (1.01 * DRAWN / covers[last - 1]).clamp(0.5, MOST_GAIN);
-        half.iter_mut().for_each(|dot| dot.cover = (dot.cover * gain).min(1.0));
     }
 }
 
@@ -250,7 +237,7 @@ impl Bodies {
         trees.iter().min_by(|a, b| off(a.1).total_cmp(&off(b.1))).map_or(draw, |tree| tree.0)
     }
 
-    /// A net of corners, row by row, as triangles; each row is closed by its own first corner being its last too.
+    /// A net of corners, row by row, as triangles; rows end where they begin.
     fn net(&mut self, rows: &[Vec<Corner>], skin: Skin, is_round: bool) {
         for pair in rows.windows(2) {
             for i in 0..pair[0].len() - 1 {

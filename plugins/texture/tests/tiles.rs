@@ -175,56 +175,53 @@ fn coverings_are_on_the_whole_as_bright_as_their_vertex_colour() {
     }
 }
 
-/// Where the cards' normal pictures say that they are drawn, by row and column.
-fn drawn(normal: &[[u8; 4]], side: usize) -> impl Iterator<Item = (usize, usize)> {
+/// Where the normal picture of a card says that it is drawn, by row and column.
+fn drawn(normal: &[[u8; 4]], side: usize) -> Vec<(usize, usize)> {
     let drawn = normal.iter().enumerate().filter(|(_, n)| n[3] >= 128);
-    drawn.map(move |(i, _)| (i / side, i % side)).collect::<Vec<_>>().into_iter()
+    drawn.map(|(i, _)| (i / side, i % side)).collect()
 }
 
 #[test]
-fn cards_show_a_tree_from_its_front_and_from_above_and_nothing_between() {
-    for seed in [1, 7, 8] {
-        for tile in Tile::all().filter(|tile| tile.is_card()) {
-            let (_, normal) = paint_tile(tile, SIZE as u32, seed);
-            let (front, above): (Vec<_>, Vec<_>) = drawn(&normal, SIZE).partition(|&(_, x)| x < SIZE / 2);
-            let bounds = |of: &[(usize, usize)]| {
-                let [rows, columns] = [|p: &(usize, usize)| p.0, |p: &(usize, usize)| p.1].map(|of_p| {
-                    let all: Vec<usize> = of.iter().map(of_p).collect();
-                    (all.iter().copied().min().unwrap_or(0), all.iter().copied().max().unwrap_or(0))
-                });
-                (rows, columns)
+fn cards_show_a_tree_from_three_sides_and_nothing_between() {
+    for (seed, tile) in
+        [1, 7, 8].into_iter().flat_map(|seed| Tile::all().filter(|tile| tile.is_card()).map(move |tile| (seed, tile)))
+    {
+        let (_, normal) = paint_tile(tile, SIZE as u32, seed);
+        let half = SIZE / 2;
+        for (what, columns, rows, least) in [
+            ("front", 0..half, 0..SIZE, (SIZE / 5, SIZE * 4 / 5)),
+            ("above", half..SIZE, 0..half, (SIZE / 5, SIZE / 5)),
+            ("half above", half..SIZE, half..SIZE, (SIZE / 5, SIZE / 4)),
+        ] {
+            let part: Vec<_> = drawn(&normal, SIZE).into_iter().filter(|(y, x)| rows.contains(y) && columns.contains(x)).collect();
+            let ends = |of: fn(&(usize, usize)) -> usize| {
+                let all = part.iter().map(of);
+                (all.clone().min().expect("something"), all.max().expect("something"))
             };
-            let (rows, columns) = bounds(&front);
-            assert_eq!(rows.1, SIZE - SIZE / 128 - 1, "{tile:?} stands on its foot");
-            assert!(rows.0 < SIZE / 6, "{tile:?} fills its height: from {rows:?}");
-            assert!(columns.0 > 0 && columns.1 < SIZE / 2 - 1, "{tile:?} is whole: {columns:?}");
-            assert!(columns.1 - columns.0 > SIZE / 5, "{tile:?} fills its width: {columns:?}");
-            let (rows, columns) = bounds(&above);
-            assert!(
-                rows.0 > 0 && rows.1 < SIZE / 2 && columns.0 > SIZE / 2 && columns.1 < SIZE - 1,
-                "{tile:?}: {rows:?} {columns:?}"
-            );
-            assert!(rows.1 - rows.0 > SIZE / 5 && columns.1 - columns.0 > SIZE / 5, "{tile:?}: {rows:?} {columns:?}");
+            let ((top, foot), (left, right)) = (ends(|p| p.0), ends(|p| p.1));
+            assert!(right - left > least.0 && foot - top > least.1, "{what} of {tile:?}: {left}..{right}, {top}..{foot}");
+            let is_free = left > columns.start && right + 1 < columns.end && top > rows.start && foot + 1 < rows.end;
+            assert!(is_free, "{what} of {tile:?} reaches the edge: {left}..{right}, {top}..{foot}");
+            assert!(what != "front" || foot + 2 == SIZE, "{tile:?} stands on its foot, in row {foot}");
         }
     }
 }
 
 #[test]
-fn a_card_keeps_its_cover_as_it_grows_smaller() {
+fn a_card_keeps_its_cover_and_its_trunk_as_it_grows_smaller() {
     let tiles = paint_tiles(SIZE as u32, 7);
     for tile in Tile::all().filter(|tile| tile.is_card()) {
-        let share = |mip: u32| {
+        let cover = |mip: u32| -> Vec<f32> {
             let normal = tiles.normal_of(tile.index() as u32, mip).expect("a mip");
-            let drawn = normal.chunks_exact(4).filter(|n| n[3] >= 128).count();
-            drawn as f32 / (normal.len() / 4) as f32
+            normal.chunks_exact(4).map(|n| f32::from(n[3]) / 255.0).collect()
         };
-        let whole = share(0);
+        let mean = |mip: u32| cover(mip).iter().sum::<f32>() / cover(mip).len() as f32;
         for mip in 1..4 {
-            // What is thinner than a pixel is drawn nevertheless.
-            assert!((0.8..1.6).contains(&(share(mip) / whole)), "{tile:?} at mip {mip}: {} of {whole}", share(mip));
-            let (side, normal) = (SIZE >> mip, tiles.normal_of(tile.index() as u32, mip).expect("a mip"));
-            let is_drawn = |y: usize| (0..side / 2).any(|x| normal[4 * (y * side + x) + 3] >= 128);
-            assert!((side / 4..side - 1).all(is_drawn), "{tile:?} stands in the air at mip {mip}");
+            assert!((0.95..1.35).contains(&(mean(mip) / mean(0))), "{tile:?} at mip {mip}: {} of {}", mean(mip), mean(0));
+            // Below the crown.
+            let (side, cover) = (SIZE >> mip, cover(mip));
+            let row = side - side / 8;
+            assert!(cover[row * side..row * side + side / 2].iter().any(|&c| c > 0.9), "the trunk of {tile:?} at mip {mip}");
         }
     }
 }
@@ -232,7 +229,9 @@ fn a_card_keeps_its_cover_as_it_grows_smaller() {
 #[test]
 fn leaves_on_cards_are_tinted_and_their_trunks_are_not() {
     let (leafy, normal) = paint_tile(Tile::LeafyTree(veduta_city::ObjectKind::Birch), SIZE as u32, 7);
-    let at = |row: usize| drawn(&normal, SIZE).filter(move |&(y, x)| y == row && x < SIZE / 2).map(|(y, x)| leafy[y * SIZE + x][3]);
-    assert!(at(SIZE / 2).count() > 0 && at(SIZE / 2).all(|share| share > 200));
-    assert!(at(SIZE - SIZE / 16).count() > 0 && at(SIZE - SIZE / 16).all(|share| share < 50));
+    let at = |row: usize| -> Vec<u8> {
+        drawn(&normal, SIZE).into_iter().filter(|&(y, x)| y == row && x < SIZE / 2).map(|(y, x)| leafy[y * SIZE + x][3]).collect()
+    };
+    assert!(!at(SIZE / 2).is_empty() && at(SIZE / 2).iter().all(|&share| share > 200));
+    assert!(!at(SIZE - SIZE / 16).is_empty() && at(SIZE - SIZE / 16).iter().all(|&share| share < 50));
 }

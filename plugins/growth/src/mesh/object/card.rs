@@ -1,5 +1,5 @@
-//! Trees as cards, for who is far away: upright pictures across one another, of which the shader shows the one that looks towards the
-//! eye, and one of the crown for those who look from above.
+//! Trees as cards, for who is far away: upright pictures, pictures from half above that lean back, and one from above. They
+//! cross one another; the shader shows the one that looks towards the eye.
 
 use glam::{DVec2, DVec3};
 use veduta_city::tree::{self, TreeCard};
@@ -9,7 +9,7 @@ use super::{draw_of, drawn, scale_of};
 use crate::mesh::data::{MeshData, Paint};
 use crate::mesh::outline::{centre_of, engine};
 
-/// All trees of a cell as cards that bear their pictures, as they are in a season: 18 triangles each. Centres are their positions.
+/// All trees of a cell as cards that bear their pictures, as they are in a season: 34 triangles each. Centres are their positions.
 #[must_use]
 pub fn tree_cards(shell: &CellShell, season: Season) -> MeshData {
     let mut mesh = MeshData::default();
@@ -24,27 +24,31 @@ fn lay(object: &PlanObject, season: Season, mesh: &mut MeshData) {
     let hue = tree::leaves(object.kind, season, draw);
     let tile = Tile::of_tree(object.kind, hue.is_none());
     let paint = Paint::new(centre_of(plan), hue.unwrap_or(Rgb(255, 255, 255)), tile);
-    let TreeCard { half_m, height_m, crown_m } = TreeCard::of(object.kind);
+    let card = TreeCard::of(object.kind);
+    let TreeCard { half_m, height_m, crown_m } = card;
     let (half, foot) = (half_m * scale, engine(plan, metres(object.z)));
     let angle = draw.between("cards", 0.0, core::f64::consts::PI);
     let way = |turn: f64| DVec3::new(libm::cos(angle + turn), 0.0, libm::sin(angle + turn));
-    // Once about: each is seen from both sides.
-    for i in 0..2 * TreeCard::UPRIGHT {
-        let right = way(core::f64::consts::PI * f64::from(i) / f64::from(TreeCard::UPRIGHT));
-        let rise = DVec3::Y * (height_m * scale);
-        picture(mesh, [foot - right * half, foot + right * half], rise, (right.cross(DVec3::Y), TreeCard::SIDE), paint);
+    let (height, slant) = (height_m * scale, card.slant_m() * scale);
+    for i in 0..TreeCard::DIRECTIONS {
+        let right = way(core::f64::consts::TAU * f64::from(i) / f64::from(TreeCard::DIRECTIONS));
+        let front = right.cross(DVec3::Y);
+        picture(mesh, foot, right * half, DVec3::Y * height, (front, TreeCard::SIDE), paint);
+        let (lean, rise) = (libm::sin(TreeCard::LEAN), libm::cos(TreeCard::LEAN));
+        let up = DVec3::Y * rise - front * lean;
+        let low = foot + DVec3::Y * (height / 2.0) - up * (slant / 2.0);
+        picture(mesh, low, right * half, up * slant, (front * rise + DVec3::Y * lean, TreeCard::SLANT), paint);
     }
-    let along = way(0.0);
-    let (middle, back) = (foot + DVec3::Y * (crown_m * scale), DVec3::Y.cross(along) * half);
-    let front = [middle - back - along * half, middle - back + along * half];
-    picture(mesh, front, back * 2.0, (DVec3::Y, TreeCard::TOP), paint);
+    let (right, back) = (way(0.0) * half, DVec3::Y.cross(way(0.0)) * half);
+    picture(mesh, foot + DVec3::Y * (crown_m * scale) - back, right, back * 2.0, (DVec3::Y, TreeCard::TOP), paint);
 }
 
-/// A picture from the left and right end of its foot up, with its normal and where it lies on the tile.
-fn picture(mesh: &mut MeshData, [left, right]: [DVec3; 2], rise: DVec3, (normal, at): (DVec3, [(f64, f64); 2]), paint: Paint) {
+/// A picture about the middle of its foot, as far as its right end and as its top, with its normal and where it lies on the tile.
+fn picture(mesh: &mut MeshData, foot: DVec3, right: DVec3, up: DVec3, (normal, at): (DVec3, [(f64, f64); 2]), paint: Paint) {
     let [(u0, u1), (v0, v1)] = at;
     let uvs = [(u0, v1), (u1, v1), (u1, v0), (u0, v0)].map(DVec2::from);
-    mesh.quad([left, right, right + rise, left + rise], normal.as_vec3().to_array(), uvs, paint);
+    let corners = [foot - right, foot + right, foot + right + up, foot - right + up];
+    mesh.quad(corners, normal.as_vec3().to_array(), uvs, paint);
 }
 
 #[cfg(test)]
@@ -66,7 +70,7 @@ mod tests {
     fn cards_are_few_triangles_that_face_where_their_normals_point() {
         for (kind, season) in ObjectKind::TREES.into_iter().flat_map(|kind| Season::ALL.map(|season| (kind, season))) {
             let mesh = tree_cards(&wood(kind), season);
-            assert_eq!((mesh.validate(), mesh.triangle_count()), (Ok(()), 40 * 18), "{kind:?}");
+            assert_eq!((mesh.validate(), mesh.triangle_count()), (Ok(()), 40 * 34), "{kind:?}");
             for t in mesh.indices.chunks_exact(3) {
                 let [a, b, c] = [t[0], t[1], t[2]].map(|i| Vec3::from_array(mesh.positions[i as usize]));
                 let normal = Vec3::from_array(mesh.normals[t[0] as usize]);
@@ -80,18 +84,28 @@ mod tests {
 
     #[test]
     fn a_card_is_as_large_as_its_tree() {
-        let size = |mesh: &MeshData| {
-            let of = |i: usize, way: fn(f32, f32) -> f32, from: f32| mesh.positions.iter().map(|p| p[i]).fold(from, way);
-            let foot = Vec3::new(2.0, 1.0, -1.0);
-            let wide = mesh.positions.iter().map(|p| (Vec3::from_array(*p) - foot).with_y(0.0).length()).fold(0.0, f32::max);
-            (wide, of(1, f32::max, 0.0) - foot.y)
-        };
         for kind in ObjectKind::TREES {
-            let (body, cards) = (size(&trees(&wood(kind), Season::Summer)), size(&tree_cards(&wood(kind), Season::Summer)));
-            // The corners of the card from above reach farther out.
-            let (wide, high) = (body.0 / (cards.0 / core::f32::consts::SQRT_2), body.1 / cards.1);
+            let (foot, body) = (Vec3::new(2.0, 1.0, -1.0), trees(&wood(kind), Season::Summer));
+            let out = body.positions.iter().map(|p| (Vec3::from_array(*p) - foot).with_y(0.0).length()).fold(0.0, f32::max);
+            let top = body.positions.iter().map(|p| p[1] - foot.y).fold(0.0, f32::max);
+            let card = TreeCard::of(kind);
+            let (wide, high) = (out / card.half_m as f32, top / card.height_m as f32);
             assert!((0.85..1.1).contains(&wide) && (0.9..1.06).contains(&high), "{kind:?}: {wide} {high} of the card");
         }
+    }
+
+    #[test]
+    fn upright_cards_stand_on_the_ground_and_slanting_ones_show_the_foot_where_it_is() {
+        let mesh = tree_cards(&wood(ObjectKind::Tree), Season::Summer);
+        let corners = |quad: usize| [0, 1, 2, 3].map(|i| Vec3::from_array(mesh.positions[4 * quad + i]));
+        let (foot, card) = (Vec3::new(2.0, 1.0, -1.0), TreeCard::of(ObjectKind::Tree));
+        let [left, right, ..] = corners(0);
+        assert!(((left + right) / 2.0 - foot).length() < 1e-4);
+        // From where the slanting card looks, the foot lies as far below the middle of the picture as it does on it.
+        let ([left, right, over, _], normal) = (corners(1), Vec3::from_array(mesh.normals[4]));
+        let (middle, up) = ((left + over) / 2.0, (over - right).normalize());
+        assert!((up.dot(foot - middle) + (card.height_m / 2.0 * libm::cos(TreeCard::LEAN)) as f32).abs() < 1e-3);
+        assert!(up.dot(normal).abs() < 1e-5 && (over - right).length() - card.slant_m() as f32 - 1e-3 < 0.0);
     }
 
     #[test]
