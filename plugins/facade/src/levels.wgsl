@@ -32,9 +32,10 @@ fn is_turned_to(normal: vec3<f32>, to_eye: vec3<f32>, threshold: f32) -> bool {
     return threshold >= 1.0 - share;
 }
 
-// Whether a card that covers so much of a pixel is drawn there: interleaved gradient noise (Jimenez 2014) thins it out.
+// Whether a card that covers so much of a pixel is drawn there: interleaved gradient noise (Jimenez 2014) thins out twigs and rims.
 fn is_drawn(cover: f32, pixel: vec2<f32>) -> bool {
-    return cover > fract(52.9829189 * fract(dot(floor(pixel), vec2<f32>(0.06711056, 0.00583715))));
+    let grain = fract(52.9829189 * fract(dot(floor(pixel), vec2<f32>(0.06711056, 0.00583715))));
+    return cover > 0.2 + 0.6 * grain;
 }
 
 // Whether what is drawn are cards, which their tiles do not fill: the normal's alpha tells how much of a pixel is covered.

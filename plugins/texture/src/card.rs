@@ -298,8 +298,8 @@ fn covered(skin: Skin, place: Vec3, facing: f32, leaf: &Leaf) -> Option<Texel> {
         Skin::Bark(colour) => Some(Texel::solid(Vec3::from_array(colour.to_linear()) * (0.75 + 0.25 * facing), 0.9)),
         Skin::Leaves(shade) => {
             let (light, stands_out) = leaf.at(Vec2::new(place.x + 0.3 * place.z, place.y));
-            // Leaves at the rim stand apart; those that lie deeper see less of the sky.
-            let sky = mix(0.72, 1.06, smoothstep(-0.1, 0.8, facing));
+            // Leaves at the rim stand apart; those that lie deeper see less of the sky, and all lie in the shade of others.
+            let sky = mix(0.6, 0.97, smoothstep(-0.1, 0.8, facing));
             (facing > 0.42 - 0.4 * stands_out).then(|| Texel::tinted(shade as f32 * light * sky, 0.8))
         }
     }
