@@ -18,6 +18,9 @@
 //! | 3 | `far[1]` | one full texture |
 //! | 4 | `far[2]` | relief |
 //!
+//! Trees have two: cards at level 1, bodies from level 2 on. A tree's cards look in eight directions, upright and leaning back, and
+//! one looks up; the shader shows the one that looks towards the eye, and for shadows the one that looks towards the sun.
+//!
 //! # Use
 //! ```no_run
 //! use bevy::prelude::*;
@@ -33,12 +36,13 @@
 //! layer of the texture array (`veduta_city::Tile::index`).
 //!
 //! # Limits
-//! Shadows are cast by level 1 alone, which has every level's silhouette, so that they neither pop nor dither. WebGL2-safe:
-//! no storage buffers, two texture arrays, one uniform.
+//! Shadows of walls are cast by level 1 alone, which has every level's silhouette, so that they neither pop nor dither; those of trees by
+//! their bodies where these have come. WebGL2-safe: no storage buffers, two texture arrays, one uniform. Rims of cards are thinned out
+//! pixel by pixel and do not gain from MSAA.
 //!
 //! # Rejected
-//! Bevy's `VisibilityRange` (one entity per part; late arrivals do not dither), alpha blending (sorting), and per-façade
-//! entities (cost every frame, near or far).
+//! Bevy's `VisibilityRange` (one entity per part; late arrivals do not dither), alpha blending (sorting), per-façade
+//! entities (cost every frame, near or far), and two crossed cards that both show (they look like a cross).
 
 mod fade;
 mod material;

@@ -37,7 +37,7 @@
 //!         }
 //!     }
 //! }
-//! assert_eq!(arrived, [(0, Level::One)], "a cell without walls has no level 2");
+//! assert_eq!(arrived, [(0, Level::One)], "a cell without walls and trees has no level 2");
 //! # std::fs::remove_dir_all(&dir)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
