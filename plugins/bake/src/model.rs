@@ -230,7 +230,7 @@ fn tile_of(name: &str) -> Option<Tile> {
         Some((stem, number)) if number.chars().all(|c| c.is_ascii_digit()) => stem,
         _ => name,
     };
-    Tile::all().find(|tile| format!("{tile:?}") == name)
+    Tile::all().find(|tile| !tile.is_card() && format!("{tile:?}") == name)
 }
 
 /// A mesh as a design: a piece for each material and each part of it that hangs together. Its front looks to +z.

@@ -5,7 +5,7 @@ use veduta_ecs::{City, CityClock};
 /// Latitude where no city is open, degrees.
 const LAT_DEG: f64 = 50.0;
 
-/// The season in which trees are seen. It follows [`CityClock`] and the city's latitude; what stands is made anew when it turns.
+/// The season in which trees are seen. It follows [`CityClock`] and the city's latitude; they are made anew when it turns.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CitySeason(
     /// Which.

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use veduta_buildings::{Building, BuildingsPlugin, CitySeason};
-use veduta_city::{CellShell, FacadeSheet, GridPos, Id, Level, ObjectKind, PlanObject, Season};
+use veduta_city::{CellShell, FacadeSheet, GridPos, Id, Level, ObjectKind, PlanObject, Season, Tile};
 use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellStands, CityClock, MaterialsProvided};
 
 fn tree() -> CellShell {
@@ -98,6 +99,12 @@ fn where_there_are_tiles_trees_are_cards_from_afar_and_bodies_near_by() {
     app.world_mut().resource_mut::<CityClock>().day = 20;
     app.update();
     let bare = trees_at(&mut app, Level::Two);
-    assert_eq!((trees_at(&mut app, Level::One), bare.len()), (vec![68], 1), "both are made anew");
+    assert_eq!((trees_at(&mut app, Level::One), bare.len()), (vec![68], 1), "each takes the other's place");
     assert_ne!(bare, bodies);
+    let mut cards = app.world_mut().query::<(&CellMesh, &Mesh3d)>();
+    let (_, cards) = cards.iter(app.world()).find(|(mesh, _)| mesh.kind == CellMeshKind::Trees(Level::One)).expect("it stands");
+    let cards = app.world().resource::<Assets<Mesh>>().get(&cards.0).expect("a mesh");
+    let Some(VertexAttributeValues::Float32x4(colours)) = cards.attribute(Mesh::ATTRIBUTE_COLOR) else { panic!("no layers") };
+    let bare = Tile::BareTree(ObjectKind::Tree).index() as f32;
+    assert!(colours.iter().all(|colour| colour[3] == bare), "cards bear no leaves either");
 }

@@ -34,7 +34,8 @@ pub enum BoreEnd {
     Wall,
 }
 
-/// A stretch of a way that is off the ground: on a bridge, from one of its piers or the land to the next; or below the ground. The spans of
+/// A stretch of a way that is off the ground: on a bridge, from one of its piers, the land or where
+/// another bridge begins or ceases to lie beside it, to the next; or below the ground. The spans of
 /// a way share their end stations.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -53,7 +54,7 @@ pub struct WaySpan {
     pub stations: Vec<SpanStation>,
     /// Arches: where they spring from above the city's zero, grid steps.
     pub springing: i32,
-    /// Bridges: feet of the piers under its start and its end above the city's zero, grid steps; none where that is on land. The pier
+    /// Bridges: feet of the piers under its start and its end above the city's zero, grid steps; none where that is on land or within a span. The pier
     /// between two spans is drawn with the one that ends there.
     pub piers: (Option<i32>, Option<i32>),
     /// Paint and rails on it.

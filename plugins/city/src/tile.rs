@@ -204,6 +204,14 @@ mod tests {
     }
 
     #[test]
+    fn every_kind_of_tree_has_its_cards() {
+        let of = |keep: fn(ObjectKind) -> bool| ObjectKind::ALL.into_iter().filter(move |&kind| keep(kind));
+        let sorted = |kinds: &[ObjectKind]| std::collections::BTreeSet::from_iter(kinds.iter().copied().map(|kind| kind as u8));
+        assert_eq!(sorted(&ObjectKind::TREES), of(ObjectKind::is_tree).map(|kind| kind as u8).collect());
+        assert_eq!(sorted(&BARE), of(crate::tree::sheds).map(|kind| kind as u8).collect());
+    }
+
+    #[test]
     fn roofs_of_prague_get_their_covering() {
         assert_eq!(Tile::of_roof(RoofShape::Gabled, Rgb(0xA2, 0x4B, 0x33)), Tile::RoofTile);
         assert_eq!(Tile::of_roof(RoofShape::Pyramidal, Rgb(0x4A, 0x4F, 0x55)), Tile::Slate);

@@ -29,7 +29,7 @@ pub enum CellMeshKind {
     Base,
     /// Walls of one level.
     Walls(Level),
-    /// Trees: cards at level 1, bodies from level 2 on.
+    /// Trees. With [`MaterialsProvided`] cards at level 1 and bodies from level 2 on; else bodies at level 1.
     Trees(Level),
 }
 
@@ -63,7 +63,8 @@ pub struct LevelFade(
     pub [f32; 4],
 );
 
-/// Present where a plugin gives cell meshes their materials; else whoever spawns them gives plain ones.
+/// Present where a plugin gives cell meshes their materials; else whoever spawns them gives plain ones. Its materials switch levels, cut
+/// cards out by their tiles and show of a tree's cards the one that looks towards the eye.
 #[derive(Resource, Debug, Default, Clone, Copy)]
 pub struct MaterialsProvided;
 

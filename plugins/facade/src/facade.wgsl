@@ -40,27 +40,28 @@ fn wear(at: vec3<f32>, up: f32) -> f32 {
 @fragment
 fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
     let level = i32(facade.near_level.w);
+    // All that looks at neighbouring pixels comes before any of them is dropped.
     let across = dpdx(in.world_position.xyz);
     let down = dpdy(in.world_position.xyz);
+    let uv_across = dpdx(in.uv);
+    let uv_down = dpdy(in.uv);
+    let layer = i32(in.color.a + 0.5);
+    let tile = textureSample(colour_tiles, tile_sampler, in.uv, layer);
+    let relief = textureSample(normal_tiles, tile_sampler, in.uv, layer);
     let model = mesh_functions::get_world_from_local(in.instance_index);
     let centre = (model * vec4<f32>(in.uv_b.x, 0.0, in.uv_b.y, 1.0)).xz;
     let away = distance(centre, view.world_position.xz);
     if !keeps(facade, in.position.xy, away, mesh_functions::get_tag(in.instance_index)) { discard; }
     if is_cut(facade) {
+        if !is_drawn(relief.a, in.position.xy) { discard; }
         let back = view.world_from_view[2].xyz;
         let from_tree = view.world_position - vec3<f32>(centre.x, in.world_position.y, centre.y);
         let to_eye = normalize(select(from_tree, back, view.clip_from_view[3].w == 1.0));
         if !is_turned_to(cross(across, down), to_eye, bayer(vec2<u32>(in.position.xy))) { discard; }
     }
 
-    let layer = i32(in.color.a + 0.5);
     // What the layer is off a whole number tells the floor's height, in 1,024 m.
     let height = in.world_position.y - (in.color.a - f32(layer)) * 1024.0;
-    let uv_across = dpdx(in.uv);
-    let uv_down = dpdy(in.uv);
-    let tile = textureSample(colour_tiles, tile_sampler, in.uv, layer);
-    let relief = textureSample(normal_tiles, tile_sampler, in.uv, layer);
-    if is_cut(facade) && !is_drawn(relief.a, in.position.xy) { discard; }
     // Where alpha is 1 the tile modulates the vertex colour about one half; where it is 0 it stands as it is.
     let albedo = mix(tile.rgb, 2.0 * tile.rgb * in.color.rgb, tile.a) * wear(in.world_position.xyz, in.world_normal.y);
 

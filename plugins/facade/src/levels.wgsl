@@ -10,17 +10,20 @@ struct Facade {
 // Half the angle between the directions of a tree's cards, and half of that over which neighbours take turns; radians.
 const HALF_TURN: f32 = 0.3926991;
 const HALF_BAND: f32 = 0.1;
+// How far up the normals of upright cards look at most, and that of the card from above at least.
+const UPRIGHT: f32 = 0.3;
+const LEVEL: f32 = 0.9;
 // Sines of the eye's elevation between which slanting cards take over from upright ones, and the one from above from them.
 const SLANTING: vec2<f32> = vec2<f32>(0.44, 0.56);
 const FROM_ABOVE: vec2<f32> = vec2<f32>(0.82, 0.91);
 
-// Whether a card is the one of its tree to be seen from a direction. Of all that cross one another there is one at every threshold.
+// Whether a card is the one of its tree to be seen from a direction: at every threshold it is one of them.
 fn is_turned_to(normal: vec3<f32>, to_eye: vec3<f32>, threshold: f32) -> bool {
     let slanting = smoothstep(SLANTING.x, SLANTING.y, to_eye.y);
     let above = smoothstep(FROM_ABOVE.x, FROM_ABOVE.y, to_eye.y);
     let n = normalize(normal);
-    if abs(n.y) > 0.9 { return threshold < above; }
-    let is_upright = abs(n.y) < 0.3;
+    if abs(n.y) > LEVEL { return threshold < above; }
+    let is_upright = abs(n.y) < UPRIGHT;
     if is_upright && threshold < slanting { return false; }
     if !is_upright && (threshold >= slanting || threshold < above) { return false; }
     // Slanting cards look up.

@@ -38,7 +38,8 @@
 //! # Limits
 //! Shadows of walls are cast by level 1 alone, which has every level's silhouette, so that they neither pop nor dither; those of trees by
 //! their bodies where these have come. WebGL2-safe: no storage buffers, two texture arrays, one uniform. Rims of cards are thinned out
-//! pixel by pixel and do not gain from MSAA.
+//! pixel by pixel and do not gain from MSAA. Where a cell's level 2 never comes, its trees stay cards however near they are. An orthographic
+//! camera must have no depth prepass: it is taken for the sun's view there.
 //!
 //! # Rejected
 //! Bevy's `VisibilityRange` (one entity per part; late arrivals do not dither), alpha blending (sorting), per-façade

@@ -31,7 +31,7 @@ impl Default for TileQuality {
     }
 }
 
-/// At which distances façades change level, metres from the eye to the façade's centre. Live.
+/// At which distances façades and trees change level, metres from the eye to the façade's or tree's centre. Live.
 #[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq)]
 #[reflect(Resource)]
 pub struct LevelDistances {
@@ -210,5 +210,23 @@ fn dress_meshes(mut commands: Commands, in_use: Option<Res<CityMaterials>>, new:
         if matches!(mesh.kind, CellMeshKind::Walls(level) if level != Level::One) {
             entity.insert(NotShadowCaster);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use veduta_city::tree::TreeCard;
+
+    #[test]
+    fn the_shader_knows_in_how_many_directions_cards_look_and_how_they_lean() {
+        let source = include_str!("levels.wgsl");
+        let number = |name: &str| -> f64 {
+            let line = source.lines().find(|line| line.contains(&format!("const {name}:"))).expect("the constant");
+            line.rsplit('=').next().and_then(|value| value.trim().trim_end_matches(';').parse().ok()).expect("a number")
+        };
+        assert!((number("HALF_TURN") - core::f64::consts::PI / f64::from(TreeCard::DIRECTIONS)).abs() < 1e-6);
+        // How far their normals look up.
+        let lean = TreeCard::LEAN.sin();
+        assert!(number("UPRIGHT") < lean && lean < number("LEVEL"), "{lean}");
     }
 }

@@ -61,7 +61,7 @@ pub struct CellEntry {
     pub houses: u32,
     /// Walls that face it.
     pub walls: u32,
-    /// Its packets, by [`Level::index`]. A cell without walls has none beyond level 1.
+    /// Its packets, by [`Level::index`]. A cell without walls and trees has none beyond level 1.
     pub packets: [Option<BlobRef>; 4],
 }
 

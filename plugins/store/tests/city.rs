@@ -5,7 +5,7 @@ mod sample;
 use std::borrow::Cow;
 
 use sample::{City, TempDir, city, files};
-use veduta_city::{CityPlan, Gable, GridPos, Level, Overview, PortalSide, Stand, Style};
+use veduta_city::{CityPlan, Gable, GridPos, Id, Level, ObjectKind, Overview, PlanObject, PortalSide, Stand, Style};
 use veduta_store::*;
 
 fn index_of(dir: &std::path::Path) -> CityIndex {
@@ -44,6 +44,20 @@ fn a_city_of_three_cells_reads_back_as_it_was() {
     assert_eq!(overview, Overview::of(&city.plan));
     assert_eq!((overview.houses.len(), overview.names.len(), overview.streets[0].name.as_str()), (24, 24, "Dlouhá"));
     assert_eq!((stats.houses, stats.cells, stats.walls, index.styles), (24, 3, 96, None));
+}
+
+#[test]
+fn a_cell_has_a_second_level_where_it_has_walls_or_trees() {
+    let has = |objects: Vec<PlanObject>| {
+        let temp = TempDir::new("trees");
+        let mut city = city(1, 0);
+        city.shells[0].objects = objects;
+        city.write(&temp.0).expect("written");
+        index_of(&temp.0).cells[0].packets.map(|packet| packet.is_some())
+    };
+    let object = |kind| PlanObject { id: Id(5), kind, pos: GridPos(0, 0), z: 0, heading: 0, height: 0, monument: None };
+    assert_eq!(has(vec![object(ObjectKind::Bench)]), [true, false, false, false]);
+    assert_eq!(has(vec![object(ObjectKind::Birch)]), [true, true, false, false]);
 }
 
 #[test]

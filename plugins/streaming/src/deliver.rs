@@ -284,3 +284,23 @@ fn forget_level(world: &mut World, cell: u32, entity: Entity, level: Level) {
     }
     world.resource_mut::<StandingCells>().remove_level(cell, level);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use veduta_ecs::CellMeshKind::{Base, Trees, Walls};
+
+    #[test]
+    fn a_level_goes_with_its_walls_and_trees() {
+        let mut world = World::new();
+        world.init_resource::<StandingCells>();
+        let cell = world.spawn(Cell(3)).id();
+        let kinds = [Base, Walls(Level::One), Trees(Level::One), Walls(Level::Two), Trees(Level::Two)];
+        kinds.map(|kind| world.spawn((CellMesh { cell: 3, kind }, ChildOf(cell))).id());
+        let other = world.spawn(CellMesh { cell: 4, kind: Trees(Level::Two) }).id();
+        forget_level(&mut world, 3, cell, Level::Two);
+        let mut meshes = world.query::<(Entity, &CellMesh)>();
+        let left: Vec<_> = meshes.iter(&world).filter(|(entity, _)| *entity != other).map(|(_, mesh)| mesh.kind).collect();
+        assert_eq!((left, world.get_entity(other).is_ok()), (kinds[..3].to_vec(), true));
+    }
+}

@@ -13,8 +13,9 @@ use crate::canvas::Texel;
 use crate::mips::Encoder;
 use crate::noise::{Fractal, Pebbles, floor, mix, smoothstep, word};
 
-/// A pixel is looked at in so many places across and down.
+/// A pixel is looked at in so many places across and down, while the layer is no larger than so many pixels: larger ones have enough.
 const SAMPLES: usize = 2;
+const FINE: u32 = 256;
 /// Meridians and parallels of a lump, and sides of a bough.
 const LUMP: (usize, usize) = (28, 16);
 const BOUGH: usize = 5;
@@ -25,6 +26,8 @@ const LEAST_TWIG: f64 = 0.0025;
 const LEAST_TRUNK: f64 = 0.014;
 /// Lumps are larger by so much, for what is frayed of them.
 const FRAYED: f64 = 1.07;
+/// On smaller pictures trunks are no longer told from crowns, pixels.
+const LEAST_SIDE: usize = 16;
 /// What covers less of a row of pixels is too thin to be a trunk.
 const LEAST_COVER: f32 = 0.15;
 /// Pictures go on so far beyond their edges, as a share of the layer.
@@ -34,17 +37,17 @@ const PATTERN_M: f32 = 4.0;
 
 /// A pixel of a card.
 #[derive(Debug, Clone, Copy)]
-struct Dot {
-    /// Its colour; meaningless where nothing covers it.
-    texel: Texel,
+pub(crate) struct Dot {
+    /// The parts of its colour that stand as they are and that are tinted: see [`Texel`]. Meaningless where nothing covers it.
+    own: Vec3,
+    tint: Vec3,
     /// Towards the viewer; shorter where averaged.
     normal: Vec3,
     /// Share that is covered.
     cover: f32,
 }
 
-const NOTHING: Dot =
-    Dot { texel: Texel { own: Vec3::ZERO, tint: Vec3::ZERO, height: 0.0, rough: 0.0 }, normal: Vec3::ZERO, cover: 0.0 };
+const NOTHING: Dot = Dot { own: Vec3::ZERO, tint: Vec3::ZERO, normal: Vec3::ZERO, cover: 0.0 };
 
 impl Dot {
     /// The mean, each in proportion to what it covers.
@@ -54,23 +57,24 @@ impl Dot {
             return NOTHING;
         }
         let sum = |of: fn(&Self) -> Vec3| dots.iter().map(|dot| of(dot) * dot.cover).sum::<Vec3>() / cover;
-        let texel = Texel { own: sum(|dot| dot.texel.own), tint: sum(|dot| dot.texel.tint), ..NOTHING.texel };
-        Self { texel, normal: sum(|dot| dot.normal), cover: cover / dots.len() as f32 }
+        let cover_a_dot = cover / dots.len() as f32;
+        Self { own: sum(|dot| dot.own), tint: sum(|dot| dot.tint), normal: sum(|dot| dot.normal), cover: cover_a_dot }
     }
 
     /// Colour, and normal with the cover, in bytes.
-    fn bytes(&self, encoder: &Encoder) -> [[u8; 4]; 2] {
+    pub(crate) fn bytes(&self, encoder: &Encoder) -> [[u8; 4]; 2] {
         let n = self.normal.normalize_or(Vec3::Z);
         let signed = |c: f32| (128.0 + c * 127.0 + 0.5).clamp(1.0, 255.0) as u8;
         let cover = (self.cover * 255.0 + 0.5) as u8;
-        [encoder.colour(&self.texel), [signed(n.x), signed(n.y), signed(n.z), cover]]
+        let texel = Texel { tint: self.tint, ..Texel::solid(self.own, 0.0) };
+        [encoder.colour(&texel), [signed(n.x), signed(n.y), signed(n.z), cover]]
     }
 }
 
 /// A card and its smaller selves.
 pub(crate) struct Card {
     /// From the largest down to one pixel, rows from the top.
-    mips: Vec<Vec<Dot>>,
+    pub(crate) mips: Vec<Vec<Dot>>,
 }
 
 impl Card {
@@ -78,7 +82,8 @@ impl Card {
     pub(crate) fn of_tree(kind: ObjectKind, is_bare: bool, size: u32, draw: Draw, leaf: &Leaf) -> Self {
         let draw = Bodies::typical(kind, draw);
         let bodies = Bodies::of(kind, if is_bare { Season::Winter } else { Season::Summer }, draw);
-        let (n, fine) = (size as usize, size as usize * SAMPLES);
+        let (n, samples_a_pixel) = (size as usize, if size > FINE { 1 } else { SAMPLES });
+        let fine = n * samples_a_pixel;
         let mut samples = vec![NOTHING; fine * fine];
         let card = TreeCard::of(kind);
         let (half, height) = (card.half_m as f32, card.height_m as f32);
@@ -93,7 +98,7 @@ impl Card {
         bodies.take(&mut samples, fine, leaf, &slant);
         let top = View::new(TreeCard::TOP, [(-half, half), (half, -half)], |p| Vec3::new(p.x, -p.z, p.y));
         bodies.take(&mut samples, fine, leaf, &top);
-        Self::with_mips(halved(fine, &samples), n)
+        Self::with_mips(if fine > n { halved(fine, &samples) } else { samples }, n)
     }
 
     fn with_mips(largest: Vec<Dot>, size: usize) -> Self {
@@ -103,8 +108,8 @@ impl Card {
             mips.push(halved(side, &mips[mips.len() - 1]));
             side /= 2;
         }
-        for (i, mip) in mips.iter_mut().enumerate().skip(1) {
-            mip.chunks_exact_mut((size >> i).div_ceil(2)).for_each(keep_trunk);
+        for (i, mip) in mips.iter_mut().enumerate().skip(1).take_while(|(i, _)| size >> i >= LEAST_SIDE) {
+            mip.chunks_exact_mut((size >> i) / 2).for_each(keep_trunk);
         }
         // What is not covered takes its colour from the next smaller picture, so that nothing bleeds into edges.
         for i in (0..mips.len() - 1).rev() {
@@ -112,15 +117,10 @@ impl Card {
             let side = size >> i;
             for (at, dot) in larger[i].iter_mut().enumerate().filter(|(_, dot)| dot.cover <= 0.0) {
                 let under = smaller[0][(at / side / 2) * (side / 2).max(1) + (at % side) / 2];
-                (dot.texel, dot.normal) = (under.texel, under.normal);
+                (dot.own, dot.tint, dot.normal) = (under.own, under.tint, under.normal);
             }
         }
         Self { mips }
-    }
-
-    /// Colours, and normals with the cover, of each picture from the largest on.
-    pub(crate) fn pictures<'a>(&'a self, encoder: &'a Encoder) -> impl Iterator<Item = Vec<[[u8; 4]; 2]>> + 'a {
-        self.mips.iter().map(|mip| mip.iter().map(|dot| dot.bytes(encoder)).collect())
     }
 }
 
@@ -286,7 +286,7 @@ impl Bodies {
                 }
                 let Some(texel) = covered(*skin, place, facing, leaf) else { continue };
                 depths[index] = place.z;
-                samples[index] = Dot { texel, normal, cover: 1.0 };
+                samples[index] = Dot { own: texel.own, tint: texel.tint, normal, cover: 1.0 };
             }
         }
     }

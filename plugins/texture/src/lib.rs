@@ -35,7 +35,8 @@
 //! # Why it looks the same from afar
 //! Mips are averaged over what the shader makes of a texel, `own + tint × wall`, which is linear in both parts; a texel's
 //! alpha is then the tinted part's share of luminance. A window's dark glass therefore does not bleach the wall around it, as an
-//! average of alpha would. Slopes that averaging takes from the normals come back as roughness.
+//! average of alpha would. Slopes that averaging takes from the normals come back as roughness. Cards are averaged by what they cover,
+//! and their trunks stay as broad as a pixel.
 //!
 //! # Limits
 //! Sizes are powers of two from 32 to 1024; others are rounded to the nearest such. Bilinear filtering between a tinted and an
@@ -93,7 +94,7 @@ pub struct TileArray {
     /// RGBA8, rgb in sRGB, alpha linear. Layer by layer, within a layer mip by mip, within a mip row by row from the top
     /// (wgpu's `TextureDataOrder::LayerMajor`).
     pub colour: Vec<u8>,
-    /// RGBA8 linear: tangent normal in rgb, roughness in alpha. Laid out like `colour`.
+    /// RGBA8 linear: tangent normal in rgb, in alpha roughness, or the cover of cards. Laid out like `colour`.
     pub normal: Vec<u8>,
 }
 
@@ -110,7 +111,7 @@ impl TileArray {
         self.colour.get(self.range(layer, mip)?)
     }
 
-    /// Normal and roughness of one layer at one mip; `None` beyond the last.
+    /// Normal and roughness (or cover) of one layer at one mip; `None` beyond the last.
     #[must_use]
     pub fn normal_of(&self, layer: u32, mip: u32) -> Option<&[u8]> {
         self.normal.get(self.range(layer, mip)?)
@@ -148,83 +149,97 @@ pub fn paint_tiles(size: u32, seed: u64) -> TileArray {
     let total = array.layer_bytes() * Tile::COUNT;
     array.colour.reserve_exact(total);
     array.normal.reserve_exact(total);
-    let encoder = Encoder::new();
-    let (wall, leaf) = (bay::bay_wall(size, seed), leaf(seed));
+    let workshop = Workshop::new(size, seed);
     for tile in Tile::all() {
-        if let Some(card) = draw_card(tile, size, seed, &leaf) {
-            for picture in card.pictures(&encoder) {
-                array.colour.extend(picture.iter().flat_map(|dot| dot[0]));
-                array.normal.extend(picture.iter().flat_map(|dot| dot[1]));
+        let mut add = |colour: [u8; 4], normal: [u8; 4]| {
+            array.colour.extend(colour);
+            array.normal.extend(normal);
+        };
+        match workshop.draw(tile) {
+            Drawing::Card(card) => card.mips.iter().flatten().for_each(|dot| {
+                let [colour, normal] = dot.bytes(&workshop.encoder);
+                add(colour, normal);
+            }),
+            Drawing::Canvas(canvas) => {
+                let (mut side, mut facets, mut texels) = (size as usize, mips::facets(&canvas), canvas.texels);
+                loop {
+                    texels.iter().zip(&facets).for_each(|(texel, facet)| add(workshop.encoder.colour(texel), facet.bytes()));
+                    if side == 1 {
+                        break;
+                    }
+                    texels = mips::halve(side, &texels, mips::mean_texel);
+                    facets = mips::halve(side, &facets, mips::mean_facet);
+                    side /= 2;
+                }
             }
-            continue;
-        }
-        let canvas = draw_tile(tile, size, seed, &wall);
-        let (mut side, mut facets, mut texels) = (size as usize, mips::facets(&canvas), canvas.texels);
-        loop {
-            array.colour.extend(texels.iter().flat_map(|t| encoder.colour(t)));
-            array.normal.extend(facets.iter().flat_map(|f| f.bytes()));
-            if side == 1 {
-                break;
-            }
-            texels = mips::halve(side, &texels, mips::mean_texel);
-            facets = mips::halve(side, &facets, mips::mean_facet);
-            side /= 2;
         }
     }
     array
 }
 
-/// Colour and normal (with roughness) of one tile at mip 0, row by row from the top; pixels as in [`TileArray`].
+/// Colour and normal (with roughness, or cover) of one tile at mip 0, row by row from the top; pixels as in [`TileArray`].
 #[must_use]
 pub fn paint_tile(tile: Tile, size: u32, seed: u64) -> (Vec<[u8; 4]>, Vec<[u8; 4]>) {
-    let (size, encoder) = (paintable_size(size), Encoder::new());
-    if tile.is_card()
-        && let Some(card) = draw_card(tile, size, seed, &leaf(seed))
-    {
-        let largest = card.pictures(&encoder).next().unwrap_or_default();
-        return largest.into_iter().map(|[colour, normal]| (colour, normal)).unzip();
-    }
-    let canvas = draw_tile(tile, size, seed, &bay::bay_wall(size, seed));
-    (canvas.texels.iter().map(|t| encoder.colour(t)).collect(), mips::facets(&canvas).iter().map(mips::Facet::bytes).collect())
-}
-
-/// The pattern of leaves on cards.
-fn leaf(seed: u64) -> Leaf {
-    Leaf::new(Draw::new(seed, Id(Tile::Leaves.index() as u64), "card"))
-}
-
-/// Draws a tile that is a card; `None` of others.
-fn draw_card(tile: Tile, size: u32, seed: u64, leaf: &Leaf) -> Option<Card> {
-    let (kind, is_bare) = match tile {
-        Tile::LeafyTree(kind) => (kind, false),
-        Tile::BareTree(kind) => (kind, true),
-        _ => return None,
-    };
-    // A tree is one tree in leaf and bare.
-    Some(Card::of_tree(kind, is_bare, size, Draw::new(seed, Id(Tile::LeafyTree(kind).index() as u64), "card"), leaf))
-}
-
-/// Draws a tile; bays are drawn upon `bay_wall`, the same for all.
-fn draw_tile(tile: Tile, size: u32, seed: u64, bay_wall: &Canvas) -> Canvas {
-    let draw = Draw::new(seed, Id(tile.index() as u64), "texture");
-    let size_m = tile.size_m();
-    match tile {
-        Tile::Plaster | Tile::Bay(Opening::Blank) => bay::bare_plaster(size, size_m, draw),
-        Tile::Bay(opening) => {
-            let mut canvas = bay_wall.clone();
-            draw_opening(&mut canvas, opening, draw);
-            bay::join(&mut canvas, bay_wall, stands_on_foot(opening));
-            canvas
+    let workshop = Workshop::new(paintable_size(size), seed);
+    let encoder = &workshop.encoder;
+    match workshop.draw(tile) {
+        Drawing::Card(card) => card.mips[0].iter().map(|dot| dot.bytes(encoder).into()).unzip(),
+        Drawing::Canvas(canvas) => {
+            let colours = canvas.texels.iter().map(|t| encoder.colour(t)).collect();
+            (colours, mips::facets(&canvas).iter().map(mips::Facet::bytes).collect())
         }
-        Tile::RoofTile => roof::clay_tiles(size, size_m, draw),
-        Tile::Slate => roof::slates(size, size_m, draw),
-        Tile::Metal => roof::sheet_metal(size, size_m, draw),
-        Tile::Ground(surface) => draw_ground(surface, size, size_m, draw),
-        Tile::Stone => stone::ashlar(size, size_m, draw),
-        Tile::Wood => timber::planks(size, size_m, draw),
-        Tile::Leaves | Tile::LeafyTree(_) | Tile::BareTree(_) => soil::leaves(size, size_m, draw),
-        Tile::Carved => stone::carved(size, size_m, draw),
-        Tile::Glass => glass::leaded(size, size_m, draw),
+    }
+}
+
+/// What tiles of one size and seed have in common.
+struct Workshop {
+    size: u32,
+    seed: u64,
+    encoder: Encoder,
+    /// The wall of all bays.
+    wall: Canvas,
+    /// The leaves of all cards.
+    leaf: Leaf,
+}
+
+/// A tile before it is written.
+enum Drawing {
+    Canvas(Canvas),
+    Card(Card),
+}
+
+impl Workshop {
+    fn new(size: u32, seed: u64) -> Self {
+        let leaf = Leaf::new(Draw::new(seed, Id(Tile::Leaves.index() as u64), "card"));
+        Self { size, seed, encoder: Encoder::new(), wall: bay::bay_wall(size, seed), leaf }
+    }
+
+    fn draw(&self, tile: Tile) -> Drawing {
+        let (size, size_m) = (self.size, tile.size_m());
+        let draw = Draw::new(self.seed, Id(tile.index() as u64), "texture");
+        Drawing::Canvas(match tile {
+            Tile::Plaster | Tile::Bay(Opening::Blank) => bay::bare_plaster(size, size_m, draw),
+            Tile::Bay(opening) => {
+                let mut canvas = self.wall.clone();
+                draw_opening(&mut canvas, opening, draw);
+                bay::join(&mut canvas, &self.wall, stands_on_foot(opening));
+                canvas
+            }
+            Tile::RoofTile => roof::clay_tiles(size, size_m, draw),
+            Tile::Slate => roof::slates(size, size_m, draw),
+            Tile::Metal => roof::sheet_metal(size, size_m, draw),
+            Tile::Ground(surface) => draw_ground(surface, size, size_m, draw),
+            Tile::Stone => stone::ashlar(size, size_m, draw),
+            Tile::Wood => timber::planks(size, size_m, draw),
+            Tile::Leaves => soil::leaves(size, size_m, draw),
+            Tile::Carved => stone::carved(size, size_m, draw),
+            Tile::Glass => glass::leaded(size, size_m, draw),
+            Tile::LeafyTree(kind) | Tile::BareTree(kind) => {
+                // A tree is one tree in leaf and bare.
+                let draw = Draw::new(self.seed, Id(Tile::LeafyTree(kind).index() as u64), "card");
+                return Drawing::Card(Card::of_tree(kind, matches!(tile, Tile::BareTree(_)), size, draw, &self.leaf));
+            }
+        })
     }
 }
 

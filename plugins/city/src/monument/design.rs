@@ -157,6 +157,9 @@ pub enum DesignError {
     /// A material that is not there.
     #[error("piece {0} is made of a material that is not there")]
     Material(usize),
+    /// A material whose tile is a picture of something else.
+    #[error("material {0} is the picture of a tree")]
+    Tile(usize),
     /// A model's triangles, numbers or normals are none.
     #[error("piece {0} is a model with corners that are not there, lie too far away or face nowhere")]
     Model(usize),
@@ -169,6 +172,9 @@ impl Design {
     /// # Errors
     /// The first thing that is wrong.
     pub fn check(&self) -> Result<(), DesignError> {
+        if let Some(i) = self.materials.iter().position(|material| material.tile.is_card()) {
+            return Err(DesignError::Tile(i));
+        }
         for (i, piece) in self.pieces.iter().enumerate() {
             let copies = piece.repeat.as_ref().map_or(1, |repeat| *repeat.count());
             if !(0..=MOST_COPIES).contains(&copies) {

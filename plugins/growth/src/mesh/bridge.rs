@@ -359,8 +359,17 @@ impl<'a> Deck<'a> {
         self.face(rail(1.0, -inset, -depth), rail(-1.0, inset, -depth), under, mesh);
         // Its ends, which show where a shallower girder, or none, goes on.
         for (s, near) in [(0.0, 1.0), (self.length_m(), -1.0)] {
-            let corner = |side: f64, up: f64| self.on(s, rail(side, -side * inset, up));
-            mesh.polygon(&[corner(near, -depth), corner(-near, -depth), corner(-near, -slab), corner(near, -slab)], paint);
+            let corner = |side: f64, out: f64, up: f64| self.on(s, rail(side, side * out, up));
+            let (far, inner) = (-near, -inset);
+            mesh.polygon(
+                &[corner(near, inner, -depth), corner(far, inner, -depth), corner(far, inner, -slab), corner(near, inner, -slab)],
+                paint,
+            );
+            for side in self.guarded() {
+                let (left, right) = if side == near { (UPSTAND_M, 0.0) } else { (0.0, UPSTAND_M) };
+                let foot = [corner(side, left, -slab), corner(side, right, -slab)];
+                mesh.polygon(&[foot[0], foot[1], corner(side, right, KERB_M), corner(side, left, KERB_M)], paint);
+            }
         }
         if let Some(foot) = self.span.piers.1 {
             let (end, half) = (self.length_m(), SHAFT_M / 2.0);

@@ -450,3 +450,45 @@ impl<'a> Decks<'a> {
 fn piece(pair: &[SpanStation]) -> GridPolygon {
     GridPolygon::simple(vec![pair[0].right, pair[1].right, pair[1].left, pair[0].left])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn girders_are_cut_where_another_begins_and_ceases_to_lie_beside_them() {
+        let station = |x_m: f64| SpanStation {
+            left: GridPos::from_metres(DVec2::new(x_m, 3.0)),
+            right: GridPos::from_metres(DVec2::new(x_m, -3.0)),
+            z: 0,
+        };
+        let stations = vec![station(0.0), station(10.0), station(30.0)];
+        let girder = WaySpan {
+            id: veduta_city::Id(1),
+            form: SpanForm::Girder,
+            surface: SurfaceKind::Asphalt,
+            pavements: (0, 0),
+            parapets: (true, true),
+            stations,
+            springing: 0,
+            piers: (None, None),
+            markings: Vec::new(),
+        };
+        // Beside it, on its left, between two places along it.
+        let cut = |span: &WaySpan, beside: &[Range<f64>]| -> Vec<(i64, bool)> {
+            let at_m = |at: f64| station_at(span, at).at(0.0).x;
+            let is_beside = |at: f64| [beside.iter().any(|range| range.contains(&at_m(at))), false];
+            runs(span, is_beside).iter().map(|run| ((at_m(run.range.end) * 10.0).round() as i64, run.joined[0])).collect()
+        };
+        assert_eq!(cut(&girder, &[]), [(300, false)]);
+        assert_eq!(cut(&girder, &[0.0..31.0]), [(300, true)]);
+        assert_eq!(cut(&girder, &[4.0..17.0]), [(40, false), (170, true), (300, false)]);
+        assert_eq!(cut(&girder, &[0.0..4.0]), [(40, true), (300, false)]);
+        assert_eq!(cut(&girder, &[0.0..0.7]), [(300, false)], "too short at the start");
+        assert_eq!(cut(&girder, &[29.4..31.0]), [(300, false)], "too short at the end");
+        assert_eq!(cut(&girder, &[4.0..9.2, 9.8..14.0]), [(40, false), (140, true), (300, false)], "a gap too short to be seen");
+        let arches = WaySpan { form: SpanForm::Arches, ..girder };
+        assert_eq!(cut(&arches, &[0.0..16.0]), [(300, true)]);
+        assert_eq!(cut(&arches, &[0.0..14.0]), [(300, false)]);
+    }
+}
