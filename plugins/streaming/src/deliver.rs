@@ -296,7 +296,9 @@ mod tests {
         world.init_resource::<StandingCells>();
         let cell = world.spawn(Cell(3)).id();
         let kinds = [Base, Walls(Level::One), Trees(Level::One), Walls(Level::Two), Trees(Level::Two)];
-        kinds.map(|kind| world.spawn((CellMesh { cell: 3, kind }, ChildOf(cell))).id());
+        for kind in kinds {
+            world.spawn((CellMesh { cell: 3, kind }, ChildOf(cell)));
+        }
         let other = world.spawn(CellMesh { cell: 4, kind: Trees(Level::Two) }).id();
         forget_level(&mut world, 3, cell, Level::Two);
         let mut meshes = world.query::<(Entity, &CellMesh)>();
