@@ -9,7 +9,7 @@ struct Facade {
 
 // Half the angle between the directions of a tree's cards, and half of that over which neighbours take turns; radians.
 const HALF_TURN: f32 = 0.3926991;
-const HALF_BAND: f32 = 0.1;
+const HALF_BAND: f32 = 0.04;
 // How far up the normals of upright cards look at most, and that of the card from above at least.
 const UPRIGHT: f32 = 0.3;
 const LEVEL: f32 = 0.9;
