@@ -9,6 +9,7 @@ use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::vector::edge::{CLIP_LEFT, CLIP_RIGHT, SUBJ_LEFT, SUBJ_RIGHT, VectorEdge};
 use veduta_city::{BorderEdge, GridPolygon, GridPos, connected_faces, ring_edges};
 
+use super::bounds::{Bounds, do_meet};
 use super::relation::{is_apart, is_convex};
 
 /// An overlay that is being filled. Coordinates inside are relative to `origin`, so that products stay far from the ends of
@@ -104,12 +105,15 @@ pub(crate) fn split(subject: &[&[GridPos]], clip: &[&[GridPos]]) -> (Vec<GridPol
 
 /// Area of the intersection of two valid polygons in square metres.
 pub(super) fn overlap_m2(a: &GridPolygon, b: &GridPolygon) -> f64 {
-    if is_apart(&a.outer, &b.outer) || is_apart(&b.outer, &a.outer) {
+    let (Some(&origin), Some(a_box), Some(b_box)) = (a.outer.first(), a.bounds(), b.bounds()) else { return 0.0 };
+    if !do_meet(a_box, b_box) || is_apart(&a.outer, &b.outer) || is_apart(&b.outer, &a.outer) {
         return 0.0;
     }
-    let Some(&origin) = a.outer.first() else { return 0.0 };
-    let local = |ring: &Vec<GridPos>| -> Vec<DVec2> { ring.iter().map(|&p| (p - origin).to_metres()).collect() };
-    let [a_rings, b_rings] = [a, b].map(|polygon| polygon.rings().map(local).collect::<Vec<_>>());
+    let local = |ring: &Vec<GridPos>, other: Bounds| -> Vec<DVec2> {
+        about_box(ring, other).into_iter().map(|p| (p - origin).to_metres()).collect()
+    };
+    let [a_rings, b_rings] =
+        [(a, b_box), (b, a_box)].map(|(polygon, other)| polygon.rings().map(|ring| local(ring, other)).collect::<Vec<_>>());
     let held = |convex: &[DVec2], of: &[Vec<DVec2>]| of.iter().map(|ring| clipped_m2(ring, convex)).sum::<f64>();
     if a.holes.is_empty() && is_convex(&a.outer) {
         return held(&a_rings[0], &b_rings).max(0.0);
@@ -125,9 +129,28 @@ pub(super) fn overlap_m2(a: &GridPolygon, b: &GridPolygon) -> f64 {
     triangles.map(of_triangle).sum::<f64>().max(0.0)
 }
 
+/// A ring without the corners that do not matter within a box: those beyond the same side of it as the corners before and after
+/// them. It winds about every place in the box as often as before, and a convex one stays convex.
+fn about_box(ring: &[GridPos], (low, high): Bounds) -> Vec<GridPos> {
+    let beyond =
+        |p: GridPos| u8::from(p.0 < low.0) | u8::from(p.0 > high.0) << 1 | u8::from(p.1 < low.1) << 2 | u8::from(p.1 > high.1) << 3;
+    let mut kept: Vec<GridPos> = Vec::with_capacity(ring.len());
+    for (i, &p) in ring.iter().enumerate() {
+        let before = kept.last().or(ring.last()).map_or(0, |&p| beyond(p));
+        let after = ring.get(i + 1).or(kept.first()).map_or(0, |&p| beyond(p));
+        if before & beyond(p) & after == 0 {
+            kept.push(p);
+        }
+    }
+    kept
+}
+
 /// Area of what a convex ring that runs counter-clockwise holds of another, negative if that one runs clockwise. (Sutherland and
 /// Hodgman, *Reentrant polygon clipping*, 1974: where it leaves edges that run to and fro, they have no area.)
 fn clipped_m2(ring: &[DVec2], convex: &[DVec2]) -> f64 {
+    if convex.len() < 3 {
+        return 0.0;
+    }
     let mut rest = ring.to_vec();
     let mut next = Vec::with_capacity(rest.len() + convex.len());
     for (a, b) in ring_edges(convex) {
