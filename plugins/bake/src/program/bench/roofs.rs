@@ -24,8 +24,8 @@ pub(crate) struct RoofsBench {
     maps: Vec<PathBuf>,
     #[command(flatten)]
     peer: GrowthPeer,
-    /// Drawn footprints that are tried, of all kinds.
-    #[arg(long, default_value_t = 1_000_000)]
+    /// Numbers that footprints of all kinds are drawn from; about one in eighty gives none.
+    #[arg(long, default_value_t = 1_020_000)]
     drawn: u64,
     /// Print a line of JSON a figure.
     #[arg(long)]
