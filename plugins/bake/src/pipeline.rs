@@ -188,7 +188,7 @@ pub fn bake_input(input: &Input, out: &Path, settings: &BakeSettings, progress: 
     let Planned { plan, mut findings } = plan(input, settings, progress)?;
     let mut writer = CityWriter::new(out, &plan)?;
     progress(Stage::Cut);
-    let (mut cells, more) = cut(&plan, settings);
+    let (cells, more) = cut(&plan, settings);
     findings.extend(more);
     if cells.cells.is_empty() {
         return Err(BakeError::Empty(input.path.clone()));
@@ -198,8 +198,8 @@ pub fn bake_input(input: &Input, out: &Path, settings: &BakeSettings, progress: 
     writer.cells(&plan, &cells, &|cell| (Cow::Owned(contents.shell(cell)), Cow::Owned(contents.sheet(cell))))?;
     // The index of a large city takes as much again as its cells: these and the plan need not be there meanwhile.
     drop(contents);
-    let (portals, skyline) = (core::mem::take(&mut cells.portals), core::mem::take(&mut cells.skyline));
-    drop((plan, cells));
-    let stats = writer.finish(portals, skyline)?;
+    let Cells { portals, visible, skyline, .. } = cells;
+    drop((plan, cells.cells));
+    let stats = writer.finish(portals, visible, skyline)?;
     Ok(Baked { stats, findings })
 }

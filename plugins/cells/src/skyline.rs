@@ -38,7 +38,7 @@ pub(crate) fn skyline(plan: &CityPlan, cells: &Cells) -> Vec<u32> {
         }
     }
     tall.sort_unstable();
-    let carriers = Carriers::new(cells);
+    let carriers = Carriers::new(cells, &tall.iter().map(|&(_, h, _)| h).collect());
     let most = ((cells.cells.len() as f64 * MOST_CELLS) as usize).max(1);
     let mut skyline = BTreeSet::new();
     for (_, h, v) in tall {
@@ -55,15 +55,15 @@ fn is_tower(volume: &Volume) -> bool {
     height_m > TOWER_SLENDERNESS * libm::sqrt(volume.footprint.area_m2().abs())
 }
 
-/// (house, volume) → cells, sorted; roofs as volume `None`.
+/// (house, volume) → cells, sorted; roofs as volume `None`; of a few houses.
 struct Carriers(BTreeSet<(u32, Option<u16>, u32)>);
 
 impl Carriers {
-    fn new(cells: &Cells) -> Self {
+    fn new(cells: &Cells, houses: &BTreeSet<u32>) -> Self {
         let mut all = BTreeSet::new();
         for (i, cell) in (0..).zip(&cells.cells) {
-            all.extend(cell.walls.iter().map(|&(h, v, _)| (h, Some(v), i)));
-            all.extend(cell.houses.iter().map(|&h| (h, None, i)));
+            all.extend(cell.walls.iter().filter(|wall| houses.contains(&wall.0)).map(|&(h, v, _)| (h, Some(v), i)));
+            all.extend(cell.houses.iter().filter(|house| houses.contains(house)).map(|&h| (h, None, i)));
         }
         Self(all)
     }

@@ -18,11 +18,11 @@ const MOST_GROWTHS: u8 = 4;
 /// A cell is kept only if each sees the other, which drops much of what merging has added on one side.
 pub(crate) fn visible_sets(cells: &Cells, settings: &PartitionSettings, findings: &mut Vec<Finding>) -> Vec<Vec<u32>> {
     let web = Web::new(cells);
-    let seen: Vec<(Vec<u32>, bool)> = (0..cells.cells.len() as u32)
+    let (mut seen, is_coarse): (Vec<Vec<u32>>, Vec<bool>) = (0..cells.cells.len() as u32)
         .into_par_iter()
         .map_init(|| Search::new(&web, settings), |search, cell| search.seen_from(cell))
-        .collect();
-    let coarse = seen.iter().filter(|(_, is_coarse)| *is_coarse).count();
+        .unzip();
+    let coarse = is_coarse.into_iter().filter(|is_coarse| *is_coarse).count();
     if coarse > 0 {
         let message = format!(
             "{coarse} of {} cells lie on ground so open that what is seen from them was told by direction alone; \
@@ -31,8 +31,14 @@ pub(crate) fn visible_sets(cells: &Cells, settings: &PartitionSettings, findings
         );
         findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
     }
-    let sees = |from: u32, to: u32| seen[from as usize].0.binary_search(&to).is_ok();
-    (0..).zip(&seen).map(|(a, (set, _))| set.iter().copied().filter(|&b| sees(b, a)).collect()).collect()
+    // In place, because all sets together are much: whoever is dropped from a set does not see its owner, and so never asks it.
+    for a in 0..seen.len() {
+        let mut set = core::mem::take(&mut seen[a]);
+        set.retain(|&b| b as usize == a || seen[b as usize].binary_search(&(a as u32)).is_ok());
+        set.shrink_to_fit();
+        seen[a] = set;
+    }
+    seen
 }
 
 /// A way through a portal.
@@ -82,10 +88,9 @@ struct Reached {
     merges: u8,
 }
 
-/// The directions known to reach one crossing, in one round.
-#[derive(Clone, Copy, Default)]
+/// The directions known to reach one crossing.
+#[derive(Clone, Copy)]
 struct Coarse {
-    round: u32,
     growths: u8,
     /// Those of all lines that cross both the first crossing and this one; `None` if there are none, or it is out of sight.
     all: Option<Directions>,
@@ -99,6 +104,40 @@ struct Ahead {
     right: (f64, f64),
 }
 
+/// What is known of one crossing of those that are followed from one first crossing.
+struct Known {
+    crossing: u32,
+    /// Where it lies, if it is in sight.
+    ahead: Option<Ahead>,
+    reached: Reached,
+    coarse: Option<Coarse>,
+}
+
+/// What is known of the crossings about a first one: a sparse set (Briggs and Torczon, *An efficient representation for sparse sets*,
+/// 1993), because a city has many crossings and few in sight of each other.
+struct About {
+    known: Vec<Known>,
+    /// Where each crossing may stand in `known`.
+    slots: Vec<u32>,
+}
+
+impl About {
+    fn new(crossings: usize) -> Self {
+        Self { known: Vec::new(), slots: vec![0; crossings] }
+    }
+
+    /// What is known of a crossing, `ahead` telling where it lies when it is first asked for.
+    fn of(&mut self, crossing: u32, ahead: impl FnOnce() -> Option<Ahead>) -> &mut Known {
+        let mut slot = self.slots[crossing as usize] as usize;
+        if self.known.get(slot).is_none_or(|known| known.crossing != crossing) {
+            slot = self.known.len();
+            self.slots[crossing as usize] = slot as u32;
+            self.known.push(Known { crossing, ahead: ahead(), reached: Reached::default(), coarse: None });
+        }
+        &mut self.known[slot]
+    }
+}
+
 /// Lines were followed for more steps than the settings allow.
 struct TooMany;
 
@@ -107,14 +146,8 @@ struct Search<'a> {
     most_sets: usize,
     most_steps: usize,
     sight_m: f64,
-    reached: Vec<Reached>,
-    touched: Vec<u32>,
+    about: About,
     is_seen: Vec<bool>,
-    /// For each crossing the round for which it was placed, and where it lies if it is in sight and ahead.
-    placed: Vec<(u32, Option<Ahead>)>,
-    coarse: Vec<Coarse>,
-    /// Counts the first crossings.
-    round: u32,
 }
 
 impl<'a> Search<'a> {
@@ -124,12 +157,8 @@ impl<'a> Search<'a> {
             most_sets: settings.line_sets.max(1),
             most_steps: settings.sight_steps,
             sight_m: settings.sight_m,
-            reached: web.crossings.iter().map(|_| Reached::default()).collect(),
-            touched: Vec::new(),
+            about: About::new(web.crossings.len()),
             is_seen: vec![false; web.first.len()],
-            coarse: vec![Coarse::default(); web.crossings.len()],
-            placed: vec![(0, None); web.crossings.len()],
-            round: 0,
         }
     }
 
@@ -141,7 +170,7 @@ impl<'a> Search<'a> {
         for first in self.web.out(cell) {
             let start = &self.web.crossings[first as usize];
             let Some(frame) = Frame::new(start.left, start.right) else { continue };
-            self.round += 1;
+            self.about.known.clear();
             // What one crossing leaves open, all others of the cell may as well.
             is_coarse = is_coarse || self.follow(cell, first, &frame, &mut seen).is_err();
             if is_coarse {
@@ -152,6 +181,7 @@ impl<'a> Search<'a> {
             self.is_seen[cell as usize] = false;
         }
         seen.sort_unstable();
+        seen.shrink_to_fit();
         (seen, is_coarse)
     }
 
@@ -165,20 +195,18 @@ impl<'a> Search<'a> {
             let here = web.crossings[crossing as usize].into;
             self.see(here, seen);
             if steps > self.most_steps {
-                self.forget();
                 return Err(TooMany);
             }
             for next in web.out(here) {
                 let Some(Ahead { left, right, .. }) = self.onward(frame, next, from, source) else { continue };
                 steps += 1;
                 if let Some(lines) = lines.through(left, right)
-                    && let Some(lines) = self.add(next, lines, || Lines::all(frame).through(left, right))
+                    && let Some(lines) = self.add(frame, next, lines, || Lines::all(frame).through(left, right))
                 {
                     queue.push_back((next, here, lines));
                 }
             }
         }
-        self.forget();
         Ok(())
     }
 
@@ -190,8 +218,8 @@ impl<'a> Search<'a> {
             let here = web.crossings[crossing as usize].into;
             self.see(here, seen);
             // What has grown since is followed from its own place in the queue.
-            let state = self.coarse[crossing as usize];
-            if crossing != first && state.round == self.round && state.known.is_some_and(|now| now != slopes) {
+            let coarse = self.known(frame, crossing).coarse;
+            if crossing != first && coarse.and_then(|coarse| coarse.known).is_some_and(|now| now != slopes) {
                 continue;
             }
             for next in web.out(here) {
@@ -214,68 +242,56 @@ impl<'a> Search<'a> {
 
     /// Where a crossing lies in the frame of the first, if it leads on and lies within sight.
     fn onward(&mut self, frame: &Frame, crossing: u32, from: u32, source: u32) -> Option<Ahead> {
-        let Crossing { left, right, into } = self.web.crossings[crossing as usize];
-        if into == from || into == source {
-            return None;
-        }
-        let (round, placed) = self.placed[crossing as usize];
-        if round == self.round {
-            return placed;
-        }
-        let placed = self.place(frame, left, right);
-        self.placed[crossing as usize] = (self.round, placed);
-        placed
+        let into = self.web.crossings[crossing as usize].into;
+        if into == from || into == source { None } else { self.known(frame, crossing).ahead }
     }
 
-    fn place(&self, frame: &Frame, left: GridPos, right: GridPos) -> Option<Ahead> {
-        let (left, right) = (frame.local(left), frame.local(right));
-        let middle = (0.5 * (left.0 + right.0), 0.5 * (left.1 + right.1 - frame.width_m()));
-        let reach_m = self.sight_m + 0.5 * (frame.width_m() + libm::hypot(left.0 - right.0, left.1 - right.1));
-        let is_in_sight = middle.0 * middle.0 + middle.1 * middle.1 <= reach_m * reach_m;
-        is_in_sight.then_some(Ahead { left, right })
-    }
-
-    fn forget(&mut self) {
-        for crossing in self.touched.drain(..) {
-            self.reached[crossing as usize] = Reached::default();
-        }
+    /// What is known of a crossing.
+    fn known(&mut self, frame: &Frame, crossing: u32) -> &mut Known {
+        let (web, sight_m) = (self.web, self.sight_m);
+        self.about.of(crossing, || {
+            let Crossing { left, right, .. } = web.crossings[crossing as usize];
+            let (left, right) = (frame.local(left), frame.local(right));
+            let middle = (0.5 * (left.0 + right.0), 0.5 * (left.1 + right.1 - frame.width_m()));
+            let reach_m = sight_m + 0.5 * (frame.width_m() + libm::hypot(left.0 - right.0, left.1 - right.1));
+            let is_in_sight = middle.0 * middle.0 + middle.1 * middle.1 <= reach_m * reach_m;
+            is_in_sight.then_some(Ahead { left, right })
+        })
     }
 
     /// Notes directions that reach a crossing; returns those to follow from there, if any are new.
     fn add_directions(&mut self, crossing: u32, slopes: Directions, frame: &Frame) -> Option<Directions> {
-        if self.coarse[crossing as usize].round != self.round {
-            let Crossing { left, right, .. } = self.web.crossings[crossing as usize];
-            let all = self.place(frame, left, right).and_then(|ahead| Directions::between(frame, ahead.left, ahead.right));
-            self.coarse[crossing as usize] = Coarse { round: self.round, growths: 0, all, known: None };
-        }
-        let state = &mut self.coarse[crossing as usize];
-        let all = state.all?;
+        let known = self.known(frame, crossing);
+        let ahead = known.ahead;
+        let coarse = known.coarse.get_or_insert_with(|| {
+            let all = ahead.and_then(|ahead| Directions::between(frame, ahead.left, ahead.right));
+            Coarse { growths: 0, all, known: None }
+        });
+        let all = coarse.all?;
         let slopes = slopes.both(all)?;
-        let slopes = match state.known {
+        let slopes = match coarse.known {
             Some(known) if known.contains(slopes) => return None,
-            Some(_) if state.growths >= MOST_GROWTHS => all,
+            Some(_) if coarse.growths >= MOST_GROWTHS => all,
             Some(known) => {
-                state.growths += 1;
+                coarse.growths += 1;
                 known.hull(slopes)
             }
             None => slopes,
         };
-        state.known = Some(slopes);
+        coarse.known = Some(slopes);
         Some(slopes)
     }
 
     /// Notes lines that reach a crossing; returns the set to follow from there, if it is new. A few sets are told apart, further
     /// ones are merged, and in the end all lines are let pass: work stays bounded and nothing is lost.
-    fn add(&mut self, crossing: u32, lines: Lines, all: impl Fn() -> Option<Lines>) -> Option<Lines> {
-        let reached = &mut self.reached[crossing as usize];
+    fn add(&mut self, frame: &Frame, crossing: u32, lines: Lines, all: impl Fn() -> Option<Lines>) -> Option<Lines> {
+        let most_sets = self.most_sets;
+        let reached = &mut self.known(frame, crossing).reached;
         if reached.sets.iter().any(|set| set.contains(&lines)) {
             return None;
         }
-        if reached.sets.is_empty() {
-            self.touched.push(crossing);
-        }
         let mut lines = lines;
-        if reached.sets.len() >= self.most_sets {
+        if reached.sets.len() >= most_sets {
             reached.merges = reached.merges.saturating_add(1);
             lines = if reached.merges > MOST_MERGES { all()? } else { merged(&reached.sets, &lines) };
         }

@@ -20,7 +20,7 @@ pub(crate) fn invalid(reason: String) -> StoreError {
 /// Where blobs go as they are made, from several threads.
 pub(crate) type Sink<'s> = dyn Fn(&BlobRef, &[u8]) -> Result<(), StoreError> + Sync + 's;
 
-/// The index of a plan, but for its cells, portals and skyline. Overview and styles go to the sink, each read back first, so that what is
+/// The index of a plan, but for its cells and what is between them. Overview and styles go to the sink, each read back first, so that what is
 /// written can be read.
 pub(crate) fn head(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> Result<CityIndex, StoreError> {
     stats.houses = plan.houses.len() as u64;
@@ -42,7 +42,7 @@ pub(crate) fn head(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> R
     })
 }
 
-/// The index's entries of all cells; their packets go to the sink.
+/// The index's entries of all cells, but for what is seen from them; their packets go to the sink.
 pub(crate) fn entries<'a>(
     plan: &CityPlan,
     cells: &Cells,
@@ -51,16 +51,13 @@ pub(crate) fn entries<'a>(
     sink: &Sink<'_>,
 ) -> Result<Vec<CellEntry>, StoreError> {
     let count = cells.cells.len();
-    if cells.visible.len() != count {
-        return Err(invalid(format!("there are {count} cells but {} visible sets", cells.visible.len())));
-    }
     let entries = side_by_side(count, &|i| {
         let (shell, sheet) = contents(i);
         let told = |error: StoreError| match error {
             StoreError::Write { .. } => error,
             error => invalid(format!("cell {i} ({}): {error}", cells.cells[i].id)),
         };
-        entry(plan, &cells.cells[i], &cells.visible[i], (&shell, &sheet), sink).map_err(told)
+        entry(plan, &cells.cells[i], (&shell, &sheet), sink).map_err(told)
     })?;
     stats.cells += count as u64;
     for entry in &entries {
@@ -132,11 +129,10 @@ fn styles(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> Result<Opt
     Ok(Some(blob))
 }
 
-/// A cell's entry in the index; its packets go to the sink.
+/// A cell's entry in the index, but for what is seen from it; its packets go to the sink.
 fn entry(
     plan: &CityPlan,
     cell: &Cell,
-    visible: &[u32],
     (shell, sheet): (&CellShell, &FacadeSheet),
     sink: &Sink<'_>,
 ) -> Result<CellEntry, StoreError> {
@@ -171,7 +167,7 @@ fn entry(
         bounds: bounds(cell, shell),
         top: top(cell, shell),
         portals: cell.portals.clone(),
-        visible: visible.to_vec(),
+        visible: Vec::new(),
         houses: cell.houses.len() as u32,
         walls: walls as u32,
         packets,

@@ -35,7 +35,7 @@ pub fn write_city(
     }
     let mut writer = CityWriter::new(dir, plan)?;
     writer.cells(plan, cells, &|cell| (Cow::Borrowed(&shells[cell]), Cow::Borrowed(&sheets[cell])))?;
-    writer.finish(cells.portals.clone(), cells.skyline.clone())
+    writer.finish(cells.portals.clone(), cells.visible.clone(), cells.skyline.clone())
 }
 
 /// Writes a city piece by piece, as [`write_city`] does at once, so that no more of it need be in memory than is written just now: what
@@ -77,11 +77,18 @@ impl CityWriter {
         Ok(())
     }
 
-    /// Writes the index, with the portals between the cells and those that are seen from everywhere: the city is there.
+    /// Writes the index, with the portals between the cells, what is seen from each, and what from everywhere: the city is there.
     ///
     /// # Errors
     /// As [`write_city`].
-    pub fn finish(mut self, portals: Vec<Portal>, skyline: Vec<u32>) -> Result<CityStats, StoreError> {
+    pub fn finish(mut self, portals: Vec<Portal>, visible: Vec<Vec<u32>>, skyline: Vec<u32>) -> Result<CityStats, StoreError> {
+        let count = self.index.cells.len();
+        if visible.len() != count {
+            return Err(compose::invalid(format!("there are {count} cells but {} visible sets", visible.len())));
+        }
+        for (cell, visible) in self.index.cells.iter_mut().zip(visible) {
+            cell.visible = visible;
+        }
         (self.index.portals, self.index.skyline) = (portals, skyline);
         let stored = compose::index(&self.index, &mut self.stats)?;
         put(&self.files.site.join(INDEX_NAME), &stored)?;
