@@ -196,10 +196,9 @@ pub fn bake_input(input: &Input, out: &Path, settings: &BakeSettings, progress: 
     progress(Stage::Pack);
     let contents = Contents::new(&plan, &cells);
     writer.cells(&plan, &cells, &|cell| (Cow::Owned(contents.shell(cell)), Cow::Owned(contents.sheet(cell))))?;
-    // The index of a large city takes as much again as its cells: these and the plan need not be there meanwhile.
+    // The index of a large city takes as much again as its cells: the plan need not be there meanwhile.
     drop(contents);
-    let Cells { portals, visible, skyline, .. } = cells;
-    drop((plan, cells.cells));
-    let stats = writer.finish(portals, visible, skyline)?;
+    drop(plan);
+    let stats = writer.finish(cells)?;
     Ok(Baked { stats, findings })
 }

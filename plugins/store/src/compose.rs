@@ -42,7 +42,7 @@ pub(crate) fn head(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> R
     })
 }
 
-/// The index's entries of all cells, but for what is seen from them; their packets go to the sink.
+/// What is told of the packets of all cells in their entries of the index; the packets go to the sink.
 pub(crate) fn entries<'a>(
     plan: &CityPlan,
     cells: &Cells,
@@ -129,7 +129,7 @@ fn styles(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> Result<Opt
     Ok(Some(blob))
 }
 
-/// A cell's entry in the index, but for what is seen from it; its packets go to the sink.
+/// What is told of the packets of a cell in its entry of the index; they go to the sink.
 fn entry(
     plan: &CityPlan,
     cell: &Cell,
@@ -160,18 +160,27 @@ fn entry(
         packets[Level::Two.index()] = Some(blob);
     }
     Ok(CellEntry {
-        id: cell.id,
-        name: cell.name.clone(),
-        outline: cell.outline.clone(),
-        floor: cell.floor,
         bounds: bounds(cell, shell),
         top: top(cell, shell),
-        portals: cell.portals.clone(),
-        visible: Vec::new(),
         houses: cell.houses.len() as u32,
         walls: walls as u32,
         packets,
+        ..CellEntry::default()
     })
+}
+
+/// Adds to the entries what cells tell of themselves: taken over, because an index is as large as they are.
+pub(crate) fn take_over(index: &mut CityIndex, cells: Cells) -> Result<(), StoreError> {
+    let (count, cut, seen) = (index.cells.len(), cells.cells.len(), cells.visible.len());
+    if cut != count || seen != count {
+        return Err(invalid(format!("there are {cut} cells but {seen} visible sets, and packets of {count} cells")));
+    }
+    for ((entry, cell), visible) in index.cells.iter_mut().zip(cells.cells).zip(cells.visible) {
+        let Cell { id, name, outline, floor, portals, .. } = cell;
+        *entry = CellEntry { id, name, outline, floor, portals, visible, ..core::mem::take(entry) };
+    }
+    (index.portals, index.skyline) = (cells.portals, cells.skyline);
+    Ok(())
 }
 
 /// Least and greatest corner in plan of all that is drawn with a cell. Called on a shell that was checked, so that sums

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use veduta_city::{CellShell, Cells, CityPlan, FacadeSheet, Portal};
+use veduta_city::{CellShell, Cells, CityPlan, FacadeSheet};
 
 use crate::compose::{self, invalid};
 use crate::{BlobRef, CityIndex, CityStats, INDEX_NAME, StoreError};
@@ -35,7 +35,7 @@ pub fn write_city(
     }
     let mut writer = CityWriter::new(dir, plan)?;
     writer.cells(plan, cells, &|cell| (Cow::Borrowed(&shells[cell]), Cow::Borrowed(&sheets[cell])))?;
-    writer.finish(cells.portals.clone(), cells.visible.clone(), cells.skyline.clone())
+    writer.finish(cells.clone())
 }
 
 /// Writes a city piece by piece, as [`write_city`] does at once, so that no more of it need be in memory than is written just now: what
@@ -77,19 +77,13 @@ impl CityWriter {
         Ok(())
     }
 
-    /// Writes the index, with the portals between the cells, what is seen from each, and what from everywhere: the city is there.
+    /// Writes the index, with what the cells tell of themselves, of what is seen from them and of the portals between them: the city is
+    /// there.
     ///
     /// # Errors
     /// As [`write_city`].
-    pub fn finish(mut self, portals: Vec<Portal>, visible: Vec<Vec<u32>>, skyline: Vec<u32>) -> Result<CityStats, StoreError> {
-        let count = self.index.cells.len();
-        if visible.len() != count {
-            return Err(compose::invalid(format!("there are {count} cells but {} visible sets", visible.len())));
-        }
-        for (cell, visible) in self.index.cells.iter_mut().zip(visible) {
-            cell.visible = visible;
-        }
-        (self.index.portals, self.index.skyline) = (portals, skyline);
+    pub fn finish(mut self, cells: Cells) -> Result<CityStats, StoreError> {
+        compose::take_over(&mut self.index, cells)?;
         let stored = compose::index(&self.index, &mut self.stats)?;
         put(&self.files.site.join(INDEX_NAME), &stored)?;
         if self.files.is_new {
