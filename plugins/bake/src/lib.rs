@@ -31,6 +31,7 @@ mod export;
 mod input;
 mod model;
 mod pipeline;
+mod proof;
 mod raster_map;
 mod scene;
 mod svg;
@@ -44,6 +45,7 @@ pub use export::{ExportError, ExportSettings, export_cells, export_glb, export_m
 pub use input::{Heights, Input, InputKind};
 pub use model::read_models;
 pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, bake_input, cut, plan, survey, survey_bare};
+pub use proof::{Missing, Proof, ProofSettings, prove};
 pub use raster_map::{RasterMap, RasterSurvey};
 pub use scene::overrides_beside;
 pub use svg::map_svg;

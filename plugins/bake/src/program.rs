@@ -90,6 +90,8 @@ enum Command {
         /// Print figures as JSON.
         #[arg(long)]
         json: bool,
+        #[command(flatten)]
+        proof: inspect::Proving,
     },
     /// Check RON files: graphs, overrides, plans, styles, and tours against their city.
     Check {
@@ -233,7 +235,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
             crate::allocator::keep_no_memory();
             bake_city(&source, output, seed, quiet, json, findings)?;
         }
-        Command::Inspect { city, json } => inspect::inspect(&city, json)?,
+        Command::Inspect { city, json, proof } => inspect::inspect(&city, json, &proof)?,
         Command::Check { files } => check::check(&files)?,
         Command::Map { source, output } => {
             let planned = planned(&source, None, quiet)?;

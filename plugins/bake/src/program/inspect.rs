@@ -1,11 +1,29 @@
 use anstream::{eprintln, println};
-use veduta_city::Level;
+use veduta_bake::{Proof, ProofSettings, prove};
+use veduta_city::{CellShell, Level};
 use veduta_store::{
     CityIndex, INDEX_NAME, Packet, Reader, StoreError, decode_index, decode_overview, decode_packet, decode_styles, open_reader,
     sheet_fits,
 };
 
 use super::Failure;
+
+/// Whether and how visible sets are put to the proof.
+#[derive(clap::Args)]
+pub(crate) struct Proving {
+    /// Prove the visible sets: whatever random rays see from eyes in a cell must be in its set
+    #[arg(long)]
+    prove: bool,
+    /// Rays of a proof
+    #[arg(long, default_value_t = ProofSettings::default().rays, requires = "prove")]
+    rays: u64,
+    /// Eyes in each cell that look for all that is seen from it, to tell how much too large its set is; 2000 tell it well
+    #[arg(long, default_value_t = 0, requires = "prove")]
+    eyes: u32,
+    /// Seed of a proof's eyes
+    #[arg(long, default_value_t = ProofSettings::default().seed, requires = "prove")]
+    proof_seed: u64,
+}
 
 /// What was found in a city.
 #[derive(Default)]
@@ -16,23 +34,33 @@ struct Found {
     bytes: [u64; 4],
     /// What is wrong.
     broken: Vec<String>,
+    /// Of level 1, by cell.
+    shells: Vec<CellShell>,
 }
 
 /// Reads a city through and says what is in it.
-pub(crate) fn inspect(city: &str, json: bool) -> Result<(), Failure> {
+pub(crate) fn inspect(city: &str, json: bool, proving: &Proving) -> Result<(), Failure> {
     let reader = open_reader(city)?;
     let stored = reader.read(INDEX_NAME, 256 << 20)?;
     let index = decode_index(&stored).map_err(|error| error.in_file(reader.describe(), INDEX_NAME))?;
     let found = look(&*reader, &index);
+    let settings = ProofSettings { rays: proving.rays, eyes_a_cell: proving.eyes, seed: proving.proof_seed };
+    let proof = (proving.prove && found.broken.is_empty()).then(|| prove(&index, &found.shells, &settings));
     let houses: u64 = index.cells.iter().map(|c| u64::from(c.houses)).sum();
     let seen: usize = index.cells.iter().map(|c| c.visible.len()).sum();
     let visible_mean = seen as f64 / index.cells.len().max(1) as f64;
     if json {
-        let figures = serde_json::json!({
+        let mut figures = serde_json::json!({
             "name": index.name, "cells": index.cells.len(), "portals": index.portals.len(), "houses": houses,
             "places": index.places.len(), "visible_mean": visible_mean, "skyline": index.skyline.len(),
             "packets": found.packets, "bytes": found.bytes, "broken": found.broken.len(),
         });
+        if let Some(proof) = &proof {
+            figures["proof"] = serde_json::json!({
+                "rays": proof.rays, "hits": proof.hits, "misses": proof.misses, "missing_pairs": proof.missing.len(),
+                "excess": proof.excess(),
+            });
+        }
         println!("{figures}");
     } else {
         println!("{} ({})", index.name, reader.describe());
@@ -43,10 +71,50 @@ pub(crate) fn inspect(city: &str, json: bool) -> Result<(), Failure> {
         }
     }
     found.broken.iter().for_each(|b| eprintln!("{b}"));
+    if let Some(proof) = &proof {
+        tell(proof, &index, json);
+    }
     match found.broken.len() {
+        0 if proof.as_ref().is_some_and(|proof| !proof.missing.is_empty()) => {
+            Err(format!("{city}: what can be seen is missing from visible sets").into())
+        }
         0 => Ok(()),
         1 => Err(format!("{city}: one part is broken; bake the city again").into()),
         n => Err(format!("{city}: {n} parts are broken; bake the city again").into()),
+    }
+}
+
+/// Missing cells that are told one by one.
+const MOST_TOLD: usize = 10;
+
+fn tell(proof: &Proof, index: &CityIndex, json: bool) {
+    if !json {
+        println!(
+            "  {} rays through {} triangles: {} ended at something, {} saw what is missing from a visible set ({} pairs of cells)",
+            proof.rays,
+            proof.triangles,
+            proof.hits,
+            proof.misses,
+            proof.missing.len()
+        );
+        if let Some(excess) = proof.excess() {
+            println!("  visible sets hold {excess:.3} times the area that is seen, the skyline apart");
+        }
+    }
+    let name = |cell: u32| &index.cells[cell as usize].name;
+    for missing in proof.missing.iter().take(MOST_TOLD) {
+        let ((eye, eye_m), (seen, seen_m)) = (missing.eye, missing.seen);
+        eprintln!(
+            "from cell {} ({}), at ({:.2}, {:.2}, {eye_m:.2}), cell {} ({}) is seen at ({:.2}, {:.2}, {seen_m:.2})",
+            missing.from,
+            name(missing.from),
+            eye.x,
+            eye.y,
+            missing.cell,
+            name(missing.cell),
+            seen.x,
+            seen.y
+        );
     }
 }
 
@@ -70,7 +138,7 @@ fn look(reader: &dyn Reader, index: &CityIndex) -> Found {
             match read(blob).and_then(|stored| decode_packet(&stored, blob, level)) {
                 Ok(packet) => {
                     match packet {
-                        Packet::Shell(one) => shell = Some(one),
+                        Packet::Shell(one) => shell = Some(*one),
                         Packet::Facades(sheet) => {
                             if shell.as_ref().is_some_and(|shell| !sheet_fits(shell, &sheet)) {
                                 found.broken.push(format!("cell {i}, {level}: its walls are not those of level 1"));
@@ -84,6 +152,7 @@ fn look(reader: &dyn Reader, index: &CityIndex) -> Found {
                 Err(error) => found.broken.push(format!("cell {i}, {level}: {}", error.in_file(reader.describe(), &blob.path()))),
             }
         }
+        found.shells.push(shell.unwrap_or_default());
     }
     found
 }

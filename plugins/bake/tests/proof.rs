@@ -1,0 +1,69 @@
+//! Rays as the truth of visible sets.
+
+#[path = "shared/folder.rs"]
+mod folder;
+
+use folder::Folder;
+use veduta_bake::{BakeSettings, Proof, ProofSettings, bake, prove};
+use veduta_city::{CellShell, Level};
+use veduta_store::{CityIndex, INDEX_NAME, Packet, decode_index, decode_packet, open_reader};
+
+/// A small town in words, with a river, baked and read back.
+fn town(name: &str) -> (CityIndex, Vec<CellShell>) {
+    let folder = Folder::new(name);
+    let words = "(name: \"T\", seed: 5, size_m: 300, plan: Medieval(), squares: 1, river: (width_m: 12, bridges: 1))";
+    let out = folder.0.join("t.city");
+    bake(&folder.write("t.words.ron", words), &out, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
+    let reader = open_reader(&out.to_string_lossy()).unwrap_or_else(|e| panic!("{e}"));
+    let read = |path: &str| reader.read(path, 1 << 24).unwrap_or_else(|e| panic!("{e}"));
+    let index = decode_index(&read(INDEX_NAME)).unwrap_or_else(|e| panic!("{e}"));
+    let shell = |cell: &veduta_store::CellEntry| {
+        let blob = cell.packet(Level::One)?;
+        match decode_packet(&read(&blob.path()), blob, Level::One) {
+            Ok(Packet::Shell(shell)) => Some(*shell),
+            _ => None,
+        }
+    };
+    let shells = index.cells.iter().filter_map(shell).collect();
+    (index, shells)
+}
+
+#[test]
+fn sets_that_hold_everything_lack_nothing_and_empty_ones_are_found_out() {
+    let (mut index, shells) = town("sets");
+    let count = index.cells.len() as u32;
+    assert_eq!(shells.len() as u32, count);
+    index.skyline.clear();
+    let settings = ProofSettings { rays: 20_000, eyes_a_cell: 20, seed: 3 };
+    let with = |index: &mut CityIndex, set: fn(u32, u32) -> Vec<u32>| -> Proof {
+        index.cells.iter_mut().zip(0..).for_each(|(cell, number)| cell.visible = set(number, count));
+        prove(index, &shells, &settings)
+    };
+    let all = with(&mut index, |_, count| (0..count).collect());
+    assert!(all.rays > 19_000 && all.hits > all.rays / 2, "{} of {} rays hit", all.hits, all.rays);
+    assert_eq!((all.misses, all.missing.len()), (0, 0));
+    let own = with(&mut index, |number, _| vec![number]);
+    assert!(own.misses > own.rays / 8, "{} misses", own.misses);
+    assert!(own.missing.iter().all(|missing| missing.from != missing.cell));
+    assert!(own.missing.len() > count as usize, "{} pairs", own.missing.len());
+    for missing in &own.missing {
+        let (eye, cell) = (missing.eye, &index.cells[missing.from as usize]);
+        let floor_m = f64::from(cell.floor.0) / 1024.0;
+        assert!(cell.outline.contains(veduta_city::GridPos::from_metres(eye.0)), "{missing:?}");
+        assert!(eye.1 > floor_m - 1.0 && eye.1 < f64::from(cell.floor.1) / 1024.0 + 20.0, "{missing:?}");
+    }
+    // Whatever is in a set of one is seen; of all, houses hide a part.
+    assert_eq!(own.excess(), Some(1.0));
+    assert!(all.excess().is_some_and(|excess| excess > 1.5), "{:?}", all.excess());
+}
+
+#[test]
+fn a_proof_is_the_same_for_any_number_of_threads() {
+    let (index, shells) = town("threads");
+    let settings = ProofSettings { rays: 5_000, eyes_a_cell: 5, seed: 1 };
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap_or_else(|e| panic!("{e}"));
+        pool.install(|| prove(&index, &shells, &settings))
+    };
+    assert_eq!(on(1), on(3));
+}
