@@ -88,6 +88,9 @@ const IN_VAIN: u32 = 500;
 /// Puts a city's visible sets to the proof. `shells` are by cell. The same arguments find the same, for any number of threads.
 #[must_use]
 pub fn prove(index: &CityIndex, shells: &[CellShell], settings: &ProofSettings) -> Proof {
+    if shells.is_empty() {
+        return Proof::default();
+    }
     let town = Town { index, shells, scene: Scene::new(shells), seed: settings.seed };
     let ray = |number: u64| {
         let cell = Draw::new(settings.seed, Id(number), "cell").below("cell", shells.len()) as u32;

@@ -33,10 +33,16 @@ impl BlobRef {
         Self { hash: *blake3::hash(stored).as_bytes(), bytes: u32::try_from(stored.len()).unwrap_or(u32::MAX) }
     }
 
+    /// Its name: the hash in 64 hexadecimal digits.
+    #[must_use]
+    pub fn name(&self) -> String {
+        blake3::Hash::from_bytes(self.hash).to_hex().to_string()
+    }
+
     /// Path within the city: `blobs/ab/abcdef….bin`.
     #[must_use]
     pub fn path(&self) -> String {
-        let name = blake3::Hash::from_bytes(self.hash).to_hex();
+        let name = self.name();
         format!("blobs/{}/{name}.bin", name.get(..2).unwrap_or_default())
     }
 
@@ -57,7 +63,7 @@ impl BlobRef {
 
 impl fmt::Debug for BlobRef {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = blake3::Hash::from_bytes(self.hash).to_hex();
+        let name = self.name();
         write!(f, "BlobRef({}…, {} B)", name.get(..8).unwrap_or_default(), self.bytes)
     }
 }
