@@ -271,8 +271,9 @@ fn furniture(town: &mut Town) {
         town.square(DVec2::new(x - 28.0, -60.0), DVec2::new(x + 28.0, 20.0));
         let _infallible = write!(town.objects, "(kind: {kind:?}, pos: ({x}, 0), heading_deg: 180),");
         let height: f64 = match kind {
-            ObjectKind::Poplar => 20.0,
-            ObjectKind::Birch | ObjectKind::Willow | ObjectKind::Palm => 13.0,
+            ObjectKind::Poplar | ObjectKind::Palm => 12.0,
+            ObjectKind::Birch | ObjectKind::Willow => 9.0,
+            ObjectKind::FruitTree => 5.0,
             kind if kind.is_tree() => 11.0,
             ObjectKind::Lamp | ObjectKind::Statue | ObjectKind::Fountain => 4.5,
             ObjectKind::Bollard | ObjectKind::Bin => 1.3,
