@@ -52,7 +52,7 @@ pub struct Proof {
     pub triangles: usize,
     /// Rays that were sent.
     pub rays: u64,
-    /// Rays that ended at something.
+    /// Rays that met something.
     pub hits: u64,
     /// Rays that saw a cell that is missing.
     pub misses: u64,
@@ -131,13 +131,14 @@ impl Town<'_> {
         let eye = self.eye(cell, draw)?;
         let direction = about(draw);
         let mut seen = Vec::new();
-        let end = self.scene.look(eye, direction, &mut seen);
-        seen.extend(end.map(|hit| hit.cell));
-        let distance_m = end.map_or(0.0, |hit| hit.distance_m);
-        let missing = seen.into_iter().filter(|&other| !self.sees(cell, other) && self.is_wide(eye, direction, cell));
-        let missing =
-            missing.map(|other| Missing { from: cell, cell: other, eye: plan(eye), seen: plan(eye + direction * distance_m) });
-        Some(Look { hit: end.is_some(), missing: missing.collect() })
+        self.scene.look(eye, direction, &mut seen);
+        let hit = !seen.is_empty();
+        let is_missing = |met: &Hit| !self.sees(cell, met.cell);
+        if !seen.iter().any(is_missing) || !self.is_wide(eye, direction, cell) {
+            return Some(Look { hit, missing: Vec::new() });
+        }
+        let told = |met: Hit| Missing { from: cell, cell: met.cell, eye: plan(eye), seen: plan(eye + direction * met.distance_m) };
+        Some(Look { hit, missing: seen.into_iter().filter(is_missing).map(told).collect() })
     }
 
     /// Whether a cell is in the visible set of another, or on the skyline.
@@ -154,9 +155,8 @@ impl Town<'_> {
         let (right, up) = direction.any_orthonormal_pair();
         let mut seen = Vec::new();
         [right, -right, up, -up].into_iter().any(|aside| {
-            let end = self.scene.look(eye, (direction + BESIDE * aside).normalize(), &mut seen);
-            seen.extend(end.map(|hit: Hit| hit.cell));
-            seen.iter().any(|&other| !self.sees(cell, other))
+            self.scene.look(eye, (direction + BESIDE * aside).normalize(), &mut seen);
+            seen.iter().any(|other| !self.sees(cell, other.cell))
         })
     }
 
@@ -202,10 +202,9 @@ impl Town<'_> {
             let aimed = unseen.iter().zip(ABOUT..).filter_map(|(&other, n)| Some(to(n, other)? - eye));
             let rays: Vec<DVec3> = (0..ABOUT).map(|n| about(draw.part(n))).chain(aimed).collect();
             for ray in rays {
-                let end = self.scene.look(eye, ray, &mut seen);
-                seen.extend(end.map(|hit| hit.cell));
+                self.scene.look(eye, ray, &mut seen);
                 for other in &seen {
-                    if unseen.remove(other) {
+                    if unseen.remove(&other.cell) {
                         last = number;
                     }
                 }

@@ -39,7 +39,7 @@ pub fn write_city(
 }
 
 /// Writes a city piece by piece, as [`write_city`] does at once, so that no more of it need be in memory than is written just now: what
-/// leads to all cells, then the cells, then, when plan and cells are no longer needed, the index. Dropped before it is finished, it
+/// leads to all cells, then the cells, then, when the plan is no longer needed, the index. Dropped before it is finished, it
 /// leaves what stood there as it was.
 pub struct CityWriter {
     dir: PathBuf,

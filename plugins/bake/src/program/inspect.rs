@@ -11,16 +11,16 @@ use super::Failure;
 /// Whether and how visible sets are put to the proof.
 #[derive(clap::Args)]
 pub(crate) struct Proving {
-    /// Prove the visible sets: whatever random rays see from eyes in a cell must be in its set
+    /// Prove the visible sets: whatever random rays see from eyes in a cell must be in its set.
     #[arg(long)]
     prove: bool,
-    /// Rays of a proof
+    /// Rays of a proof.
     #[arg(long, default_value_t = ProofSettings::default().rays, requires = "prove")]
     rays: u64,
-    /// Eyes in each cell that look for all that is seen from it, to tell how much too large its set is; 2000 tell it well
+    /// Eyes in each cell that look for all that is seen from it, to tell how much too large its set is; 2000 tell it well.
     #[arg(long, default_value_t = 0, requires = "prove")]
     eyes: u32,
-    /// Seed of a proof's eyes
+    /// Seed of a proof's eyes.
     #[arg(long, default_value_t = ProofSettings::default().seed, requires = "prove")]
     proof_seed: u64,
 }
@@ -90,7 +90,7 @@ const MOST_TOLD: usize = 10;
 fn tell(proof: &Proof, index: &CityIndex, json: bool) {
     if !json {
         println!(
-            "  {} rays through {} triangles: {} ended at something, {} saw what is missing from a visible set ({} pairs of cells)",
+            "  {} rays through {} triangles: {} met something, {} saw what is missing from a visible set ({} pairs of cells)",
             proof.rays,
             proof.triangles,
             proof.hits,

@@ -1,5 +1,7 @@
 //! A city's meshes, and what a ray meets of them.
 
+use core::ops::Range;
+
 use bvh::aabb::{Aabb, Bounded};
 use bvh::bounding_hierarchy::{BHShape, BoundingHierarchy};
 use bvh::bvh::{Bvh, BvhNode};
@@ -17,7 +19,7 @@ pub(super) struct Scene {
     /// What is seen but hides nothing for certain: trees and furniture.
     loose: Faces,
     /// Faces of each cell, solid ones first.
-    by_cell: Vec<(Vec<u32>, Vec<u32>)>,
+    by_cell: Vec<(Range<usize>, Range<usize>)>,
 }
 
 /// Where a ray meets something.
@@ -35,8 +37,7 @@ impl Scene {
         let parts: Vec<[Vec<Face>; 2]> = (0..).zip(shells).collect::<Vec<_>>().into_par_iter().map(faces).collect();
         let (mut solid, mut loose, mut by_cell) = (Vec::new(), Vec::new(), Vec::new());
         for [firm, soft] in parts {
-            let numbers = |all: &Vec<Face>, more: &Vec<Face>| (all.len() as u32..(all.len() + more.len()) as u32).collect();
-            by_cell.push((numbers(&solid, &firm), numbers(&loose, &soft)));
+            by_cell.push((solid.len()..solid.len() + firm.len(), loose.len()..loose.len() + soft.len()));
             solid.extend(firm);
             loose.extend(soft);
         }
@@ -53,12 +54,12 @@ impl Scene {
         self.solid.nearest(from, to - from).is_none_or(|hit| hit.distance_m >= from.distance(to))
     }
 
-    /// The solid thing that a ray ends at, if any, and the cells of all that is seen before it.
-    pub(super) fn look(&self, eye: DVec3, direction: DVec3, before: &mut Vec<u32>) -> Option<Hit> {
+    /// What a ray meets: what is loose, once a cell, then the solid thing that it ends at, if any.
+    pub(super) fn look(&self, eye: DVec3, direction: DVec3, seen: &mut Vec<Hit>) {
         let end = self.solid.nearest(eye, direction);
-        before.clear();
-        self.loose.all(eye, direction, end.map_or(f64::INFINITY, |hit| hit.distance_m), before);
-        end
+        seen.clear();
+        self.loose.all(eye, direction, end.map_or(f64::INFINITY, |hit| hit.distance_m), seen);
+        seen.extend(end);
     }
 
     /// A place on something of a cell: of the `n`th face modulo their number, at two shares in [0, 1).
@@ -66,8 +67,8 @@ impl Scene {
         let (solid, loose) = &self.by_cell[cell as usize];
         let n = n.checked_rem(solid.len() + loose.len())?;
         let face = match n.checked_sub(solid.len()) {
-            None => &self.solid.faces[solid[n] as usize],
-            Some(n) => &self.loose.faces[loose[n] as usize],
+            None => &self.solid.faces[solid.start + n],
+            Some(n) => &self.loose.faces[loose.start + n],
         };
         let [a, b, c] = face.corners;
         let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
@@ -162,12 +163,13 @@ impl Faces {
         best.map(|(times, cell)| Hit { distance_m: times * direction.length(), cell })
     }
 
-    /// The cells of all faces that a ray meets within a distance, once each.
-    fn all(&self, eye: DVec3, direction: DVec3, within_m: f64, cells: &mut Vec<u32>) {
-        let most = within_m / direction.length();
+    /// A face of each cell that a ray meets within a distance.
+    fn all(&self, eye: DVec3, direction: DVec3, within_m: f64, seen: &mut Vec<Hit>) {
+        let length_m = direction.length();
+        let most = within_m / length_m;
         self.visit(eye, direction, |times, cell| {
-            if times < most && !cells.contains(&cell) {
-                cells.push(cell);
+            if times < most && seen.iter().all(|hit| hit.cell != cell) {
+                seen.push(Hit { distance_m: times * length_m, cell });
             }
             most
         });
@@ -244,7 +246,11 @@ mod tests {
     #[test]
     fn a_ray_ends_at_the_first_wall_and_the_cell_behind_is_hidden() {
         let scene = Scene::new(&[shell(GridPos(0, 0)), shell(GridPos(60 * 1024, 0))]);
-        let look = |eye: DVec3, to: DVec3| scene.look(eye, to - eye, &mut Vec::new());
+        let look = |eye: DVec3, to: DVec3| {
+            let mut seen = Vec::new();
+            scene.look(eye, to - eye, &mut seen);
+            seen.pop()
+        };
         let hit = look(DVec3::new(5.0, 1.6, -30.0), DVec3::new(90.0, 1.6, -30.0)).expect("a wall");
         assert_eq!((hit.cell, (hit.distance_m * 1e4).round()), (0, 20.0 * 1e4));
         let hit = look(DVec3::new(5.0, 1.6, -5.0), DVec3::new(95.0, 1.6, -28.0)).expect("a wall");
@@ -263,11 +269,13 @@ mod tests {
             let scene = Scene::new(&[shell(GridPos(0, 0))]);
             let at = |x: i32, y: i32, z: f64| DVec3::new(f64::from(x) / 1000.0, z, -f64::from(y) / 1000.0);
             let (eye, to) = (at(x, y, 40.0), at(dx, dy, 0.0));
-            let hit = scene.look(eye, to - eye, &mut Vec::new());
-            prop_assert!(hit.is_some_and(|hit| hit.distance_m <= eye.distance(to) + 1e-6));
+            let mut seen = Vec::new();
+            scene.look(eye, to - eye, &mut seen);
+            prop_assert!(seen.last().is_some_and(|hit| hit.distance_m <= eye.distance(to) + 1e-6));
             // To a corner or along an edge, too.
             let corner = DVec3::new(25.0, 9.0, -25.0);
-            prop_assert!(scene.look(eye, corner - eye, &mut Vec::new()).is_some());
+            scene.look(eye, corner - eye, &mut seen);
+            prop_assert!(!seen.is_empty());
         }
     }
 }
