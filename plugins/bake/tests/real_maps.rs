@@ -121,7 +121,10 @@ fn opened(city: &Path) -> (CityIndex, usize) {
     (index, named.len())
 }
 
-/// Portals belong to both their cells, visible sets hold the cell and its neighbours and see back, nearly all hangs together.
+/// Of what is seen from cells, so much may be seen from one side alone: walls and roofs that are drawn with a cell round the corner.
+const MOST_ONE_SIDED: f64 = 0.15;
+
+/// Portals belong to both their cells, visible sets hold the cell and its neighbours and mostly see back, nearly all hangs together.
 fn check_index(index: &CityIndex) {
     let cells = &index.cells;
     for (p, portal) in (0..).zip(&index.portals) {
@@ -134,13 +137,15 @@ fn check_index(index: &CityIndex) {
         let portals = cells[cell as usize].portals.iter().map(|&p| &index.portals[p as usize]);
         portals.filter_map(move |portal| portal.other(cell)).collect::<Vec<u32>>()
     };
+    let (mut all_seen, mut one_sided) = (0, 0);
     for (i, cell) in (0..).zip(cells) {
         let sees = |to: u32| cell.visible.binary_search(&to).is_ok();
         assert!(sees(i) && neighbours(i).into_iter().all(sees), "{}: cell {i} does not see its neighbours", index.name);
-        for &seen in &cell.visible {
-            assert!(cells[seen as usize].visible.binary_search(&i).is_ok(), "{}: {i} sees {seen}, which does not", index.name);
-        }
+        all_seen += cell.visible.len();
+        one_sided += cell.visible.iter().filter(|&&seen| cells[seen as usize].visible.binary_search(&i).is_err()).count();
     }
+    println!("{}: {one_sided} of {all_seen} are seen from one side alone", index.name);
+    assert!((one_sided as f64) < MOST_ONE_SIDED * all_seen as f64, "{}: {one_sided} of {all_seen} see nobody back", index.name);
     let start = index.locate(veduta_city::GridPos::from_metres(index.start.pos));
     let start = start.unwrap_or_else(|| panic!("{} begins outside of all cells", index.name));
     let mut reached = vec![false; cells.len()];

@@ -106,7 +106,7 @@ fn cell_before(a: GridPos, b: GridPos, locator: &Locator<'_>) -> Option<u32> {
 }
 
 /// The edges of a volume in the order of its walls, each with the solid on its left however the ring was turned.
-fn segments(volume: &Volume) -> Vec<(GridPos, GridPos)> {
+pub(crate) fn segments(volume: &Volume) -> Vec<(GridPos, GridPos)> {
     let mut segments = Vec::new();
     for (i, ring) in volume.footprint.rings().enumerate() {
         let is_turned = (ring_area_2(ring) > 0) == (i == 0);

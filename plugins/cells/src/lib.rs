@@ -39,14 +39,17 @@
 //!   between houses, too) are left out of the cells; their ground goes to the nearest cell's packet.
 //! * Visible sets follow Teller and Séquin, *Visibility preprocessing for interactive walkthroughs* (1991), in plan: a cell is
 //!   visible if some straight line stabs a sequence of portals that leads to it. The set of stabbing lines is kept as a convex
-//!   polygon in the dual plane, where each portal's end is one half-plane; see [`PartitionSettings::line_sets`].
+//!   polygon in the dual plane, where each portal's end is one half-plane; see [`PartitionSettings::line_sets`]. Lines go on through
+//!   yards and slits that nobody walks to, and reach what stands at the border of a cell and is drawn with another one: walls that face
+//!   two cells, roofs of corner houses, crowns of trees.
 //!
 //! # Limits
 //! * One floor: passages under hanging volumes are free space, and so is what lies under bridges: a span belongs to the cell that its
 //!   middle lies over, and whoever is on it is in the cell below. Tunnels' spans belong to the cells above them; who sees a
 //!   ramp's sees them all.
-//! * Visibility is in plan: what rises above the roofs is told by [`veduta_city::Cells::skyline`], everything lower is taken to be
-//!   hidden by any house. Walls inside one cell hide nothing. Both only matter to what is loaded, never to what is drawn. On slopes
+//! * Visibility is in plan, as far as [`PartitionSettings::sight_m`]: what rises above the roofs is told by
+//!   [`veduta_city::Cells::skyline`], everything lower is taken to be hidden by any house. `veduta-bake inspect --prove` tells where that is
+//!   not so. Walls inside one cell hide nothing. Both only matter to what is loaded, never to what is drawn. On slopes
 //!   it is not so: who looks down over roofs may see farther than what is loaded.
 //! * Water is free space (one looks across it); its ground patches tell the walker where it is.
 //! * The extent may span 260 km and lie within 1,000 km of the anchor.
@@ -63,6 +66,7 @@ mod assign;
 mod check;
 mod directions;
 mod free;
+mod guests;
 mod hull;
 mod lines;
 mod locate;
@@ -73,6 +77,7 @@ mod overlay;
 mod partition;
 mod patches;
 mod reach;
+mod rooms;
 mod shell;
 mod skyline;
 mod triangulate;

@@ -89,7 +89,7 @@ pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     drop(rest);
     assign::floors(&patches, &mut cells);
     drop(patches);
-    cells.visible = visible::visible_sets(&cells, settings, &mut findings);
+    cells.visible = visible::visible_sets(plan, &cells, settings, &mut findings);
     tunnels::see_through(plan, &mut cells);
     cells.skyline = skyline::skyline(plan, &cells);
     Partition { cells, findings }

@@ -3,11 +3,13 @@
 use std::collections::VecDeque;
 
 use rayon::prelude::*;
-use veduta_city::{Cells, Finding, GridPos, Id, PortalSide, Severity};
+use veduta_city::{Cells, CityPlan, Finding, GridPos, Id, PortalSide, Severity};
 
 use crate::directions::Directions;
+use crate::guests::{Guest, Guests};
 use crate::lines::{Frame, Lines};
 use crate::partition::PartitionSettings;
+use crate::rooms::{Mouth, Room, mouths, rooms};
 
 /// After how many merges at one portal all lines through it are let pass.
 const MOST_MERGES: u8 = 24;
@@ -15,14 +17,21 @@ const MOST_MERGES: u8 = 24;
 const MOST_GROWTHS: u8 = 4;
 
 /// Visible set of every cell. Sound: no cell that can be seen within the settings' sight is missing (within the plan's one floor).
-/// A cell is kept only if each sees the other, which drops much of what merging has added on one side.
-pub(crate) fn visible_sets(cells: &Cells, settings: &PartitionSettings, findings: &mut Vec<Finding>) -> Vec<Vec<u32>> {
-    let web = Web::new(cells);
-    let (mut seen, is_coarse): (Vec<Vec<u32>>, Vec<bool>) = (0..cells.cells.len() as u32)
+/// Of the cells that are looked into those are kept that see each other, which drops much of what merging has added on one side.
+pub(crate) fn visible_sets(
+    plan: &CityPlan,
+    cells: &Cells,
+    settings: &PartitionSettings,
+    findings: &mut Vec<Finding>,
+) -> Vec<Vec<u32>> {
+    let rooms = rooms(cells);
+    let guests = Guests::new(plan, cells, &rooms);
+    let web = Web::new(cells, &rooms);
+    let (mut seen, rest): (Vec<Vec<u32>>, Vec<Rest>) = (0..cells.cells.len() as u32)
         .into_par_iter()
-        .map_init(|| Search::new(&web, settings), |search, cell| search.seen_from(cell))
+        .map_init(|| Search::new(&web, &guests, settings), |search, cell| search.seen_from(cell))
         .unzip();
-    let coarse = is_coarse.into_iter().filter(|is_coarse| *is_coarse).count();
+    let coarse = rest.iter().filter(|rest| rest.is_coarse).count();
     if coarse > 0 {
         let message = format!(
             "{coarse} of {} cells lie on ground so open that what is seen from them was told by direction alone; \
@@ -34,14 +43,29 @@ pub(crate) fn visible_sets(cells: &Cells, settings: &PartitionSettings, findings
     // In place, because all sets together are much: whoever is dropped from a set does not see its owner, and so never asks it.
     for a in 0..seen.len() {
         let mut set = core::mem::take(&mut seen[a]);
-        set.retain(|&b| b as usize == a || seen[b as usize].binary_search(&(a as u32)).is_ok());
-        set.shrink_to_fit();
+        set.retain(|&b| b as usize == a || seen.get(b as usize).is_none_or(|seen| seen.binary_search(&(a as u32)).is_ok()));
         seen[a] = set;
+    }
+    for (set, rest) in seen.iter_mut().zip(rest) {
+        let beside = rest.beside.into_iter().filter(|(room, _)| set.binary_search(room).is_ok()).map(|(_, owner)| owner);
+        let owners: Vec<u32> = set.iter().map(|&room| rooms[room as usize].owner).chain(beside).collect();
+        *set = owners;
+        set.sort_unstable();
+        set.dedup();
+        set.shrink_to_fit();
     }
     seen
 }
 
-/// A way through a portal.
+/// What a search found besides the cells that are looked into.
+struct Rest {
+    /// Whether the coarse search was needed.
+    is_coarse: bool,
+    /// A room that is looked into, and another cell to which something in it belongs.
+    beside: Vec<(u32, u32)>,
+}
+
+/// A way from room to room.
 #[derive(Clone, Copy)]
 struct Crossing {
     left: GridPos,
@@ -49,15 +73,15 @@ struct Crossing {
     into: u32,
 }
 
-/// All crossings, those out of one cell side by side, since that is how they are looked at.
+/// All crossings, those out of one room side by side, since that is how they are looked at.
 struct Web {
     crossings: Vec<Crossing>,
-    /// The first crossing out of each cell, and the end.
+    /// The first crossing out of each room, and the end.
     first: Vec<u32>,
 }
 
 impl Web {
-    fn new(cells: &Cells) -> Self {
+    fn new(cells: &Cells, rooms: &[Room<'_>]) -> Self {
         let mut ways: Vec<(u32, Crossing)> = Vec::with_capacity(2 * cells.portals.len());
         for portal in &cells.portals {
             // Who leaves the cell on the portal's left has its second end on the left hand.
@@ -67,17 +91,18 @@ impl Web {
                 ways.push((right, Crossing { left: a, right: b, into: portal.cell }));
             }
         }
+        for Mouth { ends: (a, b), cell, room } in mouths(cells, rooms) {
+            ways.push((cell, Crossing { left: b, right: a, into: room }));
+            ways.push((room, Crossing { left: a, right: b, into: cell }));
+        }
         ways.sort_by_key(|(from, _)| *from);
         let first = |cell: u32| ways.partition_point(|(from, _)| *from < cell) as u32;
-        Self {
-            first: (0..=cells.cells.len() as u32).map(first).collect(),
-            crossings: ways.into_iter().map(|(_, way)| way).collect(),
-        }
+        Self { first: (0..=rooms.len() as u32).map(first).collect(), crossings: ways.into_iter().map(|(_, way)| way).collect() }
     }
 
-    /// The crossings out of a cell.
-    fn out(&self, cell: u32) -> core::ops::Range<u32> {
-        self.first[cell as usize]..self.first[cell as usize + 1]
+    /// The crossings out of a room.
+    fn out(&self, room: u32) -> core::ops::Range<u32> {
+        self.first[room as usize]..self.first[room as usize + 1]
     }
 }
 
@@ -143,28 +168,33 @@ struct TooMany;
 
 struct Search<'a> {
     web: &'a Web,
+    guests: &'a Guests,
     most_sets: usize,
     most_steps: usize,
     sight_m: f64,
     about: About,
     is_seen: Vec<bool>,
+    beside: Vec<(u32, u32)>,
 }
 
 impl<'a> Search<'a> {
-    fn new(web: &'a Web, settings: &PartitionSettings) -> Self {
+    fn new(web: &'a Web, guests: &'a Guests, settings: &PartitionSettings) -> Self {
         Self {
             web,
+            guests,
             most_sets: settings.line_sets.max(1),
             most_steps: settings.sight_steps,
             sight_m: settings.sight_m,
             about: About::new(web.crossings.len()),
             is_seen: vec![false; web.first.len()],
+            beside: Vec::new(),
         }
     }
 
-    /// Cells seen from a cell, ascending, and whether the coarse search was needed.
-    fn seen_from(&mut self, cell: u32) -> (Vec<u32>, bool) {
+    /// Rooms looked into from a cell, ascending, and the rest that was found.
+    fn seen_from(&mut self, cell: u32) -> (Vec<u32>, Rest) {
         let mut seen = vec![cell];
+        self.see_guests(cell, |_| true);
         let mut is_coarse = false;
         self.is_seen[cell as usize] = true;
         for first in self.web.out(cell) {
@@ -177,12 +207,26 @@ impl<'a> Search<'a> {
                 self.follow_directions(cell, first, &frame, &mut seen);
             }
         }
+        if is_coarse {
+            seen.iter().for_each(|&cell| self.see_guests(cell, |_| true));
+        }
         for &cell in &seen {
             self.is_seen[cell as usize] = false;
         }
         seen.sort_unstable();
         seen.shrink_to_fit();
-        (seen, is_coarse)
+        (seen, Rest { is_coarse, beside: core::mem::take(&mut self.beside) })
+    }
+
+    /// Notes what in a room belongs to other cells, as far as it is reached.
+    fn see_guests(&mut self, room: u32, is_reached: impl Fn(&Guest) -> bool) {
+        for guest in self.guests.of(room) {
+            let is_new = |owner: &u32| !self.beside.contains(&(room, *owner));
+            if guest.owners.iter().any(is_new) && is_reached(guest) {
+                let owners: Vec<u32> = guest.owners.iter().copied().filter(is_new).collect();
+                self.beside.extend(owners.into_iter().map(|owner| (room, owner)));
+            }
+        }
     }
 
     /// Follows all lines that leave a cell by one crossing. A line that comes back into a cell need not be followed there: it
@@ -197,6 +241,7 @@ impl<'a> Search<'a> {
             if steps > self.most_steps {
                 return Err(TooMany);
             }
+            self.see_guests(here, |guest| lines.through(frame.local(guest.left), frame.local(guest.right)).is_some());
             for next in web.out(here) {
                 let Some(Ahead { left, right, .. }) = self.onward(frame, next, from, source) else { continue };
                 steps += 1;

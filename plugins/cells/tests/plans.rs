@@ -93,6 +93,65 @@ fn streets_behind_houses_do_not_see_each_other() {
 }
 
 #[test]
+fn who_sees_a_wall_sees_the_cell_that_it_is_drawn_with() {
+    let made = cut(&two_streets());
+    // The row between the streets has its first façade, and so its roof, on the southern one.
+    let cells = &made.cells;
+    let roof = (0..).zip(&cells.cells).find(|(_, cell)| cell.houses.contains(&1)).map(|(c, _)| c).unwrap();
+    let north = cells.locate(at(120.0, 45.0)).unwrap();
+    assert!(cells.cells[roof as usize].outline.outer.iter().all(|p| p.to_metres().y < 21.0), "a southern cell");
+    assert!(cells.visible[north as usize].contains(&roof), "{:?}", cells.visible[north as usize]);
+}
+
+/// Two streets with a row of houses between them, in the middle of which is a yard with a slit to either street.
+fn yard_between_streets(slit_m: f64) -> CityPlan {
+    let x = 100.0 + slit_m;
+    let halves = [
+        vec![
+            at(0.0, 20.0),
+            at(100.0, 20.0),
+            at(100.0, 26.0),
+            at(90.0, 26.0),
+            at(90.0, 34.0),
+            at(100.0, 34.0),
+            at(100.0, 40.0),
+            at(0.0, 40.0),
+        ],
+        vec![
+            at(x, 20.0),
+            at(200.0, 20.0),
+            at(200.0, 40.0),
+            at(x, 40.0),
+            at(x, 34.0),
+            at(110.0, 34.0),
+            at(110.0, 26.0),
+            at(x, 26.0),
+        ],
+    ];
+    let rows = [rect(0.0, 0.0, 200.0, 10.0), rect(0.0, 50.0, 200.0, 60.0)];
+    plan(rect(0.0, 0.0, 200.0, 60.0), rows.into_iter().chain(halves.map(GridPolygon::simple)))
+}
+
+#[test]
+fn one_looks_through_slits_and_yards_where_one_does_not_walk() {
+    let made = cut(&yard_between_streets(0.4));
+    assert_eq!(made.cells.locate(at(100.0, 30.0)), None, "nobody walks into the yard");
+    let cell = |x: f64, y: f64| made.cells.locate(at(x, y)).unwrap();
+    let (south, north) = (cell(100.2, 12.0), cell(100.2, 48.0));
+    assert!(made.cells.visible[south as usize].contains(&north), "{:?}", made.cells.visible[south as usize]);
+    let far = cell(10.0, 12.0);
+    assert!(
+        !made.cells.visible[far as usize].contains(&cell(10.0, 48.0)),
+        "not round corners: {:?}",
+        made.cells.visible[far as usize]
+    );
+    // Without the slits nothing is seen.
+    let closed = cut(&yard_between_streets(0.0));
+    let cell = |x: f64, y: f64| closed.cells.locate(at(x, y)).unwrap();
+    assert!(!closed.cells.visible[cell(100.2, 12.0) as usize].contains(&cell(100.2, 48.0)));
+}
+
+#[test]
 fn an_enclosed_courtyard_is_no_cell_but_its_ground_is_told() {
     let court = rect(40.0, 40.0, 60.0, 60.0);
     let block = with_hole(rect(20.0, 20.0, 80.0, 80.0), &court);

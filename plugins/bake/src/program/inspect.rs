@@ -59,6 +59,11 @@ pub(crate) fn inspect(city: &str, json: bool, proving: &Proving) -> Result<(), F
             figures["proof"] = serde_json::json!({
                 "rays": proof.rays, "hits": proof.hits, "misses": proof.misses, "missing_pairs": proof.missing.len(),
                 "excess": proof.excess(),
+                "missing": proof.missing.iter().map(|missing| serde_json::json!({
+                    "from": missing.from, "cell": missing.cell,
+                    "eye": [missing.eye.0.x, missing.eye.0.y, missing.eye.1],
+                    "seen": [missing.seen.0.x, missing.seen.0.y, missing.seen.1],
+                })).collect::<Vec<_>>(),
             });
         }
         println!("{figures}");

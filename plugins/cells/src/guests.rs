@@ -1,0 +1,141 @@
+//! What is seen in a room and belongs to another cell: at its border walls that face two cells and roofs of houses on corners, within it
+//! the crowns of trees that stand beyond its border, and bridges.
+
+use veduta_city::{Cells, CityPlan, GridPos, PlanObject, metres};
+
+use crate::assign::segments;
+use crate::locate::Locator;
+use crate::overlay::edges;
+use crate::rooms::{Edges, Room};
+
+/// A line in plan at which something is seen.
+#[derive(Debug, Clone)]
+pub(crate) struct Guest {
+    /// Its ends as seen by who looks at it.
+    pub(crate) left: GridPos,
+    pub(crate) right: GridPos,
+    /// The other cells that what is seen there belongs to, ascending.
+    pub(crate) owners: Vec<u32>,
+}
+
+/// What is seen in each room and belongs to another cell than the room, that of one room side by side.
+pub(crate) struct Guests {
+    all: Vec<Guest>,
+    /// The first of each room, and the end.
+    first: Vec<u32>,
+}
+
+impl Guests {
+    pub(crate) fn new(plan: &CityPlan, cells: &Cells, rooms: &[Room<'_>]) -> Self {
+        let walls = walls(plan, cells);
+        let mut within = within(plan, cells);
+        let mut all = Vec::new();
+        let mut first = vec![0];
+        for (number, room) in rooms.iter().enumerate() {
+            for (right, left) in room.outline.rings().flat_map(|ring| edges(ring)) {
+                let mut owners: Vec<u32> =
+                    walls.along(right, left).flat_map(|wall| wall.0).filter(|&owner| owner != room.owner).collect();
+                owners.sort_unstable();
+                owners.dedup();
+                if !owners.is_empty() {
+                    all.push(Guest { left, right, owners });
+                }
+            }
+            all.extend(within.get_mut(number).map(core::mem::take).into_iter().flatten());
+            first.push(all.len() as u32);
+        }
+        Self { all, first }
+    }
+
+    /// What belongs to others in a room.
+    pub(crate) fn of(&self, room: u32) -> &[Guest] {
+        &self.all[self.first[room as usize] as usize..self.first[room as usize + 1] as usize]
+    }
+}
+
+/// Objects and spans of each cell that reach into another one, by that.
+fn within(plan: &CityPlan, cells: &Cells) -> Vec<Vec<Guest>> {
+    let locator = Locator::new(&cells.cells);
+    let mut guests = vec![Vec::new(); cells.cells.len()];
+    // Who looks across a quadrilateral looks across one of its diagonals, from one side or the other.
+    let mut add = |corners: [GridPos; 4], owner: u32| {
+        let [a, b, c, d] = corners;
+        let middle = GridPos(a.0 / 2 + c.0 / 2, a.1 / 2 + c.1 / 2);
+        let places = [a, b, c, d, middle];
+        let mut hosts: Vec<u32> = places.iter().filter_map(|&p| locator.find(p)).filter(|&host| host != owner).collect();
+        hosts.sort_unstable();
+        hosts.dedup();
+        for host in hosts {
+            let lines = [(a, c), (c, a), (b, d), (d, b)];
+            guests[host as usize].extend(lines.map(|(left, right)| Guest { left, right, owners: vec![owner] }));
+        }
+    };
+    for (cell, owner) in cells.cells.iter().zip(0..) {
+        for object in cell.objects.iter().filter_map(|&o| plan.objects.get(o as usize)) {
+            let reach = GridPos::steps(reach_m(object));
+            let corner =
+                |(x, y): (i32, i32)| GridPos(object.pos.0.saturating_add(x * reach), object.pos.1.saturating_add(y * reach));
+            add([(-1, -1), (1, -1), (1, 1), (-1, 1)].map(corner), owner);
+        }
+        for span in cell.spans.iter().filter_map(|&s| plan.spans.get(s as usize)) {
+            for pair in span.stations.windows(2) {
+                add([pair[0].left, pair[0].right, pair[1].right, pair[1].left], owner);
+            }
+        }
+    }
+    guests
+}
+
+/// How far an object may reach about its place, metres.
+fn reach_m(object: &PlanObject) -> f64 {
+    let height_m = metres(object.height);
+    if object.kind.is_tree() { 0.5 * height_m } else { 1.0 + height_m }
+}
+
+/// Walls, solid on their left, with the cells of them and of their houses' roofs.
+fn walls(plan: &CityPlan, cells: &Cells) -> Edges<[u32; 2]> {
+    let mut roofs = vec![None; plan.houses.len()];
+    for (cell, number) in cells.cells.iter().zip(0..) {
+        for &house in &cell.houses {
+            roofs[house as usize] = Some(number);
+        }
+    }
+    let mut walls = Vec::new();
+    for (cell, number) in cells.cells.iter().zip(0..) {
+        for of_volume in cell.walls.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let (house, volume, _) = of_volume[0];
+            let segments = segments(&plan.houses[house as usize].volumes[usize::from(volume)]);
+            let owners = [number, roofs[house as usize].unwrap_or(number)];
+            walls.extend(of_volume.iter().filter_map(|wall| Some((*segments.get(usize::from(wall.2))?, owners))));
+        }
+    }
+    Edges::new(walls.into_iter())
+}
+
+#[cfg(test)]
+mod tests {
+    use veduta_city::{Cell, GridPolygon, Id, ObjectKind};
+
+    use super::*;
+    use crate::rooms::rooms;
+
+    fn at(x: i32, y: i32) -> GridPos {
+        GridPos(x * 1024, y * 1024)
+    }
+
+    #[test]
+    fn a_crown_over_the_border_is_seen_from_beyond_it_and_a_bush_is_not() {
+        let square = |x: i32| GridPolygon::simple(vec![at(x, 0), at(x + 20, 0), at(x + 20, 20), at(x, 20)]);
+        let owners_before = |kind: ObjectKind, height: i32| {
+            let object = PlanObject { id: Id(1), kind, pos: at(24, 10), z: 0, heading: 0, height: height * 1024, monument: None };
+            let plan = CityPlan { objects: vec![object], ..CityPlan::default() };
+            let cell = |x: i32, objects: Vec<u32>| Cell { outline: square(x), objects, ..Cell::default() };
+            let cells = Cells { cells: vec![cell(0, vec![]), cell(20, vec![0])], ..Cells::default() };
+            let guests = Guests::new(&plan, &cells, &rooms(&cells));
+            assert!(guests.of(1).is_empty(), "nothing is its own guest");
+            guests.of(0).iter().flat_map(|guest| guest.owners.clone()).collect::<Vec<u32>>()
+        };
+        assert_eq!(owners_before(ObjectKind::Tree, 12), [1; 4], "a crown is looked at across both diagonals, both ways");
+        assert_eq!(owners_before(ObjectKind::Tree, 6), []);
+    }
+}
