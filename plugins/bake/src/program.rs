@@ -159,6 +159,8 @@ enum Bench {
     Survey(bench::SurveyBench),
     /// Thin maps and random bitmaps: whether each pixel is as OpenCV has it, and how fast.
     Thinning(bench::ThinningBench),
+    /// Cut a city into cells and find their visible sets: how fast, and how that grows with the city.
+    Cells(bench::CellsBench),
     /// Grow a city and make its meshes: how fast.
     Growth(bench::GrowthBench),
     /// Find the straight skeletons of footprints: how fast, and whether each has one.
@@ -256,6 +258,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
         Command::Adopt { source, model } => adopt::take_back(&source.input()?, &model, quiet)?,
         Command::Bench(Bench::Survey(survey)) => bench::survey(&survey)?,
         Command::Bench(Bench::Thinning(thinning)) => bench::thinning(&thinning)?,
+        Command::Bench(Bench::Cells(cells)) => bench::cells(&cells)?,
         Command::Bench(Bench::Growth(growth)) => bench::growth(&growth)?,
         Command::Bench(Bench::Roofs(roofs)) => bench::roofs(&roofs)?,
         Command::Serve { city, port } => serve::serve(&city, port)?,

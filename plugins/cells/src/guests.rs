@@ -1,6 +1,7 @@
 //! What is seen in a room and belongs to another cell: at its border walls that face two cells and roofs of houses on corners, within it
 //! the crowns of trees that stand beyond its border, and bridges.
 
+use rayon::prelude::*;
 use veduta_city::{Cells, CityPlan, GridPos, PlanObject, metres};
 
 use crate::assign::segments;
@@ -27,21 +28,23 @@ pub(crate) struct Guests {
 
 impl Guests {
     pub(crate) fn new(plan: &CityPlan, cells: &Cells, rooms: &[Room<'_>]) -> Self {
-        let walls = walls(plan, cells);
-        let mut within = within(plan, cells);
-        let mut all = Vec::new();
-        let mut first = vec![0];
-        for (number, room) in rooms.iter().enumerate() {
-            for (right, left) in room.outline.rings().flat_map(|ring| edges(ring)) {
+        let (walls, within) = rayon::join(|| walls(plan, cells), || within(plan, cells));
+        let at_border = |room: &Room<'_>| {
+            let at_edge = |(right, left)| {
                 let mut owners: Vec<u32> =
                     walls.along(right, left).flat_map(|wall| wall.0).filter(|&owner| owner != room.owner).collect();
                 owners.sort_unstable();
                 owners.dedup();
-                if !owners.is_empty() {
-                    all.push(Guest { left, right, owners });
-                }
-            }
-            all.extend(within.get_mut(number).map(core::mem::take).into_iter().flatten());
+                (!owners.is_empty()).then_some(Guest { left, right, owners })
+            };
+            room.outline.rings().flat_map(|ring| edges(ring)).filter_map(at_edge).collect()
+        };
+        let of_rooms: Vec<Vec<Guest>> = rooms.par_iter().map(at_border).collect();
+        let mut within = within.into_iter();
+        let (mut all, mut first) = (Vec::new(), vec![0]);
+        for at_border in of_rooms {
+            all.extend(at_border);
+            all.extend(within.next().into_iter().flatten());
             first.push(all.len() as u32);
         }
         Self { all, first }

@@ -85,8 +85,9 @@ mod tunnels;
 mod visible;
 
 /// Version of the partition: the same plan gives the same cells, portals and visible sets by one version; another may differ.
-pub const PARTITION_VERSION: u32 = 2;
+pub const PARTITION_VERSION: u32 = 3;
 
 pub use check::{CellsError, check};
 pub use partition::{Partition, PartitionSettings, partition};
 pub use shell::{Contents, cell_shells, facade_sheets};
+pub use visible::visible_sets;

@@ -1,5 +1,7 @@
 //! Which cell a position lies in, and which is nearest.
 
+use std::sync::OnceLock;
+
 use rstar::{
     PointDistance, RTree,
     primitives::{GeomWithData, Line},
@@ -21,8 +23,8 @@ pub(crate) struct Locator<'a> {
     rows: i64,
     /// Cells whose bounds touch each bucket, row by row, ascending.
     buckets: Vec<Vec<u32>>,
-    /// The cells' edges.
-    tree: RTree<GeomWithData<Line<[f64; 2]>, u32>>,
+    /// The cells' edges, once something asks for what is nearest.
+    edges: OnceLock<RTree<GeomWithData<Line<[f64; 2]>, u32>>>,
 }
 
 /// Side of a bucket where the city is small enough, grid steps: 32 m.
@@ -42,12 +44,7 @@ impl<'a> Locator<'a> {
         let (width, height) = (i64::from(end.0) - i64::from(origin.0), i64::from(end.1) - i64::from(origin.1));
         let side = SIDE.max(width.max(height) / MOST + 1);
         let (columns, rows) = (width / side + 1, height / side + 1);
-        let edges = (0..).zip(cells).flat_map(|(i, cell)| {
-            let edges = cell.outline.edges();
-            edges.map(move |(a, b)| GeomWithData::new(Line::new(float(a), float(b)), i))
-        });
-        let tree = RTree::bulk_load(edges.collect());
-        let mut locator = Self { cells, bounds, origin, side, columns, rows, buckets: Vec::new(), tree };
+        let mut locator = Self { cells, bounds, origin, side, columns, rows, buckets: Vec::new(), edges: OnceLock::new() };
         locator.fill();
         locator
     }
@@ -85,10 +82,18 @@ impl<'a> Locator<'a> {
         })
     }
 
+    fn edges(&self) -> &RTree<GeomWithData<Line<[f64; 2]>, u32>> {
+        self.edges.get_or_init(|| {
+            let edge = |i, (a, b)| GeomWithData::new(Line::new(float(a), float(b)), i);
+            let edges = (0..).zip(self.cells).flat_map(|(i, cell)| cell.outline.edges().map(move |ends| edge(i, ends)));
+            RTree::bulk_load(edges.collect())
+        })
+    }
+
     /// The cell whose border is nearest, the first of several, and the distance squared in grid steps squared; `None` if there
     /// are no cells.
     pub(crate) fn nearest(&self, pos: GridPos) -> Option<(u32, f64)> {
-        let mut nearest = self.tree.nearest_neighbor_iter(&float(pos)).map(|edge| (edge.data, edge.distance_2(&float(pos))));
+        let mut nearest = self.edges().nearest_neighbor_iter(&float(pos)).map(|edge| (edge.data, edge.distance_2(&float(pos))));
         let (first, distance_2) = nearest.next()?;
         let cell = nearest.take_while(|&(_, d)| d <= distance_2).map(|(cell, _)| cell).fold(first, u32::min);
         Some((cell, distance_2))

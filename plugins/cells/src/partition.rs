@@ -89,7 +89,9 @@ pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     drop(rest);
     assign::floors(&patches, &mut cells);
     drop(patches);
-    cells.visible = visible::visible_sets(plan, &cells, settings, &mut findings);
+    let (visible, notes) = visible::visible_sets(plan, &cells, settings);
+    cells.visible = visible;
+    findings.extend(notes);
     tunnels::see_through(plan, &mut cells);
     cells.skyline = skyline::skyline(plan, &cells);
     Partition { cells, findings }

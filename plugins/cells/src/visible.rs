@@ -16,17 +16,14 @@ const MOST_MERGES: u8 = 24;
 /// After how many growths of the directions at one portal all directions are let pass.
 const MOST_GROWTHS: u8 = 4;
 
-/// Visible set of every cell. Sound: no cell that can be seen within the settings' sight is missing (within the plan's one floor).
-/// Of the cells that are looked into those are kept that see each other, which drops much of what merging has added on one side.
-pub(crate) fn visible_sets(
-    plan: &CityPlan,
-    cells: &Cells,
-    settings: &PartitionSettings,
-    findings: &mut Vec<Finding>,
-) -> Vec<Vec<u32>> {
+/// Visible set of every cell of a partition, ascending, and what is to be said of them: what [`crate::partition`] notes as
+/// [`Cells::visible`], but for what is seen through tunnels. Sound in plan: no cell is missing of which something can be seen within the
+/// settings' sight along a straight line that crosses no house. The same for any number of threads.
+#[must_use]
+pub fn visible_sets(plan: &CityPlan, cells: &Cells, settings: &PartitionSettings) -> (Vec<Vec<u32>>, Vec<Finding>) {
+    let mut findings = Vec::new();
     let rooms = rooms(cells);
-    let guests = Guests::new(plan, cells, &rooms);
-    let web = Web::new(cells, &rooms);
+    let (guests, web) = rayon::join(|| Guests::new(plan, cells, &rooms), || Web::new(cells, &rooms));
     let (mut seen, rest): (Vec<Vec<u32>>, Vec<Rest>) = (0..cells.cells.len() as u32)
         .into_par_iter()
         .map_init(|| Search::new(&web, &guests, settings), |search, cell| search.seen_from(cell))
@@ -40,7 +37,8 @@ pub(crate) fn visible_sets(
         );
         findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
     }
-    // In place, because all sets together are much: whoever is dropped from a set does not see its owner, and so never asks it.
+    // Of the cells that are looked into those stay that see each other, which drops much of what merging has added on one side. In place,
+    // because all sets together are much: whoever is dropped from a set does not see its owner, and so never asks it.
     for a in 0..seen.len() {
         let mut set = core::mem::take(&mut seen[a]);
         set.retain(|&b| b as usize == a || seen.get(b as usize).is_none_or(|seen| seen.binary_search(&(a as u32)).is_ok()));
@@ -54,7 +52,7 @@ pub(crate) fn visible_sets(
         set.dedup();
         set.shrink_to_fit();
     }
-    seen
+    (seen, findings)
 }
 
 /// What a search found besides the cells that are looked into.

@@ -8,6 +8,7 @@
 //!
 //! Both are run as programs, each as a person would run it, and timed by their own `--timings`.
 
+mod cells;
 mod cmpe;
 mod figure;
 mod figures;
@@ -26,6 +27,7 @@ use serde_json::{Value, json};
 use veduta_city::file;
 
 use super::Failure;
+pub(crate) use cells::{CellsBench, cells};
 use figures::{Kind, Pooled, median_seconds};
 pub(crate) use growth::{GrowthBench, growth};
 use programs::{Map, Programs, Reader, STYLES};

@@ -86,7 +86,7 @@ pub(crate) fn growth(bench: &GrowthBench) -> Result<(), Failure> {
     print(&figures, bench.json)
 }
 
-fn graph(map: Option<&Path>) -> Result<CityGraph, Failure> {
+pub(super) fn graph(map: Option<&Path>) -> Result<CityGraph, Failure> {
     match map {
         Some(path) => Ok(survey(&Input::of(path)?)?.0),
         None => Ok(veduta_survey::survey_words(&file::parse(TOWN, "town")?)?.graph),

@@ -1,0 +1,55 @@
+//! `bench cells`: how fast a plan is cut into cells and their visible sets are found, and how both grow with the city.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use veduta_bake::{BakeSettings, enlarged};
+use veduta_cells::{partition, visible_sets};
+use veduta_growth::plan::{Stock, grow};
+
+use super::figure::{Figure, print};
+use super::growth::{best, graph};
+use crate::program::Failure;
+
+/// What to measure.
+#[derive(Args)]
+pub(crate) struct CellsBench {
+    /// A map, graph or words to cut; a town described in words if not given.
+    #[arg(value_name = "MAP")]
+    map: Option<PathBuf>,
+    /// How many times over the city is laid side by side; each is measured.
+    #[arg(long, value_delimiter = ',', default_value = "1,4")]
+    copies: Vec<u32>,
+    /// How often each is done; the best counts.
+    #[arg(long, default_value_t = 3)]
+    repeat: usize,
+    /// Print a line of JSON a figure.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Measures and prints.
+///
+/// # Errors
+/// If the map cannot be read or grown.
+pub(crate) fn cells(bench: &CellsBench) -> Result<(), Failure> {
+    let graph = graph(bench.map.as_deref())?;
+    let settings = BakeSettings::default().partition;
+    let stock = Stock::new();
+    let mut figures = Vec::new();
+    for &copies in &bench.copies {
+        let columns = (1..=copies.max(1)).rev().find(|&n| n * n <= copies && copies % n == 0).unwrap_or(1);
+        let plan = grow(&enlarged(&graph, columns, copies.max(1) / columns), &stock)?.plan;
+        let (partition_s, made) = best(bench.repeat, || partition(&plan, &settings));
+        let (visible_s, (sets, _)) = best(bench.repeat, || visible_sets(&plan, &made.cells, &settings));
+        let count = sets.len().max(1) as f64;
+        let seen: usize = sets.iter().map(Vec::len).sum();
+        let name = |what: &str| format!("{what}_{copies}x");
+        figures.push(Figure::new(name("cells"), sets.len() as f64, "1"));
+        figures.push(Figure::new(name("seen_from_a_cell"), seen as f64 / count, "1"));
+        figures.push(Figure::new(name("partition_ms"), 1e3 * partition_s, "ms"));
+        figures.push(Figure::new(name("visible_sets_ms"), 1e3 * visible_s, "ms"));
+        figures.push(Figure::new(name("visible_sets_us_per_cell"), 1e6 * visible_s / count, "us"));
+    }
+    print(&figures, bench.json)
+}
