@@ -50,9 +50,19 @@ impl Guests {
         Self { all, first }
     }
 
-    /// What belongs to others in a room.
-    pub(crate) fn of(&self, room: u32) -> &[Guest] {
-        &self.all[self.first[room as usize] as usize..self.first[room as usize + 1] as usize]
+    /// Numbers of those in a room.
+    pub(crate) fn of(&self, room: u32) -> core::ops::Range<u32> {
+        self.first[room as usize]..self.first[room as usize + 1]
+    }
+
+    /// One of them by number.
+    pub(crate) fn get(&self, guest: u32) -> &Guest {
+        &self.all[guest as usize]
+    }
+
+    /// How many there are.
+    pub(crate) const fn len(&self) -> usize {
+        self.all.len()
     }
 }
 
@@ -136,7 +146,7 @@ mod tests {
             let cells = Cells { cells: vec![cell(0, vec![]), cell(20, vec![0])], ..Cells::default() };
             let guests = Guests::new(&plan, &cells, &rooms(&cells));
             assert!(guests.of(1).is_empty(), "nothing is its own guest");
-            guests.of(0).iter().flat_map(|guest| guest.owners.clone()).collect::<Vec<u32>>()
+            guests.of(0).flat_map(|guest| guests.get(guest).owners.clone()).collect::<Vec<u32>>()
         };
         assert_eq!(owners_before(ObjectKind::Tree, 12), [1; 4], "a crown is looked at across both diagonals, both ways");
         assert_eq!(owners_before(ObjectKind::Tree, 6), []);

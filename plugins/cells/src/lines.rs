@@ -64,6 +64,13 @@ impl Lines {
         cut(&below, |s, m| right.1 - SLACK_M - s - m * right.0).map(Self)
     }
 
+    /// Whether some of them cross a further portal: whether [`Self::through`] gives any.
+    pub(crate) fn meet(&self, left: (f64, f64), right: (f64, f64)) -> bool {
+        let passes = |&[s, m]: &[f64; 2]| s + m * left.0 - left.1 <= SLACK_M && right.1 - s - m * right.0 <= SLACK_M;
+        let is_behind = left.0 < -SLACK_M && right.0 < -SLACK_M;
+        !is_behind && (self.0.iter().any(passes) || self.through(left, right).is_some())
+    }
+
     /// Whether every line of another set is in this one (but for less than the slack).
     pub(crate) fn contains(&self, other: &Self) -> bool {
         let n = self.0.len();
@@ -116,6 +123,9 @@ fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 
 /// The part of a convex polygon where `excess` is not positive.
 fn cut(corners: &[[f64; 2]], excess: impl Fn(f64, f64) -> f64) -> Option<Vec<[f64; 2]>> {
+    if corners.iter().all(|&[s, m]| excess(s, m) > 0.0) {
+        return None;
+    }
     let n = corners.len();
     let mut kept = Vec::with_capacity(n + 1);
     for i in 0..n {
@@ -158,6 +168,13 @@ mod tests {
 
     proptest! {
         #[test]
+        fn lines_meet_what_they_lead_through(c in corners(), x in 1..40_i32, y in -40..40_i32, dx in -20..20_i32, dy in 1..40_i32) {
+            let lines = c.into_iter().map(|p| Lines(vec![p])).reduce(|a, b| a.hull(&b)).unwrap();
+            let (left, right) = ((f64::from(x + dx), f64::from(y + dy)), (f64::from(x), f64::from(y)));
+            prop_assert_eq!(lines.meet(left, right), lines.through(left, right).is_some());
+        }
+
+        #[test]
         fn a_line_that_crosses_all_portals_is_kept(
             ys in proptest::collection::vec((-50..50_i32, 1..40_i32, 0..=100_i32), 2..6), slope in -3..=3_i32,
         ) {
@@ -174,6 +191,7 @@ mod tests {
             for i in 1..ys.len() {
                 let (left, right) = frame_at(i);
                 let next = lines.through(frame.local(left), frame.local(right));
+                prop_assert!(lines.meet(frame.local(left), frame.local(right)));
                 prop_assert!(next.is_some(), "lost at portal {}", i);
                 lines = next.unwrap();
             }

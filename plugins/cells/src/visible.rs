@@ -172,7 +172,9 @@ struct Search<'a> {
     sight_m: f64,
     about: About,
     is_seen: Vec<bool>,
-    beside: Vec<(u32, u32)>,
+    /// Guests that are seen, by room, and whether each is.
+    met: Vec<(u32, u32)>,
+    is_met: Vec<bool>,
 }
 
 impl<'a> Search<'a> {
@@ -185,7 +187,8 @@ impl<'a> Search<'a> {
             sight_m: settings.sight_m,
             about: About::new(web.crossings.len()),
             is_seen: vec![false; web.first.len()],
-            beside: Vec::new(),
+            met: Vec::new(),
+            is_met: vec![false; guests.len()],
         }
     }
 
@@ -213,16 +216,22 @@ impl<'a> Search<'a> {
         }
         seen.sort_unstable();
         seen.shrink_to_fit();
-        (seen, Rest { is_coarse, beside: core::mem::take(&mut self.beside) })
+        let mut beside: Vec<(u32, u32)> = Vec::new();
+        for (room, guest) in self.met.drain(..) {
+            self.is_met[guest as usize] = false;
+            beside.extend(self.guests.get(guest).owners.iter().map(|&owner| (room, owner)));
+        }
+        beside.sort_unstable();
+        beside.dedup();
+        (seen, Rest { is_coarse, beside })
     }
 
     /// Notes what in a room belongs to other cells, as far as it is reached.
     fn see_guests(&mut self, room: u32, is_reached: impl Fn(&Guest) -> bool) {
         for guest in self.guests.of(room) {
-            let is_new = |owner: &u32| !self.beside.contains(&(room, *owner));
-            if guest.owners.iter().any(is_new) && is_reached(guest) {
-                let owners: Vec<u32> = guest.owners.iter().copied().filter(is_new).collect();
-                self.beside.extend(owners.into_iter().map(|owner| (room, owner)));
+            if !self.is_met[guest as usize] && is_reached(self.guests.get(guest)) {
+                self.is_met[guest as usize] = true;
+                self.met.push((room, guest));
             }
         }
     }
@@ -239,7 +248,7 @@ impl<'a> Search<'a> {
             if steps > self.most_steps {
                 return Err(TooMany);
             }
-            self.see_guests(here, |guest| lines.through(frame.local(guest.left), frame.local(guest.right)).is_some());
+            self.see_guests(here, |guest| lines.meet(frame.local(guest.left), frame.local(guest.right)));
             for next in web.out(here) {
                 let Some(Ahead { left, right, .. }) = self.onward(frame, next, from, source) else { continue };
                 steps += 1;
