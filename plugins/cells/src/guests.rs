@@ -10,13 +10,13 @@ use crate::overlay::edges;
 use crate::rooms::{Edges, Room};
 
 /// A line in plan at which something is seen.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Guest {
     /// Its ends as seen by who looks at it.
     pub(crate) left: GridPos,
     pub(crate) right: GridPos,
-    /// The other cells that what is seen there belongs to, ascending.
-    pub(crate) owners: Vec<u32>,
+    /// The other cell that what is seen there belongs to.
+    pub(crate) owner: u32,
 }
 
 /// What is seen in each room and belongs to another cell than the room, that of one room side by side.
@@ -35,9 +35,9 @@ impl Guests {
                     walls.along(right, left).flat_map(|wall| wall.0).filter(|&owner| owner != room.owner).collect();
                 owners.sort_unstable();
                 owners.dedup();
-                (!owners.is_empty()).then_some(Guest { left, right, owners })
+                owners.into_iter().map(move |owner| Guest { left, right, owner })
             };
-            room.outline.rings().flat_map(|ring| edges(ring)).filter_map(at_edge).collect()
+            room.outline.rings().flat_map(|ring| edges(ring)).flat_map(at_edge).collect()
         };
         let of_rooms: Vec<Vec<Guest>> = rooms.par_iter().map(at_border).collect();
         let mut within = within.into_iter();
@@ -80,7 +80,7 @@ fn within(plan: &CityPlan, cells: &Cells) -> Vec<Vec<Guest>> {
         hosts.dedup();
         for host in hosts {
             let lines = [(a, c), (c, a), (b, d), (d, b)];
-            guests[host as usize].extend(lines.map(|(left, right)| Guest { left, right, owners: vec![owner] }));
+            guests[host as usize].extend(lines.map(|(left, right)| Guest { left, right, owner }));
         }
     };
     for (cell, owner) in cells.cells.iter().zip(0..) {
@@ -110,14 +110,17 @@ fn walls(plan: &CityPlan, cells: &Cells) -> Edges<[u32; 2]> {
     let mut roofs = vec![None; plan.houses.len()];
     for (cell, number) in cells.cells.iter().zip(0..) {
         for &house in &cell.houses {
-            roofs[house as usize] = Some(number);
+            if let Some(roof) = roofs.get_mut(house as usize) {
+                *roof = Some(number);
+            }
         }
     }
     let mut walls = Vec::new();
     for (cell, number) in cells.cells.iter().zip(0..) {
         for of_volume in cell.walls.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             let (house, volume, _) = of_volume[0];
-            let segments = segments(&plan.houses[house as usize].volumes[usize::from(volume)]);
+            let Some(whole) = plan.houses.get(house as usize) else { continue };
+            let Some(segments) = whole.volumes.get(usize::from(volume)).map(segments) else { continue };
             let owners = [number, roofs[house as usize].unwrap_or(number)];
             walls.extend(of_volume.iter().filter_map(|wall| Some((*segments.get(usize::from(wall.2))?, owners))));
         }
@@ -146,7 +149,7 @@ mod tests {
             let cells = Cells { cells: vec![cell(0, vec![]), cell(20, vec![0])], ..Cells::default() };
             let guests = Guests::new(&plan, &cells, &rooms(&cells));
             assert!(guests.of(1).is_empty(), "nothing is its own guest");
-            guests.of(0).flat_map(|guest| guests.get(guest).owners.clone()).collect::<Vec<u32>>()
+            guests.of(0).map(|guest| guests.get(guest).owner).collect::<Vec<u32>>()
         };
         assert_eq!(owners_before(ObjectKind::Tree, 12), [1; 4], "a crown is looked at across both diagonals, both ways");
         assert_eq!(owners_before(ObjectKind::Tree, 6), []);

@@ -19,6 +19,9 @@ const MOST_GROWTHS: u8 = 4;
 /// Visible set of every cell of a partition, ascending, and what is to be said of them: what [`crate::partition`] notes as
 /// [`Cells::visible`], but for what is seen through tunnels. Sound in plan: no cell is missing of which something can be seen within the
 /// settings' sight along a straight line that crosses no house. The same for any number of threads.
+///
+/// # Panics
+/// If portals name cells that are not there, which [`crate::check`] tells.
 #[must_use]
 pub fn visible_sets(plan: &CityPlan, cells: &Cells, settings: &PartitionSettings) -> (Vec<Vec<u32>>, Vec<Finding>) {
     let mut findings = Vec::new();
@@ -219,10 +222,11 @@ impl<'a> Search<'a> {
         let mut beside: Vec<(u32, u32)> = Vec::new();
         for (room, guest) in self.met.drain(..) {
             self.is_met[guest as usize] = false;
-            beside.extend(self.guests.get(guest).owners.iter().map(|&owner| (room, owner)));
+            beside.push((room, self.guests.get(guest).owner));
         }
         beside.sort_unstable();
         beside.dedup();
+        beside.shrink_to_fit();
         (seen, Rest { is_coarse, beside })
     }
 
