@@ -13,7 +13,7 @@ use veduta::ecs::StandingCells;
 use veduta::prelude::*;
 use veduta::streaming::{Fetching, StreamingStats, Wanted};
 use veduta_city::Level;
-use veduta_store::{INDEX_NAME, decode_index};
+use veduta_store::{DirReader, read_index};
 use veduta_tests::{quiet_app, sample_city, update_until, workplace};
 
 /// A plain file server on the loopback address; it can be told to die.
@@ -163,10 +163,14 @@ fn the_memory_cap_holds() {
 #[test]
 fn a_missing_and_a_damaged_packet_are_told_and_the_walk_goes_on() {
     let city = copy_of_the_sample("damage");
-    let index = decode_index(&std::fs::read(city.join(INDEX_NAME)).expect("an index")).expect("a whole index");
-    let start = index.locate(veduta_city::GridPos::from_metres(index.start.pos)).expect("the start lies in a cell") as usize;
-    let seen: Vec<u32> = index.cells[start].visible.iter().copied().filter(|&c| c as usize != start).take(2).collect();
-    let path = |cell: u32| city.join(index.cells[cell as usize].packets[0].as_ref().expect("every cell has a level 1").path());
+    let index = read_index(&DirReader::new(&city).expect("a city")).expect("a whole index");
+    let start = index.locate(veduta_city::GridPos::from_metres(index.start.pos)).expect("the start lies in a cell");
+    let visible = &index.cell(start).expect("told").visible;
+    let seen: Vec<u32> = visible.iter().copied().filter(|&cell| cell != start).take(2).collect();
+    let path = |cell: u32| {
+        let packet = index.cell(cell).and_then(|entry| entry.packets[0]);
+        city.join(packet.expect("every cell has a level 1").path())
+    };
     std::fs::remove_file(path(seen[0])).expect("it was there");
     let mut bytes = std::fs::read(path(seen[1])).expect("it is there");
     let middle = bytes.len() / 2;

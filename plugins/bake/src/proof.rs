@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use veduta_city::draw::Draw;
 use veduta_city::{CellShell, GridPos, Id};
-use veduta_store::CityIndex;
+use veduta_store::{CellEntry, CityIndex};
 
 use scene::{Hit, Scene};
 
@@ -85,13 +85,16 @@ const ABOUT: u64 = 32;
 /// Eyes after which nothing new was seen are the last.
 const IN_VAIN: u32 = 500;
 
-/// Puts a city's visible sets to the proof. `shells` are by cell. The same arguments find the same, for any number of threads.
+/// Puts a city's visible sets to the proof, all of whose regions must be there. `shells` are by cell. The same arguments find the same, for any number of threads.
 #[must_use]
 pub fn prove(index: &CityIndex, shells: &[CellShell], settings: &ProofSettings) -> Proof {
     if shells.is_empty() {
         return Proof::default();
     }
-    let town = Town { index, shells, scene: Scene::new(shells), seed: settings.seed };
+    let cells: Vec<&CellEntry> = index.cells().map(|(_, cell)| cell).collect();
+    let mut is_skyline = vec![false; cells.len()];
+    index.regions_here().flat_map(|(_, region)| &region.skyline).for_each(|&cell| is_skyline[cell as usize] = true);
+    let town = Town { cells, is_skyline, shells, scene: Scene::new(shells), seed: settings.seed };
     let ray = |number: u64| {
         let cell = Draw::new(settings.seed, Id(number), "cell").below("cell", shells.len()) as u32;
         town.look_once(cell, number)
@@ -119,7 +122,8 @@ struct Look {
 }
 
 struct Town<'a> {
-    index: &'a CityIndex,
+    cells: Vec<&'a CellEntry>,
+    is_skyline: Vec<bool>,
     shells: &'a [CellShell],
     scene: Scene,
     seed: u64,
@@ -143,11 +147,11 @@ impl Town<'_> {
 
     /// Whether a cell is in the visible set of another, or on the skyline.
     fn sees(&self, from: u32, cell: u32) -> bool {
-        self.index.cells[from as usize].visible.binary_search(&cell).is_ok() || self.is_skyline(cell)
+        self.cells[from as usize].visible.binary_search(&cell).is_ok() || self.is_skyline(cell)
     }
 
     fn is_skyline(&self, cell: u32) -> bool {
-        self.index.skyline.binary_search(&cell).is_ok()
+        self.is_skyline[cell as usize]
     }
 
     /// Whether what should not be seen along a ray is seen beside it, too.
@@ -162,7 +166,7 @@ impl Town<'_> {
 
     /// An eye in a cell: on the ground or on a way above or below it. `None` where there is no room for one.
     fn eye(&self, cell: u32, draw: Draw) -> Option<DVec3> {
-        let (entry, shell) = (&self.index.cells[cell as usize], &self.shells[cell as usize]);
+        let (entry, shell) = (self.cells[cell as usize], &self.shells[cell as usize]);
         let (low, high) = entry.outline.bounds()?;
         let (low, high) = (low.to_metres(), high.to_metres());
         (0..TRIES).map(|n| draw.part(n)).find_map(|draw| {
@@ -184,7 +188,7 @@ impl Town<'_> {
 
     /// Area of the cells in the visible set of one, and of those of them that were seen, square metres; the skyline apart.
     fn areas(&self, cell: u32, eyes: u32) -> (f64, f64) {
-        let set: Vec<u32> = self.index.cells[cell as usize].visible.iter().copied().filter(|&c| !self.is_skyline(c)).collect();
+        let set: Vec<u32> = self.cells[cell as usize].visible.iter().copied().filter(|&c| !self.is_skyline(c)).collect();
         let mut unseen: BTreeSet<u32> = set.iter().copied().collect();
         unseen.remove(&cell);
         let (mut seen, mut last) = (Vec::new(), 0);
@@ -210,7 +214,7 @@ impl Town<'_> {
                 }
             }
         }
-        let area = |cell: &u32| self.index.cells[*cell as usize].outline.area_m2();
+        let area = |cell: &u32| self.cells[*cell as usize].outline.area_m2();
         let held: f64 = set.iter().map(area).sum();
         (held, held - unseen.iter().map(area).sum::<f64>())
     }

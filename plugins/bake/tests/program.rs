@@ -244,8 +244,9 @@ fn what_cannot_be_written_leaves_no_part() {
 fn baked(folder: &Folder) -> (PathBuf, veduta_store::CityIndex) {
     let city = folder.0.join("a.city");
     assert_eq!(run(&[&"bake", &place("lane/lane.graph.ron"), &"-o", &city, &"--quiet"]).0, 0);
-    let stored = std::fs::read(city.join(veduta_store::INDEX_NAME)).unwrap_or_else(|e| panic!("{e}"));
-    (city, veduta_store::decode_index(&stored).unwrap_or_else(|e| panic!("{e}")))
+    let reader = veduta_store::DirReader::new(&city).unwrap_or_else(|e| panic!("{e}"));
+    let index = veduta_store::read_index(&reader).unwrap_or_else(|e| panic!("{e}"));
+    (city, index)
 }
 
 #[test]
@@ -265,11 +266,21 @@ fn every_part_of_a_city_is_inspected() {
     assert_eq!(run(&[&"inspect", &city]).0, 0);
 
     // Two cells swap their façades.
-    let mut forged = index.clone();
-    let with_walls: Vec<usize> = (0..index.cells.len()).filter(|&i| index.cells[i].packets[1].is_some()).collect();
-    let pair = with_walls.windows(2).find(|pair| index.cells[pair[0]].walls != index.cells[pair[1]].walls);
+    assert_eq!(index.regions.len(), 1);
+    let mut region = veduta_store::Region::clone(index.region(0).unwrap_or_else(|| panic!("read whole")));
+    let with_walls: Vec<usize> = (0..region.cells.len()).filter(|&i| region.cells[i].packets[1].is_some()).collect();
+    let pair = with_walls.windows(2).find(|pair| region.cells[pair[0]].walls != region.cells[pair[1]].walls);
     let &[a, b] = pair.unwrap_or_else(|| panic!("two cells with different numbers of walls")) else { unreachable!("a pair") };
-    (forged.cells[a].packets[1], forged.cells[b].packets[1]) = (index.cells[b].packets[1], index.cells[a].packets[1]);
+    let swapped = (region.cells[b].packets[1], region.cells[a].packets[1]);
+    (region.cells[a].packets[1], region.cells[b].packets[1]) = swapped;
+    let mut forged = index.clone();
+    let stored = veduta_store::encode_region(&region, 0, &index.regions);
+    let mut regions = index.regions.to_vec();
+    regions[0].blob = veduta_store::BlobRef::of(&stored);
+    forged.regions = regions.into();
+    let path = city.join(forged.regions[0].blob.path());
+    std::fs::create_dir_all(path.parent().unwrap_or(&city)).unwrap_or_else(|e| panic!("{e}"));
+    std::fs::write(path, stored).unwrap_or_else(|e| panic!("{e}"));
     let bytes = veduta_store::encode_index(&forged);
     std::fs::write(city.join(veduta_store::INDEX_NAME), bytes).unwrap_or_else(|e| panic!("{e}"));
     let (code, _, err) = run(&[&"inspect", &city]);

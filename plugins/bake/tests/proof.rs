@@ -3,10 +3,12 @@
 #[path = "shared/folder.rs"]
 mod folder;
 
+use std::sync::Arc;
+
 use folder::Folder;
 use veduta_bake::{BakeSettings, Proof, ProofSettings, bake, prove};
 use veduta_city::{CellShell, Level};
-use veduta_store::{CityIndex, INDEX_NAME, Packet, decode_index, decode_packet, open_reader};
+use veduta_store::{CityIndex, Packet, Region, decode_packet, open_reader, read_index};
 
 /// A small town in words, with a river, baked and read back.
 fn town(name: &str) -> (CityIndex, Vec<CellShell>) {
@@ -16,7 +18,7 @@ fn town(name: &str) -> (CityIndex, Vec<CellShell>) {
     bake(&folder.write("t.words.ron", words), &out, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
     let reader = open_reader(&out.to_string_lossy()).unwrap_or_else(|e| panic!("{e}"));
     let read = |path: &str| reader.read(path, 1 << 24).unwrap_or_else(|e| panic!("{e}"));
-    let index = decode_index(&read(INDEX_NAME)).unwrap_or_else(|e| panic!("{e}"));
+    let index = read_index(&*reader).unwrap_or_else(|e| panic!("{e}"));
     let shell = |cell: &veduta_store::CellEntry| {
         let blob = cell.packet(Level::One)?;
         match decode_packet(&read(&blob.path()), blob, Level::One) {
@@ -24,19 +26,24 @@ fn town(name: &str) -> (CityIndex, Vec<CellShell>) {
             _ => None,
         }
     };
-    let shells = index.cells.iter().filter_map(shell).collect();
+    let shells = index.cells().filter_map(|(_, cell)| shell(cell)).collect();
     (index, shells)
 }
 
 #[test]
 fn sets_that_hold_everything_lack_nothing_and_empty_ones_are_found_out() {
     let (mut index, shells) = town("sets");
-    let count = index.cells.len() as u32;
+    let count = index.cell_count();
     assert_eq!(shells.len() as u32, count);
-    index.skyline.clear();
     let settings = ProofSettings { rays: 20_000, eyes_a_cell: 20, seed: 3 };
     let with = |index: &mut CityIndex, set: fn(u32, u32) -> Vec<u32>| -> Proof {
-        index.cells.iter_mut().zip(0..).for_each(|(cell, number)| cell.visible = set(number, count));
+        for number in 0..index.regions.len() as u32 {
+            let mut region = Region::clone(index.region(number).unwrap_or_else(|| panic!("here")));
+            let cells = region.cells.iter_mut().zip(index.regions[number as usize].first..);
+            cells.for_each(|(cell, number)| cell.visible = set(number, count));
+            region.skyline.clear();
+            index.put(number, Arc::new(region));
+        }
         prove(index, &shells, &settings)
     };
     let all = with(&mut index, |_, count| (0..count).collect());
@@ -47,7 +54,7 @@ fn sets_that_hold_everything_lack_nothing_and_empty_ones_are_found_out() {
     assert!(own.missing.iter().all(|missing| missing.from != missing.cell));
     assert!(own.missing.len() > count as usize, "{} pairs", own.missing.len());
     for missing in &own.missing {
-        let (eye, cell) = (missing.eye, &index.cells[missing.from as usize]);
+        let (eye, cell) = (missing.eye, index.cell(missing.from).unwrap_or_else(|| panic!("{missing:?}")));
         let floor_m = f64::from(cell.floor.0) / 1024.0;
         assert!(cell.outline.contains(veduta_city::GridPos::from_metres(eye.0)), "{missing:?}");
         assert!(eye.1 > floor_m - 1.0 && eye.1 < f64::from(cell.floor.1) / 1024.0 + 20.0, "{missing:?}");

@@ -11,8 +11,8 @@ use std::time::Instant;
 
 use ground_proof::{prove_mesh, prove_partition};
 use veduta_bake::{BakeError, BakeSettings, Baked, Input, bake, cut, plan};
-use veduta_city::{Level, PlaceKind, PortalSide};
-use veduta_store::{CityIndex, DirReader, INDEX_NAME, Packet, Reader, decode_index, decode_overview, decode_packet, decode_styles};
+use veduta_city::{Level, Overview, PlaceKind};
+use veduta_store::{CellEntry, CityIndex, DirReader, Packet, Reader, decode_overview, decode_packet, decode_styles, read_index};
 
 /// How far one sees in Portland, whose extract spans 70 km²: the test is to stay short. Metres.
 const PORTLAND_SIGHT_M: f64 = 120.0;
@@ -90,18 +90,18 @@ fn files(dir: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     found
 }
 
-/// A city read back through the reader: its index and how many named streets it shows.
-fn opened(city: &Path) -> (CityIndex, usize) {
+/// A city read back through the reader: its index, its overview, and how many named streets that shows.
+fn opened(city: &Path) -> (CityIndex, Overview, usize) {
     let reader = DirReader::new(city).unwrap_or_else(|e| panic!("{e}"));
     let read = |path: &str| reader.read(path, 1 << 28).unwrap_or_else(|e| panic!("{e}"));
-    let index = decode_index(&read(INDEX_NAME)).unwrap_or_else(|e| panic!("{e}"));
+    let index = read_index(&reader).unwrap_or_else(|e| panic!("{e}"));
     let styles = index.styles.unwrap_or_else(|| panic!("a city carries its styles"));
     let styles = decode_styles(&read(&styles.path()), &styles).unwrap_or_else(|e| panic!("{e}"));
     assert!(!styles.0.is_empty());
     let overview = decode_overview(&read(&index.overview.path()), &index.overview).unwrap_or_else(|e| panic!("{e}"));
     let named: BTreeSet<&str> = overview.streets.iter().map(|s| s.name.as_str()).filter(|name| !name.is_empty()).collect();
     let mut roofs = 0;
-    for (i, cell) in index.cells.iter().enumerate() {
+    for (i, cell) in index.cells() {
         let mut walls = 0;
         for level in Level::ALL {
             let Some(blob) = cell.packet(level) else { continue };
@@ -117,8 +117,9 @@ fn opened(city: &Path) -> (CityIndex, usize) {
         assert!(cell.packet(Level::One).is_some(), "cell {i} has no packet");
         assert_eq!(cell.walls as usize, walls, "cell {i}");
     }
-    assert_eq!(roofs, index.cells.iter().map(|c| u64::from(c.houses)).sum::<u64>());
-    (index, named.len())
+    assert_eq!(roofs, index.cells().map(|(_, cell)| u64::from(cell.houses)).sum::<u64>());
+    let named = named.len();
+    (index, overview, named)
 }
 
 /// Of what is seen from cells, so much may be seen from one side alone: walls and roofs that are drawn with a cell round the corner.
@@ -126,19 +127,18 @@ const MOST_ONE_SIDED: f64 = 0.15;
 
 /// Portals belong to both their cells, visible sets hold the cell and its neighbours and mostly see back, nearly all hangs together.
 fn check_index(index: &CityIndex) {
-    let cells = &index.cells;
-    for (p, portal) in (0..).zip(&index.portals) {
-        let beyond = if let PortalSide::Cell(cell) = portal.beyond { Some(cell) } else { None };
-        for side in [Some(portal.cell), beyond].into_iter().flatten() {
-            assert!(cells[side as usize].portals.binary_search(&p).is_ok(), "{}: portal {p} and cell {side}", index.name);
+    let cells: Vec<&CellEntry> = index.cells().map(|(_, cell)| cell).collect();
+    let neighbours = |cell: u32| index.portals(cell).filter_map(move |portal| portal.other(cell)).collect::<Vec<u32>>();
+    for cell in 0..index.cell_count() {
+        for portal in index.portals(cell) {
+            let sides = [Some(portal.cell), portal.other(portal.cell)];
+            assert!(sides.contains(&Some(cell)), "{}: {portal:?} and cell {cell}", index.name);
+            let knows = |side: u32| index.portals(side).any(|other| other == portal);
+            assert!(sides.into_iter().flatten().all(knows), "{}: {portal:?}", index.name);
         }
     }
-    let neighbours = |cell: u32| {
-        let portals = cells[cell as usize].portals.iter().map(|&p| &index.portals[p as usize]);
-        portals.filter_map(move |portal| portal.other(cell)).collect::<Vec<u32>>()
-    };
     let (mut all_seen, mut one_sided) = (0, 0);
-    for (i, cell) in (0..).zip(cells) {
+    for (i, cell) in (0..).zip(&cells) {
         let sees = |to: u32| cell.visible.binary_search(&to).is_ok();
         assert!(sees(i) && neighbours(i).into_iter().all(sees), "{}: cell {i} does not see its neighbours", index.name);
         all_seen += cell.visible.len();
@@ -189,17 +189,17 @@ fn every_extract_becomes_a_city() {
         }
         let baked = bake(&data.join(expected.file), &out, &settings, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
         let seconds = began.elapsed().as_secs_f64();
-        let (index, streets) = opened(&out);
+        let (index, overview, streets) = opened(&out);
         check_index(&index);
-        let squares = index.places.iter().filter(|p| p.kind == PlaceKind::Square).count();
-        let seen: usize = index.cells.iter().map(|c| c.visible.len()).sum();
+        let squares = overview.places.iter().filter(|p| p.kind == PlaceKind::Square).count();
+        let seen: usize = index.cells().map(|(_, cell)| cell.visible.len()).sum();
         println!(
             "| {} | {} | {} | {} | {streets} | {squares} | {:.1} | {} | {seconds:.1} | {:.2} |",
             expected.file.split('/').next().unwrap_or_default(),
             baked.stats.houses,
-            index.cells.len(),
-            index.portals.len(),
-            seen as f64 / index.cells.len() as f64,
+            index.cell_count(),
+            index.regions_here().map(|(_, region)| region.portals.len()).sum::<usize>(),
+            seen as f64 / f64::from(index.cell_count()),
             baked.findings.len(),
             seconds / index.extent.area_m2() * 1e6
         );
@@ -210,7 +210,7 @@ fn every_extract_becomes_a_city() {
         ] {
             assert!(got >= least, "{}: {got} {what}, at least {least} are in the map", expected.file);
         }
-        assert_eq!(index.cells.iter().map(|c| u64::from(c.houses)).sum::<u64>(), baked.stats.houses);
+        assert_eq!(index.cells().map(|(_, cell)| u64::from(cell.houses)).sum::<u64>(), baked.stats.houses);
         for finding in &baked.findings {
             assert!(finding.message.len() > 10 && !finding.message.ends_with('.'), "{}: {finding}", expected.file);
         }

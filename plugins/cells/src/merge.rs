@@ -30,15 +30,17 @@ pub(crate) fn merge(triangles: &[Triangle], patches: &Patches<'_>, settings: &Pa
     numbered(triangles, &mut groups)
 }
 
-/// Numbers the groups by their least corner, so that neighbours in the list are near each other.
+/// Numbers the groups by the Morton codes of the middles of their bounds, so that those which lie together are told together.
 fn numbered(triangles: &[Triangle], groups: &mut Groups) -> Vec<u32> {
-    let mut least: BTreeMap<u32, GridPos> = BTreeMap::new();
+    let mut bounds: BTreeMap<u32, (GridPos, GridPos)> = BTreeMap::new();
     for (t, triangle) in (0..).zip(triangles) {
-        let corner = triangle.corners.iter().copied().fold(triangle.corners[0], GridPos::min);
-        let least = least.entry(groups.root(t)).or_insert(corner);
-        *least = corner.min(*least);
+        let (lo, hi) = bounds.entry(groups.root(t)).or_insert((triangle.corners[0], triangle.corners[0]));
+        for corner in triangle.corners {
+            *lo = GridPos(lo.0.min(corner.0), lo.1.min(corner.1));
+            *hi = GridPos(hi.0.max(corner.0), hi.1.max(corner.1));
+        }
     }
-    let mut order: Vec<(GridPos, u32)> = least.into_iter().map(|(root, corner)| (corner, root)).collect();
+    let mut order: Vec<(u64, u32)> = bounds.into_iter().map(|(root, (lo, hi))| (lo.midpoint(hi).morton(), root)).collect();
     order.sort_unstable();
     let number: BTreeMap<u32, u32> = (0..).zip(order).map(|(n, (_, root))| (root, n)).collect();
     (0..triangles.len() as u32).map(|t| number[&groups.root(t)]).collect()

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use veduta_city::{
     Cell, CellShell, Cells, CityPlan, Course, Design, FacadeSheet, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch,
-    House, HouseShell, Marking, PlacedMonument, PlanObject, PlanTerrain, Portal, SpanStation, Volume, VolumeShell, WaySpan,
+    House, HouseShell, Marking, PlacedMonument, PlanObject, PlanTerrain, SpanStation, Volume, VolumeShell, WaySpan,
 };
 
 use crate::overlay::{Bounds, Keep, combine, turned_rings};
@@ -240,7 +240,7 @@ fn spans(plan: &CityPlan, cell: &Cell, decks: &[Option<Bounds>], origin: GridPos
     spans.map(|span| WaySpan { stations: span.stations.iter().map(station).collect(), ..span.clone() }).collect()
 }
 
-fn blind(cells: &Cells, cell: &Cell, origin: GridPos) -> Vec<Portal> {
+fn blind(cells: &Cells, cell: &Cell, origin: GridPos) -> Vec<(GridPos, GridPos)> {
     let portals = cell.portals.iter().filter_map(|&p| cells.portals.get(p as usize)).filter(|portal| portal.is_blind());
-    portals.map(|portal| Portal { ends: (local(portal.ends.0, origin), local(portal.ends.1, origin)), ..*portal }).collect()
+    portals.map(|portal| (local(portal.ends.0, origin), local(portal.ends.1, origin))).collect()
 }

@@ -53,7 +53,36 @@ impl GridPos {
         let (vx, vy) = (i64::from(c.0) - i64::from(self.0), i64::from(c.1) - i64::from(self.1));
         ux.saturating_mul(vy).saturating_sub(uy.saturating_mul(vx))
     }
+
+    /// The position between two, each coordinate rounded towards zero.
+    #[must_use]
+    pub fn midpoint(self, other: Self) -> Self {
+        Self(self.0.midpoint(other.0), self.1.midpoint(other.1))
+    }
+
+    /// Its Morton code: the bits of both coordinates interleaved, north above east, beginning with the sign. In the order of their
+    /// codes, positions that share a square of a quadtree over the whole grid follow one another.
+    #[must_use]
+    pub fn morton(self) -> u64 {
+        let spread = |coordinate: i32| {
+            let mut bits = u64::from(coordinate.cast_unsigned() ^ 1 << 31);
+            for (shift, mask) in MORTON_STEPS {
+                bits = (bits | bits << shift) & mask;
+            }
+            bits
+        };
+        spread(self.0) | spread(self.1) << 1
+    }
 }
+
+/// Each step doubles the gaps between the bits of a number, from halves of 16 bits to single ones.
+const MORTON_STEPS: [(u32, u64); 5] = [
+    (16, 0x0000_FFFF_0000_FFFF),
+    (8, 0x00FF_00FF_00FF_00FF),
+    (4, 0x0F0F_0F0F_0F0F_0F0F),
+    (2, 0x3333_3333_3333_3333),
+    (1, 0x5555_5555_5555_5555),
+];
 
 impl Add for GridPos {
     type Output = Self;
@@ -124,6 +153,16 @@ impl GridPolygon {
         )
     }
 
+    /// The middle of the box about all its rings; (0, 0) if it is empty.
+    #[must_use]
+    pub fn middle(&self) -> GridPos {
+        let around = |sum: Option<(GridPos, GridPos)>, pos: &GridPos| {
+            let (lo, hi) = sum.unwrap_or((*pos, *pos));
+            Some((GridPos(lo.0.min(pos.0), lo.1.min(pos.1)), GridPos(hi.0.max(pos.0), hi.1.max(pos.1))))
+        };
+        self.rings().flatten().fold(None, around).map_or(GridPos(0, 0), |(lo, hi)| lo.midpoint(hi))
+    }
+
     /// Centroid of the outer ring in metres; the mean of its vertices if it has no area.
     #[must_use]
     pub fn centroid(&self) -> DVec2 {
@@ -175,6 +214,24 @@ mod tests {
 
     fn square(side: i32) -> GridRing {
         vec![GridPos(0, 0), GridPos(side, 0), GridPos(side, side), GridPos(0, side)]
+    }
+
+    #[test]
+    fn morton_codes_follow_the_quadtree() {
+        assert_eq!(GridPos(i32::MIN, i32::MIN).morton(), 0);
+        assert_eq!(GridPos(i32::MAX, i32::MAX).morton(), u64::MAX);
+        assert_eq!(GridPos(1, 0).morton() - GridPos(0, 0).morton(), 1, "east is the lower bit");
+        assert_eq!(GridPos(0, 1).morton() - GridPos(0, 0).morton(), 2);
+        let mut square = [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (3, 1), (0, 2), (-1, 0), (0, -1)].map(|(x, y)| GridPos(x, y));
+        square.sort_by_key(|pos| pos.morton());
+        let order = [(0, -1), (-1, 0), (0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (3, 1), (0, 2)].map(|(x, y)| GridPos(x, y));
+        assert_eq!(square, order);
+    }
+
+    #[test]
+    fn the_middle_counts_all_rings() {
+        let polygon = GridPolygon { outer: square(10), holes: vec![vec![GridPos(-4, 2), GridPos(3, 3), GridPos(5, 31)]] };
+        assert_eq!((polygon.middle(), GridPolygon::default().middle()), (GridPos(3, 15), GridPos(0, 0)));
     }
 
     #[test]

@@ -1,9 +1,9 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{CityPlan, GridPolygon, GridPos, Id, ObjectKind, PlanStreet, PlanTerrain, SurfaceKind, Volume, WaySpan};
+use crate::{CityPlan, GridPolygon, GridPos, Id, ObjectKind, Place, PlanStreet, PlanTerrain, SurfaceKind, Volume, WaySpan};
 
 /// What maps, search and routes need of a whole city, without its façades.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Overview {
     /// Elevations of the ground.
@@ -23,6 +23,9 @@ pub struct Overview {
     /// Spans of ways on bridges and below the ground.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub spans: Vec<WaySpan>,
+    /// Things with a name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub places: Vec<Place>,
 }
 
 /// How people call a house.
@@ -47,6 +50,7 @@ impl Overview {
             areas: plan.ground.iter().map(|patch| (patch.surface, patch.outline.clone())).collect(),
             objects: plan.objects.iter().map(|object| (object.kind, object.pos)).collect(),
             spans: plan.spans.clone(),
+            places: plan.places.clone(),
             ..Self::default()
         };
         for house in &plan.houses {

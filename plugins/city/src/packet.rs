@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Arcade, Course, Design, Gable, GridPolygon, GridPos, GroundPatch, Id, Marking, PlacedMonument, PlanObject, PlanRoof,
-    PlanTerrain, Portal, Rgb, Volume, Wall, WaySpan,
+    PlanTerrain, Rgb, Volume, Wall, WaySpan,
 };
 
 /// Urban level of detail of a façade.
@@ -107,8 +107,8 @@ pub struct CellShell {
     pub houses: Vec<HouseShell>,
     /// Standing objects.
     pub objects: Vec<PlanObject>,
-    /// Blind portals on the cell's border: where walking ends.
-    pub blind: Vec<Portal>,
+    /// Ends of the blind portals on the cell's border, where walking ends: the cell lies to the left of the way from the first to the second.
+    pub blind: Vec<(GridPos, GridPos)>,
     /// Paint and rails on the ground.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub markings: Vec<Marking>,

@@ -16,7 +16,7 @@ pub struct City {
     pub start: Viewpoint,
     /// Edge of the modelled city.
     pub extent: GridPolygon,
-    /// Things with a name.
+    /// Things with a name; none until the overview has arrived.
     pub places: Arc<Vec<Place>>,
     /// Streets, areas and houses in outline; `None` until it has arrived.
     pub overview: Option<Arc<Overview>>,

@@ -1,6 +1,6 @@
 //! Blobs: content-addressed, compressed pieces of a city.
 //!
-//! A blob as stored is one byte of kind, the inflated size as a varint, then raw deflate of the content. Its name is the
+//! A blob as stored is one byte of kind, the inflated size as a varint, then raw deflate of the content. Its name is half of the
 //! blake3 hash of all that.
 
 use core::fmt;
@@ -11,7 +11,7 @@ use crate::StoreError;
 
 /// Most bytes that any one thing may have once inflated.
 pub(crate) const INFLATED_CAP: u64 = 64 << 20;
-/// Most bytes that a packet may have once inflated. Lower than [`INFLATED_CAP`], because several are decoded at a time.
+/// Most bytes that a packet or a region may have once inflated. Lower than [`INFLATED_CAP`], because several are decoded at a time.
 pub(crate) const PACKET_CAP: u64 = 16 << 20;
 /// Deflate cannot shrink further than this.
 const DEFLATE_RATIO: u64 = 1032;
@@ -19,10 +19,10 @@ const DEFLATE_RATIO: u64 = 1032;
 /// A piece of a city by its content: where it lies, how long it is, how to know that it is whole.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct BlobRef {
-    /// blake3 hash of the bytes as stored.
-    pub hash: [u8; 32],
-    /// Bytes as stored, which is what travels. An index is refused in which a packet claims more than some 16 MiB, or the
-    /// overview or the styles more than some 64 MiB.
+    /// First half of the blake3 hash of the bytes as stored: nobody finds other bytes for a given one.
+    pub hash: [u8; 16],
+    /// Bytes as stored, which is what travels. An index is refused in which a packet or a region claims more than some 16 MiB, or
+    /// the overview or the styles more than some 64 MiB.
     pub bytes: u32,
 }
 
@@ -30,13 +30,13 @@ impl BlobRef {
     /// Reference to bytes as stored.
     #[must_use]
     pub fn of(stored: &[u8]) -> Self {
-        Self { hash: *blake3::hash(stored).as_bytes(), bytes: u32::try_from(stored.len()).unwrap_or(u32::MAX) }
+        Self { hash: half_hash(stored), bytes: u32::try_from(stored.len()).unwrap_or(u32::MAX) }
     }
 
-    /// Its name: the hash in 64 hexadecimal digits.
+    /// Its name: the hash in 32 hexadecimal digits.
     #[must_use]
     pub fn name(&self) -> String {
-        blake3::Hash::from_bytes(self.hash).to_hex().to_string()
+        name_of_hash(self.hash)
     }
 
     /// Path within the city: `blobs/ab/abcdef….bin`.
@@ -54,11 +54,27 @@ impl BlobRef {
         if stored.len() as u64 != u64::from(self.bytes) {
             return Err(StoreError::Length { what, expected: u64::from(self.bytes), found: stored.len() as u64 });
         }
-        if blake3::hash(stored).as_bytes() != &self.hash {
+        if half_hash(stored) != self.hash {
             return Err(StoreError::Checksum { what });
         }
         Ok(())
     }
+}
+
+/// What a blob of these bytes is called.
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) fn name_of(stored: &[u8]) -> String {
+    name_of_hash(half_hash(stored))
+}
+
+fn name_of_hash(hash: [u8; 16]) -> String {
+    format!("{:032x}", u128::from_be_bytes(hash))
+}
+
+fn half_hash(stored: &[u8]) -> [u8; 16] {
+    let mut half = [0; 16];
+    blake3::Hasher::new().update(stored).finalize_xof().fill(&mut half);
+    half
 }
 
 impl fmt::Debug for BlobRef {
@@ -76,6 +92,7 @@ pub(crate) enum BlobKind {
     Facades = 2,
     Overview = 16,
     Styles = 17,
+    Region = 18,
 }
 
 impl BlobKind {
@@ -86,12 +103,13 @@ impl BlobKind {
             Self::Facades => "a packet of level 2",
             Self::Overview => "the overview",
             Self::Styles => "the styles",
+            Self::Region => "a region of the index",
         }
     }
 
     const fn cap(self) -> u64 {
         match self {
-            Self::Shell | Self::Facades => PACKET_CAP,
+            Self::Shell | Self::Facades | Self::Region => PACKET_CAP,
             Self::Overview | Self::Styles => INFLATED_CAP,
         }
     }
@@ -103,7 +121,7 @@ impl BlobKind {
     }
 
     fn of(byte: u8) -> Option<Self> {
-        [Self::Shell, Self::Facades, Self::Overview, Self::Styles].into_iter().find(|&kind| kind as u8 == byte)
+        [Self::Shell, Self::Facades, Self::Overview, Self::Styles, Self::Region].into_iter().find(|&kind| kind as u8 == byte)
     }
 }
 
@@ -218,6 +236,6 @@ mod tests {
         let path = BlobRef::of(b"city").path();
         assert!(path.starts_with("blobs/") && path.ends_with(".bin"), "{path}");
         assert_eq!(path.get(6..8), path.get(9..11));
-        assert_eq!(path.len(), "blobs/ab/".len() + 64 + ".bin".len());
+        assert_eq!(path.len(), "blobs/ab/".len() + 32 + ".bin".len());
     }
 }

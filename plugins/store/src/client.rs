@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
 use veduta_city::{Level, Overview};
@@ -11,25 +11,32 @@ use crate::{BlobRef, CityIndex, INDEX_NAME, Packet, Payload, Request, RequestId,
 pub struct ClientSettings {
     /// Most requests on their way at a time; at least 1 is taken.
     pub max_in_flight: usize,
+    /// Most bytes on their way at a time, as far as they are known beforehand; what is larger by itself travels alone.
+    pub max_bytes_in_flight: u64,
     /// Seconds until a failed request is tried again; twice as long after each further failure.
     pub retry_first_s: f64,
     /// Longest time in seconds until a failed request is tried again.
     pub retry_cap_s: f64,
-    /// Most bytes of an index as stored.
+    /// Most bytes of an index as stored, its regions apart.
     pub index_limit: u64,
 }
 
 impl Default for ClientSettings {
     fn default() -> Self {
-        Self { max_in_flight: 8, retry_first_s: 0.5, retry_cap_s: 8.0, index_limit: 64 << 20 }
+        Self { max_in_flight: 8, max_bytes_in_flight: 4 << 20, retry_first_s: 0.5, retry_cap_s: 4.0, index_limit: 4 << 20 }
     }
 }
 
 /// What a delivery meant.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ClientEvent {
-    /// The index is there.
+    /// The index is there, without its regions.
     Opened,
+    /// What the index tells of the cells of a region is there.
+    RegionReady(
+        /// Which region.
+        u32,
+    ),
     /// The overview is there.
     OverviewReady,
     /// A packet is there. It may no longer be wanted: then call [`Client::forget`].
@@ -65,6 +72,8 @@ pub struct ClientStats {
     pub bytes_level: [u64; 4],
     /// Requests that failed.
     pub failures: u64,
+    /// Requests that were taken back before they were sent.
+    pub cancelled: u64,
     /// Deliveries of requests that were not on their way: a mistake of whoever does the I/O.
     pub unexpected: u64,
     /// Requests on their way now.
@@ -95,24 +104,37 @@ impl Slot {
     fn is_due(&self, now_s: f64) -> bool {
         self.state == State::Missing && (self.failures == 0 || now_s >= self.again_s)
     }
+
+    fn gave_up(&self) -> bool {
+        self.state == State::Dead || self.failures > 2
+    }
 }
 
-/// Decides what to ask for and when: index, overview, then packets in the order wanted, each level of a cell after the one
-/// before it. It does no I/O, reads no clock (`now_s` is any clock that does not go back), and answers the same for the
-/// same calls.
+/// How it stands with a region and with its cells, by level.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct RegionSlot {
+    slot: Slot,
+    /// None as long as the region is not here.
+    cells: Vec<[Slot; 4]>,
+}
+
+/// Decides what to ask for and when: index, regions, then packets in the order wanted, each after the region that tells of it and
+/// after the level before it, and when nothing of these is due, the overview. It does no I/O, reads no clock (`now_s` is any clock
+/// that does not go back), and answers the same for the same calls.
 #[derive(Debug)]
 pub struct Client {
     settings: ClientSettings,
-    index: Option<Arc<CityIndex>>,
+    index: Option<CityIndex>,
     overview: Option<Arc<Overview>>,
     index_slot: Slot,
     overview_slot: Slot,
-    /// By cell, then by level.
-    slots: Vec<[Slot; 4]>,
+    regions: Vec<RegionSlot>,
+    wanted_regions: Vec<u32>,
+    wants_overview: bool,
     wanted: Vec<(u32, Level)>,
     /// So many of the most urgent are here: the search for the next begins behind them.
     all_here_before: usize,
-    in_flight: BTreeMap<RequestId, What>,
+    in_flight: BTreeMap<RequestId, (What, u64)>,
     next_id: u64,
     stats: ClientStats,
 }
@@ -127,7 +149,9 @@ impl Client {
             overview: None,
             index_slot: Slot::default(),
             overview_slot: Slot::default(),
-            slots: Vec::new(),
+            regions: Vec::new(),
+            wanted_regions: Vec::new(),
+            wants_overview: false,
             wanted: Vec::new(),
             all_here_before: 0,
             in_flight: BTreeMap::new(),
@@ -136,9 +160,9 @@ impl Client {
         }
     }
 
-    /// The index, once it is there.
+    /// The index, once it is there, with those of its regions that are.
     #[must_use]
-    pub const fn index(&self) -> Option<&Arc<CityIndex>> {
+    pub const fn index(&self) -> Option<&CityIndex> {
         self.index.as_ref()
     }
 
@@ -149,12 +173,23 @@ impl Client {
     }
 
     /// Replaces the list of packets wanted, most urgent first. Each level must be listed: one that is not is not asked for,
-    /// and neither are those above it. What is there, on its way, or not in the index may be listed too. What is on its way
-    /// and no longer listed arrives nevertheless.
+    /// and neither are those above it. The regions that tell of them come by themselves. What is there, on its way, or not in the
+    /// city may be listed too. What is on its way and no longer listed arrives nevertheless.
     pub fn want(&mut self, wanted: impl IntoIterator<Item = (u32, Level)>) {
         self.wanted.clear();
         self.wanted.extend(wanted);
         self.all_here_before = 0;
+    }
+
+    /// Replaces the list of regions wanted for their own sake, most urgent first: before any packet.
+    pub fn want_regions(&mut self, wanted: impl IntoIterator<Item = u32>) {
+        self.wanted_regions.clear();
+        self.wanted_regions.extend(wanted);
+    }
+
+    /// Says that the overview is wanted too, when nothing else is due.
+    pub const fn want_overview(&mut self) {
+        self.wants_overview = true;
     }
 
     /// The next request to send off; `None` while there is nothing to ask for, enough is on its way, or all that is wanted
@@ -163,30 +198,86 @@ impl Client {
         if self.in_flight.len() >= self.settings.max_in_flight.max(1) {
             return None;
         }
-        let Some(index) = &self.index else {
+        if self.index.is_none() {
             return self.index_slot.is_due(now_s).then(|| self.request(What::Index, None));
-        };
-        if self.overview_slot.is_due(now_s) {
-            let blob = index.overview;
-            return Some(self.request(What::Overview, Some(blob)));
         }
-        let is_here = |&(cell, level): &(u32, Level)| {
-            self.slots.get(cell as usize).is_some_and(|slots| slots[level.index()].state == State::Here)
-        };
-        let more = self.wanted[self.all_here_before..].iter().take_while(|packet| is_here(packet)).count();
+        let more = self.wanted[self.all_here_before..].iter().take_while(|&&(cell, level)| self.has(cell, level)).count();
         self.all_here_before += more;
-        let (what, blob) = self.wanted[self.all_here_before..].iter().find_map(|&(cell, level)| {
-            let slots = self.slots.get(cell as usize)?;
-            let blob = index.cells.get(cell as usize)?.packet(level)?;
-            let is_next = level.index().checked_sub(1).is_none_or(|before| slots[before].state == State::Here);
-            (is_next && slots[level.index()].is_due(now_s)).then_some((What::Packet { cell, level }, *blob))
-        })?;
-        Some(self.request(what, Some(blob)))
+        let region = self.wanted_regions.iter().find_map(|&number| self.region_due(number, now_s));
+        let packet = || self.wanted[self.all_here_before..].iter().find_map(|&(cell, level)| self.packet_due(cell, level, now_s));
+        let overview = || {
+            let blob = self.index.as_ref()?.overview;
+            (self.wants_overview && self.overview_slot.is_due(now_s)).then_some((What::Overview, blob))
+        };
+        let (what, blob) = region.or_else(packet).or_else(overview)?;
+        let on_the_way: u64 = self.in_flight.values().map(|(_, bytes)| bytes).sum();
+        let has_room = on_the_way == 0 || on_the_way + u64::from(blob.bytes) <= self.settings.max_bytes_in_flight;
+        has_room.then(|| self.request(what, Some(blob)))
+    }
+
+    /// Requests for packets that are on their way and not wanted any more: those that were not sent yet may be taken back with
+    /// [`Client::cancel`].
+    #[must_use]
+    pub fn unwanted(&self) -> Vec<RequestId> {
+        let packets = self.in_flight.iter().filter_map(|(id, (what, _))| match *what {
+            What::Packet { cell, level } => Some((*id, (cell, level))),
+            _ => None,
+        });
+        let packets: Vec<_> = packets.collect();
+        if packets.is_empty() {
+            return Vec::new();
+        }
+        let wanted: HashSet<&(u32, Level)> = self.wanted.iter().collect();
+        packets.into_iter().filter(|(_, packet)| !wanted.contains(packet)).map(|(id, _)| id).collect()
+    }
+
+    /// Takes back a request that was never sent: it counts as if it had not been made. Returns what it asked for; `None` if it is not on its
+    /// way.
+    pub fn cancel(&mut self, request: RequestId) -> Option<What> {
+        let (what, _) = self.in_flight.remove(&request)?;
+        self.stats.requests -= 1;
+        self.stats.cancelled += 1;
+        if let Some(slot) = self.slot_mut(what) {
+            slot.state = State::Missing;
+        }
+        self.all_here_before = 0;
+        Some(what)
+    }
+
+    /// Lets everything that failed and waits be tried again at once, as after a lost connection that stands again.
+    pub fn retry_now(&mut self) {
+        let cells = self.regions.iter_mut().flat_map(|region| region.cells.iter_mut().flatten().chain([&mut region.slot]));
+        for slot in cells.chain([&mut self.index_slot, &mut self.overview_slot]).filter(|slot| slot.state == State::Missing) {
+            *slot = Slot::default();
+        }
+    }
+
+    /// A region, if it is to be asked for now.
+    fn region_due(&self, number: u32, now_s: f64) -> Option<(What, BlobRef)> {
+        let entry = self.index.as_ref()?.regions.get(number as usize)?;
+        self.regions.get(number as usize)?.slot.is_due(now_s).then_some((What::Region(number), entry.blob))
+    }
+
+    /// A packet, or the region that is to tell of it, if it is to be asked for now.
+    fn packet_due(&self, cell: u32, level: Level, now_s: f64) -> Option<(What, BlobRef)> {
+        let index = self.index.as_ref()?;
+        let number = index.region_of(cell)?;
+        let Some(slots) = self.slots(cell) else { return self.region_due(number, now_s) };
+        let blob = index.cell(cell)?.packet(level)?;
+        let is_next = level.index().checked_sub(1).is_none_or(|before| slots[before].state == State::Here);
+        (is_next && slots[level.index()].is_due(now_s)).then_some((What::Packet { cell, level }, *blob))
+    }
+
+    /// How it stands with a cell's levels, if its region is here.
+    fn slots(&self, cell: u32) -> Option<&[Slot; 4]> {
+        let index = self.index.as_ref()?;
+        let number = index.region_of(cell)? as usize;
+        self.regions.get(number)?.cells.get((cell - index.regions[number].first) as usize)
     }
 
     /// Takes the answer to a request.
     pub fn deliver(&mut self, request: RequestId, result: Result<Payload, StoreError>, now_s: f64) -> Vec<ClientEvent> {
-        let Some(what) = self.in_flight.remove(&request) else {
+        let Some((what, _)) = self.in_flight.remove(&request) else {
             self.stats.unexpected += 1;
             return Vec::new();
         };
@@ -212,17 +303,37 @@ impl Client {
         }
     }
 
+    /// Says that a region that had arrived was released: it may be asked for again. Does nothing as long as packets of its cells are there
+    /// or on their way.
+    pub fn forget_region(&mut self, number: u32) {
+        let (Some(region), Some(index)) = (self.regions.get_mut(number as usize), &mut self.index) else { return };
+        let is_idle = |slot: &Slot| matches!(slot.state, State::Missing | State::Dead);
+        if region.slot.state == State::Here && region.cells.iter().flatten().all(is_idle) {
+            *region = RegionSlot::default();
+            index.forget(number);
+            self.all_here_before = 0;
+        }
+    }
+
     /// Whether a packet has arrived and was not forgotten.
     #[must_use]
     pub fn has(&self, cell: u32, level: Level) -> bool {
-        self.slots.get(cell as usize).is_some_and(|slots| slots[level.index()].state == State::Here)
+        self.slots(cell).is_some_and(|slots| slots[level.index()].state == State::Here)
     }
 
-    /// Whether a packet cannot be had: asking again cannot help, or did not help twice.
+    /// Whether a packet, or the region that tells of it, cannot be had: asking again cannot help, or did not help twice.
     #[must_use]
     pub fn gave_up(&self, cell: u32, level: Level) -> bool {
-        let slot = self.slots.get(cell as usize).map(|slots| slots[level.index()]);
-        slot.is_some_and(|slot| slot.state == State::Dead || slot.failures > 2)
+        match self.slots(cell) {
+            Some(slots) => slots[level.index()].gave_up(),
+            None => self.index.as_ref().and_then(|index| index.region_of(cell)).is_some_and(|number| self.gave_up_region(number)),
+        }
+    }
+
+    /// Whether a region cannot be had: asking again cannot help, or did not help twice.
+    #[must_use]
+    pub fn gave_up_region(&self, number: u32) -> bool {
+        self.regions.get(number as usize).is_some_and(|region| region.slot.gave_up())
     }
 
     /// What it has done so far.
@@ -235,7 +346,13 @@ impl Client {
         match what {
             What::Index => Some(&mut self.index_slot),
             What::Overview => Some(&mut self.overview_slot),
-            What::Packet { cell, level } => self.slots.get_mut(cell as usize).map(|slots| &mut slots[level.index()]),
+            What::Region(number) => self.regions.get_mut(number as usize).map(|region| &mut region.slot),
+            What::Packet { cell, level } => {
+                let index = self.index.as_ref()?;
+                let number = index.region_of(cell)? as usize;
+                let slots = self.regions.get_mut(number)?.cells.get_mut((cell - index.regions[number].first) as usize)?;
+                Some(&mut slots[level.index()])
+            }
         }
     }
 
@@ -246,12 +363,17 @@ impl Client {
         let id = RequestId(self.next_id);
         self.next_id += 1;
         self.stats.requests += 1;
-        self.in_flight.insert(id, what);
+        self.in_flight.insert(id, (what, blob.as_ref().map_or(0, |blob| u64::from(blob.bytes))));
         let (path, limit) = match &blob {
             Some(blob) => (blob.path(), u64::from(blob.bytes)),
             None => (INDEX_NAME.to_owned(), self.settings.index_limit),
         };
-        Request { id, path, limit, what, blob }
+        let regions = self.index.as_ref().map_or_else(|| [].into(), |index| Arc::clone(&index.regions));
+        Request { id, path, limit, what, blob, regions }
+    }
+
+    fn blob_bytes(&self, blob: impl FnOnce(&CityIndex) -> Option<BlobRef>) -> u64 {
+        self.index.as_ref().and_then(blob).map_or(0, |blob| u64::from(blob.bytes))
     }
 
     /// Takes in what was asked for; fails if it is something else.
@@ -259,18 +381,25 @@ impl Client {
         match (what, payload) {
             (What::Index, Payload::Index { index, bytes }) => {
                 self.stats.bytes += bytes;
-                self.slots = vec![[Slot::default(); 4]; index.cells.len()];
-                self.index = Some(index);
+                self.regions = vec![RegionSlot::default(); index.regions.len()];
+                self.index = Some(*index);
                 Ok(ClientEvent::Opened)
             }
+            (What::Region(number), Payload::Region(region)) => {
+                self.stats.bytes += self.blob_bytes(|index| index.regions.get(number as usize).map(|entry| entry.blob));
+                if let (Some(slots), Some(index)) = (self.regions.get_mut(number as usize), &mut self.index) {
+                    slots.cells = vec![[Slot::default(); 4]; region.cells.len()];
+                    index.put(number, region);
+                }
+                Ok(ClientEvent::RegionReady(number))
+            }
             (What::Overview, Payload::Overview(overview)) => {
-                self.stats.bytes += self.index.as_ref().map_or(0, |index| u64::from(index.overview.bytes));
+                self.stats.bytes += self.blob_bytes(|index| Some(index.overview));
                 self.overview = Some(overview);
                 Ok(ClientEvent::OverviewReady)
             }
             (What::Packet { cell, level }, Payload::Packet(packet)) if packet.level() == level => {
-                let entry = self.index.as_ref().and_then(|index| index.cells.get(cell as usize));
-                let bytes = entry.and_then(|entry| entry.packet(level)).map_or(0, |blob| u64::from(blob.bytes));
+                let bytes = self.blob_bytes(|index| index.cell(cell)?.packet(level).copied());
                 self.stats.bytes += bytes;
                 self.stats.bytes_level[level.index()] += bytes;
                 Ok(ClientEvent::Arrived { cell, level, packet: *packet })
@@ -278,6 +407,7 @@ impl Client {
             (what, _) => Err(StoreError::Kind {
                 expected: match what {
                     What::Index => INDEX,
+                    What::Region(_) => "a region of the index",
                     What::Overview => "the overview",
                     What::Packet { .. } => "a packet of the level asked for",
                 },

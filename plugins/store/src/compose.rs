@@ -1,14 +1,17 @@
+use core::ops::Range;
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 use veduta_city::{Cell, CellShell, Cells, CityPlan, FacadeSheet, GRID_PER_METRE, GridPos, Level, Overview, WaySpan};
 
 use crate::index::encode_index;
 use crate::overview::{decode_overview, press};
 use crate::packet::{encode_sheet, encode_shell, encode_styles};
-use crate::wire::WireOverview;
+use crate::region::{decode_region, encode_region, squares};
+use crate::wire::{WireOverview, bounds_beyond, metres_beyond};
 use crate::{
-    BlobRef, CellEntry, CityIndex, CityStats, FORMAT_VERSION, Packet, StoreError, decode_index, decode_packet, decode_styles,
-    sheet_fits, wall_count,
+    BlobRef, CellEntry, CityIndex, CityStats, FORMAT_VERSION, Packet, Region, RegionEntry, RegionKey, StoreError, decode_index,
+    decode_packet, decode_styles, sheet_fits, valid, wall_count,
 };
 
 const WHAT: &str = "the city to be written";
@@ -20,7 +23,7 @@ pub(crate) fn invalid(reason: String) -> StoreError {
 /// Where blobs go as they are made, from several threads.
 pub(crate) type Sink<'s> = dyn Fn(&BlobRef, &[u8]) -> Result<(), StoreError> + Sync + 's;
 
-/// The index of a plan, but for its cells and what is between them. Overview and styles go to the sink, each read back first, so that what is
+/// The index of a plan, but for its regions. Overview and styles go to the sink, each read back first, so that what is
 /// written can be read.
 pub(crate) fn head(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> Result<CityIndex, StoreError> {
     stats.houses = plan.houses.len() as u64;
@@ -33,12 +36,10 @@ pub(crate) fn head(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> R
         growth_version: plan.growth_version,
         start: plan.start,
         extent: plan.extent.clone(),
-        cells: Vec::new(),
-        portals: Vec::new(),
-        skyline: Vec::new(),
-        places: plan.places.clone(),
+        regions: [].into(),
         overview: overview(plan, stats, sink)?,
         styles: styles(plan, stats, sink)?,
+        pages: Vec::new(),
     })
 }
 
@@ -69,12 +70,81 @@ pub(crate) fn entries<'a>(
     Ok(entries)
 }
 
-/// The file of an index, which was read back.
-pub(crate) fn index(index: &CityIndex, stats: &mut CityStats) -> Result<Vec<u8>, StoreError> {
-    let stored = encode_index(index);
-    read_back(index, &decode_index(&stored)?)?;
-    stats.bytes_index = stored.len() as u64;
+/// The file of an index, which was read back. Its regions, made of the entries and of what cells tell of themselves, go to the sink.
+pub(crate) fn index(
+    mut index: CityIndex,
+    entries: Vec<CellEntry>,
+    cells: Cells,
+    stats: &mut CityStats,
+    sink: &Sink<'_>,
+) -> Result<Vec<u8>, StoreError> {
+    let Cells { cells, portals, visible, skyline } = cells;
+    let whole = Region { cells: take_over(entries, cells, visible)?, portals, skyline };
+    let (mut regions, mut pages) = regions(whole)?;
+    for number in 0..regions.len() {
+        let page = core::mem::take(&mut pages[number]);
+        let stored = encode_region(&page, number as u32, &regions);
+        regions[number].blob = BlobRef::of(&stored);
+        read_back(&page, &decode_region(&stored, number as u32, &regions)?)?;
+        sink(&regions[number].blob, &stored)?;
+        stats.bytes_index += stored.len() as u64;
+    }
+    index.regions = regions.into();
+    let index = index.without_pages();
+    let stored = encode_index(&index);
+    read_back(&index, &decode_index(&stored)?)?;
+    stats.regions = index.regions.len() as u64;
+    stats.bytes_index += stored.len() as u64;
     Ok(stored)
+}
+
+/// The regions of a city that is one, not yet with their blobs, and what lies in each.
+fn regions(whole: Region) -> Result<(Vec<RegionEntry>, Vec<Region>), StoreError> {
+    let codes: Vec<u64> = whole.cells.iter().map(|cell| cell.outline.middle().morton()).collect();
+    if let Some(late) = codes.windows(2).position(|pair| pair[0] > pair[1]) {
+        let id = whole.cells[late + 1].id;
+        return Err(invalid(format!("cell {} ({id}) is out of order: sort cells by `outline.middle().morton()`", late + 1)));
+    }
+    let all = entry_of(RegionKey(1), 0..whole.cells.len() as u32, &whole);
+    valid::check_region(&whole, &all, core::slice::from_ref(&all)).map_err(invalid)?;
+    let Region { cells, portals, skyline } = whole;
+    let mut cells = cells.into_iter();
+    let mut told = Vec::new();
+    let mut pages = Vec::new();
+    for (key, range) in squares(&codes) {
+        let numbers = range.start as u32..range.end as u32;
+        let mut page = Region { cells: cells.by_ref().take(range.len()).collect(), ..Region::default() };
+        page.skyline = skyline.iter().copied().filter(|cell| numbers.contains(cell)).collect();
+        // Portals keep their order, and cells name them by their places in the region.
+        let known: BTreeSet<u32> = page.cells.iter().flat_map(|cell| cell.portals.iter().copied()).collect();
+        page.portals = known.iter().map(|&portal| portals[portal as usize]).collect();
+        let known: Vec<u32> = known.into_iter().collect();
+        for cell in &mut page.cells {
+            cell.portals.iter_mut().for_each(|portal| *portal = known.partition_point(|other| other < portal) as u32);
+        }
+        told.push(entry_of(key, numbers, &page));
+        pages.push(page);
+    }
+    Ok((told, pages))
+}
+
+/// What the index says of a region, not yet with its blob.
+fn entry_of(key: RegionKey, numbers: Range<u32>, region: &Region) -> RegionEntry {
+    let around = |sum: Option<(GridPos, GridPos)>, (lo, hi): (GridPos, GridPos)| {
+        let (low, high) = sum.unwrap_or((lo, hi));
+        Some((GridPos(low.0.min(lo.0), low.1.min(lo.1)), GridPos(high.0.max(hi.0), high.1.max(hi.1))))
+    };
+    let (lo, hi) = region.cells.iter().map(|cell| cell.bounds).fold(None, around).unwrap_or_default();
+    let down = |steps: i32| steps.div_euclid(GRID_PER_METRE).saturating_mul(GRID_PER_METRE);
+    let up = |steps: i32| down(steps.saturating_add(GRID_PER_METRE - 1));
+    RegionEntry {
+        key,
+        first: numbers.start,
+        cells: numbers.len() as u32,
+        skyline: region.skyline.len() as u32,
+        bounds: (GridPos(down(lo.0), down(lo.1)), GridPos(up(hi.0), up(hi.1))),
+        blob: BlobRef::default(),
+    }
 }
 
 /// Fewest things worth a thread.
@@ -169,18 +239,18 @@ fn entry(
     })
 }
 
-/// Adds to the entries what cells tell of themselves: taken over, because an index is as large as they are.
-pub(crate) fn take_over(index: &mut CityIndex, cells: Cells) -> Result<(), StoreError> {
-    let (count, cut, seen) = (index.cells.len(), cells.cells.len(), cells.visible.len());
+/// The entries with what cells tell of themselves: taken over, because an index is as large as they are.
+fn take_over(mut entries: Vec<CellEntry>, cells: Vec<Cell>, visible: Vec<Vec<u32>>) -> Result<Vec<CellEntry>, StoreError> {
+    let (count, cut, seen) = (entries.len(), cells.len(), visible.len());
     if cut != count || seen != count {
         return Err(invalid(format!("there are {cut} cells but {seen} visible sets, and packets of {count} cells")));
     }
-    for ((entry, cell), visible) in index.cells.iter_mut().zip(cells.cells).zip(cells.visible) {
+    for ((entry, cell), visible) in entries.iter_mut().zip(cells).zip(visible) {
         let Cell { id, name, outline, floor, portals, .. } = cell;
-        *entry = CellEntry { id, name, outline, floor, portals, visible, ..core::mem::take(entry) };
+        let bounds = bounds_beyond(&outline, metres_beyond(&outline, entry.bounds));
+        *entry = CellEntry { id, name, outline, floor, bounds, portals, visible, ..core::mem::take(entry) };
     }
-    (index.portals, index.skyline) = (cells.portals, cells.skyline);
-    Ok(())
+    Ok(entries)
 }
 
 /// Least and greatest corner in plan of all that is drawn with a cell. Called on a shell that was checked, so that sums

@@ -80,6 +80,14 @@ pub enum ReadError {
     },
 }
 
+impl ReadError {
+    /// Whether nobody answered, or said only that it cannot answer now: what was read earlier may still be what lies there.
+    #[must_use]
+    pub const fn is_unreachable(&self) -> bool {
+        matches!(self, Self::Timeout { .. } | Self::Failed { .. } | Self::Status { status: 500..=599 | 429, .. })
+    }
+}
+
 /// Why a city could not be written, read or understood.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]

@@ -2,11 +2,12 @@ use std::io::ErrorKind;
 use std::time::Duration;
 
 use ureq::{
-    Agent, Body, Error,
+    Agent, Body, Error, RequestBuilder,
     http::{Response, Uri},
+    typestate::WithoutBody,
 };
 
-use crate::{INDEX_NAME, ReadError, Reader, reader::check_path};
+use crate::{Fresh, INDEX_NAME, ReadError, Reader, reader::check_path};
 
 /// How long to wait for a server, in seconds. A connection that closes without an answer is followed by one more, which may
 /// take as long again.
@@ -16,13 +17,15 @@ pub struct HttpSettings {
     pub connect_s: f64,
     /// For the answer to begin.
     pub response_s: f64,
-    /// For all of a file to arrive.
+    /// For a file to arrive, besides what its bytes take.
     pub body_s: f64,
+    /// Slowest line that is waited for, bytes a second: a file may take as much longer as its bytes take there.
+    pub least_bytes_s: f64,
 }
 
 impl Default for HttpSettings {
     fn default() -> Self {
-        Self { connect_s: 5.0, response_s: 10.0, body_s: 30.0 }
+        Self { connect_s: 3.0, response_s: 4.0, body_s: 3.0, least_bytes_s: 16_384.0 }
     }
 }
 
@@ -32,6 +35,7 @@ pub struct HttpReader {
     agent: Agent,
     /// Without a slash at its end.
     base: String,
+    settings: HttpSettings,
 }
 
 /// Redirects that are followed: enough for http to https and a moved folder.
@@ -64,7 +68,6 @@ impl HttpReader {
             .timeout_resolve(limit(settings.connect_s))
             .timeout_connect(limit(settings.connect_s))
             .timeout_recv_response(limit(settings.response_s))
-            .timeout_recv_body(limit(settings.body_s))
             .max_redirects(REDIRECTS)
             .http_status_as_error(false)
             .user_agent("veduta");
@@ -72,16 +75,20 @@ impl HttpReader {
             config = config.proxy(None);
         }
         let base = base.strip_suffix(INDEX_NAME).unwrap_or(base).trim_end_matches('/').to_owned();
-        Ok(Self { agent: config.build().new_agent(), base })
+        Ok(Self { agent: config.build().new_agent(), base, settings })
     }
 
     /// The answer to `GET url`. A connection that closes without one says nothing of the file (mostly it was kept, and the
     /// server closed it meanwhile): it is asked once more over a new one.
-    fn get(&self, url: &str) -> Result<Response<Body>, Error> {
-        match self.agent.get(url).call() {
-            Err(Error::Io(error)) if is_hang_up(error.kind()) => {
-                self.agent.get(url).config().max_idle_age(Duration::ZERO).build().call()
-            }
+    fn get(&self, url: &str, limit: u64, tag: Option<&str>) -> Result<Response<Body>, Error> {
+        let body_s = self.settings.body_s + limit as f64 / self.settings.least_bytes_s;
+        let request = || self.agent.get(url).config().timeout_recv_body(Duration::try_from_secs_f64(body_s).ok());
+        let marked = |request: RequestBuilder<WithoutBody>| match tag {
+            Some(tag) => request.header("If-None-Match", tag),
+            None => request,
+        };
+        match marked(request().build()).call() {
+            Err(Error::Io(error)) if is_hang_up(error.kind()) => marked(request().max_idle_age(Duration::ZERO).build()).call(),
             answer => answer,
         }
     }
@@ -111,11 +118,20 @@ fn is_loopback(host: &str) -> bool {
 
 impl Reader for HttpReader {
     fn read(&self, path: &str, limit: u64) -> Result<Vec<u8>, ReadError> {
+        match self.read_if_changed(path, limit, None)? {
+            Fresh::Changed { bytes, .. } => Ok(bytes),
+            // Nothing was said to be known: there is no file in this answer.
+            Fresh::Same => Err(ReadError::Status { place: self.describe(), path: path.to_owned(), status: 304 }),
+        }
+    }
+
+    fn read_if_changed(&self, path: &str, limit: u64, tag: Option<&str>) -> Result<Fresh, ReadError> {
         check_path(path)?;
         let url = format!("{}/{path}", self.base);
-        let mut response = self.get(&url).map_err(|error| self.error(path, limit, error))?;
+        let mut response = self.get(&url, limit, tag).map_err(|error| self.error(path, limit, error))?;
         match response.status().as_u16() {
             200 => {}
+            304 => return Ok(Fresh::Same),
             404 | 410 => return Err(ReadError::NotFound { place: self.describe(), path: path.to_owned() }),
             status => return Err(ReadError::Status { place: self.describe(), path: path.to_owned(), status }),
         }
@@ -128,7 +144,8 @@ impl Reader for HttpReader {
         if bytes.len() as u64 > limit {
             return Err(ReadError::TooLarge { place: self.describe(), path: path.to_owned(), limit });
         }
-        Ok(bytes)
+        let tag = response.headers().get("etag").and_then(|tag| tag.to_str().ok()).map(str::to_owned);
+        Ok(Fresh::Changed { bytes, tag })
     }
 
     fn describe(&self) -> String {

@@ -1,11 +1,15 @@
-use veduta_city::{Anchor, GridPolygon, GridPos, Id, Level, Place, Portal, Viewpoint};
+use std::sync::Arc;
+
+use veduta_city::{Anchor, GridPolygon, GridPos, Portal, Viewpoint};
 
 use crate::blob::{INFLATED_CAP, deflate, inflate};
+use crate::region::decode_region;
 use crate::wire::{WireIndex, from_bytes, to_bytes};
-use crate::{BlobRef, FORMAT_VERSION, StoreError, valid};
+use crate::{BlobRef, CellEntry, FORMAT_VERSION, INDEX_NAME, Reader, Region, RegionEntry, StoreError, valid};
 
-/// What a walker must know of a whole city before asking for any part of it. It comes only out of [`decode_index`] or
-/// [`crate::write_city`], both of which make sure that every index in it points at something.
+/// What a walker must know of a whole city before asking for any part of it, and, as they come, the [`Region`]s that tell of its cells.
+/// It comes only out of [`decode_index`], [`read_index`] or a [`crate::Client`], which make sure that every index in it points at
+/// something.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CityIndex {
     /// Version of the format, [`FORMAT_VERSION`].
@@ -24,66 +28,125 @@ pub struct CityIndex {
     pub start: Viewpoint,
     /// Edge of the modelled city, counter-clockwise.
     pub extent: GridPolygon,
-    /// Cells; all else refers to them by index.
-    pub cells: Vec<CellEntry>,
-    /// Portals; cells refer to them by index.
-    pub portals: Vec<Portal>,
-    /// Cells whose tallest things are seen from (almost) everywhere, ascending.
-    pub skyline: Vec<u32>,
-    /// Things with a name.
-    pub places: Vec<Place>,
+    /// Its regions, at least one, in the order of their squares' Morton codes and of their cells' numbers.
+    pub regions: Arc<[RegionEntry]>,
     /// The [`veduta_city::Overview`].
     pub overview: BlobRef,
     /// The styles that the city was baked with.
     pub styles: Option<BlobRef>,
-}
-
-/// What the index says of a cell.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct CellEntry {
-    /// Stable id.
-    pub id: Id,
-    /// Name of its square or street, may be empty.
-    pub name: String,
-    /// Its space in plan.
-    pub outline: GridPolygon,
-    /// Lowest and highest ground, grid steps.
-    pub floor: (i32, i32),
-    /// Least and greatest corner in plan of all that is drawn with it, houses and yards included.
-    pub bounds: (GridPos, GridPos),
-    /// Its highest thing above the city's zero, grid steps.
-    pub top: i32,
-    /// Its portals, ascending.
-    pub portals: Vec<u32>,
-    /// Cells seen from somewhere in it, itself included, ascending.
-    pub visible: Vec<u32>,
-    /// Houses whose roof it carries: over all cells they add up to the city's.
-    pub houses: u32,
-    /// Walls that face it.
-    pub walls: u32,
-    /// Its packets, by [`Level::index`]. A cell without walls and trees has none beyond level 1.
-    pub packets: [Option<BlobRef>; 4],
-}
-
-impl CellEntry {
-    /// The packet of a level.
-    #[must_use]
-    pub fn packet(&self, level: Level) -> Option<&BlobRef> {
-        self.packets.get(level.index())?.as_ref()
-    }
+    /// Of each region, what is here.
+    pub(crate) pages: Vec<Option<Arc<Region>>>,
 }
 
 impl CityIndex {
-    /// The cell in which a plan position lies, by looking at all; `None` outside of every cell. Where floors lie above each
-    /// other, the first.
+    /// The same, of which no region is here.
+    pub(crate) fn without_pages(mut self) -> Self {
+        self.pages = vec![None; self.regions.len()];
+        self
+    }
+
+    /// How many cells the city has.
+    #[must_use]
+    pub fn cell_count(&self) -> u32 {
+        self.regions.last().map_or(0, |last| last.first + last.cells)
+    }
+
+    /// Number of the region in which a cell is told; `None` if there is no such cell.
+    #[must_use]
+    pub fn region_of(&self, cell: u32) -> Option<u32> {
+        let number = self.regions.partition_point(|region| region.first <= cell).checked_sub(1)?;
+        // Regions without cells begin where the next one does.
+        self.regions[number].numbers().contains(&cell).then_some(number as u32)
+    }
+
+    /// A region that is here.
+    #[must_use]
+    pub fn region(&self, number: u32) -> Option<&Arc<Region>> {
+        self.pages.get(number as usize)?.as_ref()
+    }
+
+    /// The regions that are here, with their numbers.
+    pub fn regions_here(&self) -> impl Iterator<Item = (u32, &Arc<Region>)> {
+        (0..).zip(&self.pages).filter_map(|(number, page)| Some((number, page.as_ref()?)))
+    }
+
+    /// Puts a region where [`decode_region`](crate::decode_region) or a change of it belongs; nothing happens if there is no such number.
+    pub fn put(&mut self, number: u32, region: Arc<Region>) {
+        if let Some(page) = self.pages.get_mut(number as usize) {
+            *page = Some(region);
+        }
+    }
+
+    /// Takes a region away.
+    pub fn forget(&mut self, number: u32) {
+        if let Some(page) = self.pages.get_mut(number as usize) {
+            *page = None;
+        }
+    }
+
+    /// What is told of a cell, if its region is here.
+    #[must_use]
+    pub fn cell(&self, cell: u32) -> Option<&CellEntry> {
+        let number = self.region_of(cell)?;
+        self.region(number)?.cells.get((cell - self.regions[number as usize].first) as usize)
+    }
+
+    /// All cells of the regions that are here, with their numbers, ascending.
+    pub fn cells(&self) -> impl Iterator<Item = (u32, &CellEntry)> {
+        self.regions_here().flat_map(|(number, region)| (self.regions[number as usize].first..).zip(&region.cells))
+    }
+
+    /// Portals on a cell's border, if its region is here.
+    pub fn portals(&self, cell: u32) -> impl Iterator<Item = &Portal> {
+        let region = self.region_of(cell).and_then(|number| self.region(number));
+        let portals = region
+            .zip(self.cell(cell))
+            .map(|(region, entry)| entry.portals.iter().filter_map(|&portal| region.portals.get(portal as usize)));
+        portals.into_iter().flatten()
+    }
+
+    /// Whether a cell is known to be on the skyline.
+    #[must_use]
+    pub fn is_skyline(&self, cell: u32) -> bool {
+        let region = self.region_of(cell).and_then(|number| self.region(number));
+        region.is_some_and(|region| region.skyline.binary_search(&cell).is_ok())
+    }
+
+    /// Regions that may have a cell at a plan position.
+    pub fn regions_at(&self, pos: GridPos) -> impl Iterator<Item = u32> {
+        (0..).zip(&*self.regions).filter(move |(_, region)| is_in(region.bounds, pos)).map(|(number, _)| number)
+    }
+
+    /// The cell in which a plan position lies, by looking at all in those of [`CityIndex::regions_at`] that are here; `None` outside of
+    /// every cell. Where floors lie above each other, the first.
     #[must_use]
     pub fn locate(&self, pos: GridPos) -> Option<u32> {
-        let is_in = |cell: &CellEntry| {
-            let (lo, hi) = cell.bounds;
-            lo.0 <= pos.0 && pos.0 <= hi.0 && lo.1 <= pos.1 && pos.1 <= hi.1 && cell.outline.contains(pos)
-        };
-        self.cells.iter().position(is_in).map(|i| i as u32)
+        self.regions_at(pos).find_map(|number| {
+            let first = self.regions[number as usize].first;
+            let cells = &self.region(number)?.cells;
+            (first..).zip(cells).find(|(_, cell)| is_in(cell.bounds, pos) && cell.outline.contains(pos)).map(|(cell, _)| cell)
+        })
     }
+}
+
+fn is_in((lo, hi): (GridPos, GridPos), pos: GridPos) -> bool {
+    lo.0 <= pos.0 && pos.0 <= hi.0 && lo.1 <= pos.1 && pos.1 <= hi.1
+}
+
+/// The whole index of a city: waits for the reader. For tools; walkers read what they come to.
+///
+/// # Errors
+/// If the index or one of its regions cannot be read or understood; the error names the file.
+pub fn read_index(reader: &dyn Reader) -> Result<CityIndex, StoreError> {
+    let stored = reader.read(INDEX_NAME, INFLATED_CAP)?;
+    let mut index = decode_index(&stored).map_err(|error| error.in_file(reader.describe(), INDEX_NAME))?;
+    for number in 0..index.regions.len() as u32 {
+        let blob = index.regions[number as usize].blob;
+        let stored = reader.read(&blob.path(), u64::from(blob.bytes))?;
+        let region = decode_region(&stored, number, &index.regions);
+        index.put(number, Arc::new(region.map_err(|error| error.in_file(reader.describe(), &blob.path()))?));
+    }
+    Ok(index)
 }
 
 /// What an index is called in messages.
@@ -95,7 +158,7 @@ const KIND: u8 = 1;
 /// Bytes before the payload: mark, kind, version, checksum, inflated size.
 const HEADER: usize = 7 + 1 + 4 + 32 + 4;
 
-/// Stored form of an index.
+/// Stored form of an index, without its regions.
 #[must_use]
 pub fn encode_index(index: &CityIndex) -> Vec<u8> {
     seal(&to_bytes(&WireIndex::from(index)))
@@ -122,7 +185,7 @@ fn head<'a, const N: usize>(bytes: &mut &'a [u8], stored: usize) -> Result<&'a [
     Ok(first)
 }
 
-/// The index of stored bytes.
+/// The index of stored bytes; none of its regions is here yet.
 ///
 /// # Errors
 /// [`StoreError::NotACity`], [`StoreError::Newer`], [`StoreError::Older`] by the first bytes; [`StoreError::Checksum`] if the
@@ -155,31 +218,54 @@ pub fn decode_index(stored: &[u8]) -> Result<CityIndex, StoreError> {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec2;
     use proptest::collection::vec;
     use proptest::prelude::*;
-    use veduta_city::PortalSide;
+    use veduta_city::{Id, PortalSide};
 
     use super::*;
+    use crate::blob::{BlobKind, pack};
+    use crate::region::{RegionKey, encode_region};
+    use crate::wire::WireRegion;
 
-    /// Two cells side by side.
+    /// Two regions side by side, of two cells and of one.
     fn index() -> CityIndex {
         let square = |x| GridPolygon::simple(vec![GridPos(x, 0), GridPos(x + 50, 0), GridPos(x + 50, 50), GridPos(x, 50)]);
-        let blob = |n: u8| Some(BlobRef { hash: [n; 32], bytes: 100 + u32::from(n) });
+        let blob = |n: u8| Some(BlobRef { hash: [n; 16], bytes: 100 + u32::from(n) });
         let cell = |n: u32| CellEntry {
             id: Id(1 << 63 | u64::from(n)),
             name: format!("cell {n}"),
             outline: square(50 * n as i32),
             floor: (-3, 4),
-            bounds: (GridPos(-9, -9), GridPos(999, 99)),
+            bounds: (GridPos(50 * n as i32 - 1024, 0), GridPos(50 * n as i32 + 50, 50 + 7 * 1024)),
             top: 20_000,
-            portals: vec![0],
-            visible: vec![0, 1],
+            portals: if n == 1 { vec![0, 1] } else { vec![0] },
+            visible: vec![0, 1, 2],
             houses: 3,
             walls: 7,
             packets: [blob(n as u8), blob(9), None, None],
         };
-        CityIndex {
+        let portal = |cell: u32| {
+            let x = 50 * cell as i32 + 50;
+            Portal { ends: (GridPos(x, 0), GridPos(x, 50)), cell, beyond: PortalSide::Cell(cell + 1) }
+        };
+        let pages = [
+            Region { cells: vec![cell(0), cell(1)], portals: vec![portal(0), portal(1)], skyline: vec![1] },
+            Region { cells: vec![cell(2)], portals: vec![portal(1)], skyline: vec![] },
+        ];
+        let bounds = (GridPos(-1024, 0), GridPos(2048, 8192));
+        let entry = |key, first, cells, skyline| RegionEntry {
+            key: RegionKey(key),
+            first,
+            cells,
+            skyline,
+            bounds,
+            blob: BlobRef::default(),
+        };
+        let mut regions = [entry(0b1_11_00_00, 0, 2, 1), entry(0b1_11_00_01, 2, 1, 0)];
+        for n in 0..2 {
+            regions[n].blob = BlobRef::of(&encode_region(&pages[n], n as u32, &regions));
+        }
+        let mut index = CityIndex {
             format: FORMAT_VERSION,
             name: "Testov".to_owned(),
             anchor: Anchor { lat: 50.0, lon: 14.0 },
@@ -188,46 +274,94 @@ mod tests {
             growth_version: 3,
             start: Viewpoint::default(),
             extent: square(-100),
-            cells: vec![cell(0), cell(1)],
-            portals: vec![Portal { ends: (GridPos(50, 0), GridPos(50, 50)), cell: 0, beyond: PortalSide::Cell(1) }],
-            skyline: vec![1],
-            places: vec![Place {
-                name: "Kašna".to_owned(),
-                pos: DVec2::new(0.1, -7.0),
-                view: Some(Viewpoint::default()),
-                ..Place::default()
-            }],
-            overview: BlobRef { hash: [77; 32], bytes: 12 },
-            styles: Some(BlobRef { hash: [78; 32], bytes: 13 }),
+            regions: regions.into(),
+            overview: BlobRef { hash: [77; 16], bytes: 12 },
+            styles: Some(BlobRef { hash: [78; 16], bytes: 13 }),
+            pages: Vec::new(),
         }
+        .without_pages();
+        for (n, page) in (0..).zip(pages) {
+            index.put(n, Arc::new(page));
+        }
+        index
+    }
+
+    fn read(index: &CityIndex) -> Result<CityIndex, StoreError> {
+        let mut read = decode_index(&encode_index(index))?;
+        for (number, region) in index.regions_here() {
+            read.put(number, Arc::new(decode_region(&encode_region(region, number, &index.regions), number, &index.regions)?));
+        }
+        Ok(read)
     }
 
     #[test]
     fn an_index_survives() {
-        assert_eq!(decode_index(&encode_index(&index())), Ok(index()));
+        assert_eq!(read(&index()), Ok(index()));
     }
 
     #[test]
     fn a_form_that_changed_has_a_new_version() {
-        let form = blake3::hash(&to_bytes(&WireIndex::from(&index()))).to_hex();
-        assert_eq!((FORMAT_VERSION, &form[..16]), (9, "e5d0179e08061f6c"), "raise FORMAT_VERSION if this is on purpose");
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&to_bytes(&WireIndex::from(&index())));
+        for (number, region) in index().regions_here() {
+            hasher.update(&to_bytes(&WireRegion::of(region, number as usize, &index().regions)));
+        }
+        let form = hasher.finalize().to_hex();
+        assert_eq!((FORMAT_VERSION, &form[..16]), (10, "e3abf3a61b3696cc"), "raise FORMAT_VERSION if this is on purpose");
+    }
+
+    #[test]
+    fn a_cell_is_found_where_its_region_is_here() {
+        let whole = index();
+        assert_eq!([0, 1, 2, 3].map(|cell| whole.region_of(cell)), [Some(0), Some(0), Some(1), None]);
+        assert_eq!(whole.cells().map(|(cell, _)| cell).collect::<Vec<_>>(), [0, 1, 2]);
+        assert_eq!(whole.cell(2).map(|cell| cell.name.as_str()), Some("cell 2"));
+        assert_eq!(whole.portals(1).map(|portal| portal.other(1)).collect::<Vec<_>>(), [Some(0), Some(2)]);
+        assert_eq!((whole.is_skyline(1), whole.is_skyline(2), whole.cell_count()), (true, false, 3));
+        assert_eq!([25, 75, 125].map(|x| whole.locate(GridPos(x, 25))), [Some(0), Some(1), Some(2)]);
+        let mut part = whole;
+        part.forget(0);
+        assert_eq!((part.cell(1), part.cells().count(), part.portals(1).count()), (None, 1, 0));
+        assert_eq!([25, 125].map(|x| part.locate(GridPos(x, 25))), [None, Some(2)]);
+        assert_eq!(part.regions_at(GridPos(25, 25)).collect::<Vec<_>>(), [0, 1]);
+        assert_eq!(part.regions_at(GridPos(25, -25)).count(), 0);
+    }
+
+    #[test]
+    fn a_region_that_grows_changes_only_the_names_of_its_own_cells() {
+        let (before, mut regions) = (index(), index().regions.to_vec());
+        let mut after = Region::clone(before.region(1).expect("here"));
+        // A cell is built in the first region: the numbers of all that follow are one higher.
+        (regions[0].cells, regions[1].first) = (3, 3);
+        let shift = |cell: u32| if cell == 2 { 3 } else { cell };
+        after.cells[0].visible = after.cells[0].visible.iter().map(|&cell| shift(cell)).collect();
+        after.portals[0].beyond = PortalSide::Cell(3);
+        let stored = |region: &Region, regions: &[RegionEntry]| encode_region(region, 1, regions);
+        assert_eq!(stored(&after, &regions), stored(before.region(1).expect("here"), &before.regions));
     }
 
     #[test]
     fn an_index_that_claims_gigabytes_is_refused() {
         let claims: [(&str, fn(&mut CityIndex) -> &mut BlobRef, u32); 3] = [
-            ("a packet of level 1", |index| index.cells[1].packets[0].as_mut().expect("a packet"), 17 << 20),
+            ("a region of the index", |index| &mut Arc::make_mut(&mut index.regions)[1].blob, 17 << 20),
             ("the overview", |index| &mut index.overview, 66 << 20),
             ("the styles", |index| index.styles.as_mut().expect("styles"), u32::MAX),
         ];
         for (what, blob, bytes) in claims {
-            let mut index = index();
+            let mut index = index().without_pages();
             blob(&mut index).bytes = 16 << 20;
             assert_eq!(decode_index(&encode_index(&index)).as_ref(), Ok(&index), "{what}: large, but possible");
             blob(&mut index).bytes = bytes;
             let error = decode_index(&encode_index(&index)).expect_err(what).to_string();
             assert!(error.contains(&format!("{what} claims {bytes} bytes")), "{error}");
         }
+        let mut index = index();
+        let mut region = Region::clone(index.region(0).expect("here"));
+        region.cells[1].packets[0].as_mut().expect("a packet").bytes = 17 << 20;
+        let stored = encode_region(&region, 0, &index.regions);
+        Arc::make_mut(&mut index.regions)[0].blob = BlobRef::of(&stored);
+        let error = decode_region(&stored, 0, &index.regions).expect_err("a large packet").to_string();
+        assert!(error.contains("a packet of level 1 claims 17825792 bytes"), "{error}");
     }
 
     #[test]
@@ -235,21 +369,30 @@ mod tests {
         let mut reader = blake3::Hasher::new().finalize_xof();
         let mut noise = vec![0; 16 << 20];
         reader.fill(&mut noise);
-        let stored = crate::blob::pack(crate::blob::BlobKind::Shell, &noise);
-        assert!(stored.len() as u64 <= crate::blob::BlobKind::Shell.stored_cap(), "{} bytes", stored.len());
+        let stored = pack(BlobKind::Shell, &noise);
+        assert!(stored.len() as u64 <= BlobKind::Shell.stored_cap(), "{} bytes", stored.len());
     }
 
     proptest! {
         /// Someone who can compute checksums makes indices that no encoder would.
         #[test]
         fn forged_indices_do_no_harm(edits in vec((any::<prop::sample::Index>(), any::<u8>()), 1..4)) {
-            let mut content = to_bytes(&WireIndex::from(&index()));
-            for (at, byte) in edits {
-                let at = at.index(content.len());
-                content[at] = byte;
-            }
-            if let Ok(index) = decode_index(&seal(&content)) {
+            let forge = |mut content: Vec<u8>| {
+                for (at, byte) in &edits {
+                    let at = at.index(content.len());
+                    content[at] = *byte;
+                }
+                content
+            };
+            if let Ok(index) = decode_index(&seal(&forge(to_bytes(&WireIndex::from(&index()))))) {
                 prop_assert_eq!(valid::check_index(&index), Ok(()));
+            }
+            let mut index = index();
+            let stored = pack(BlobKind::Region, &forge(to_bytes(&WireRegion::of(index.region(0).expect("here"), 0, &index.regions))));
+            Arc::make_mut(&mut index.regions)[0].blob = BlobRef::of(&stored);
+            if let Ok(region) = decode_region(&stored, 0, &index.regions) {
+                prop_assert_eq!(valid::check_region(&region, &index.regions[0], &index.regions), Ok(()));
+                index.put(0, Arc::new(region));
                 let _anywhere = index.locate(GridPos(25, 25));
             }
         }

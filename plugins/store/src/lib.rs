@@ -8,7 +8,7 @@
 //!               streaming ── want(cell, level)… ──► Client ── Request            Client::deliver ──► ClientEvent
 //! ```
 //!
-//! Only these do I/O: [`write_city`], [`CityWriter`] and the two [`Reader`]s. The [`Client`] is a state machine: it says what to
+//! Only these do I/O: [`write_city`], [`CityWriter`] and the [`Reader`]s; of these, [`CacheReader`] keeps what another has read. The [`Client`] is a state machine: it says what to
 //! read next and takes what was read, so that threads, a browser's fetch or a test may do the reading. It reads no clock.
 //!
 //! # Use
@@ -47,19 +47,24 @@
 //! | file | bytes |
 //! |---|---|
 //! | `city.veduta` | `VEDUTA`, 0; kind 1; version, u32; blake3 of all that follows, 32 bytes; inflated size, u32; raw deflate of the index |
-//! | `blobs/ab/abcdef….bin` | kind: 1 level 1, 2 level 2, 16 overview, 17 styles; inflated size, varint; raw deflate of the content |
+//! | `blobs/ab/abcdef….bin` | kind: 1 level 1, 2 level 2, 16 overview, 17 styles, 18 region; inflated size, varint; raw deflate of the content |
 //!
-//! Numbers are little-endian. A blob is named by the blake3 hash of its bytes, so a copy that answers to its name is whole.
-//! Contents are columns of numbers in postcard: differences, ids without zeros, each vertex and colour and wall told once.
+//! Numbers are little-endian. A blob is named by the first half of the blake3 hash of its bytes, so a copy that answers to its name is
+//! whole. Contents are columns of numbers in postcard: differences, ids without zeros, each vertex and colour and wall told once.
+//!
+//! The index lists regions: squares of a quadtree over the whole grid with at most 128 cells each. What it tells of these cells (outlines,
+//! portals, visible sets, packets) is in the regions' blobs. Opening a city reads the list and the region in which a visit begins,
+//! however large it is. Cells are numbered along the quadtree's curve; in a region's blob those of others are named by the other's
+//! square, so that what is built at one end of a city changes no bytes at the other.
 //!
 //! # Failures
-//! What is damaged or missing is asked for again, after 0.5 s at first, then twice as long each time, 8 s at most; the others
+//! What is damaged or missing is asked for again, after 0.5 s at first, then twice as long each time, 4 s at most; the others
 //! keep coming. What cannot get better (a newer format, a damaged index, sound bytes that make no sense) is told once. Bytes
 //! from anywhere are safe to decode: they are bounded in memory before they are believed, and every index in what comes out
 //! points at something, but for bays and storeys of ornaments and doors: whoever draws them leaves out what a wall does not have.
 //!
 //! # Limits
-//! The index (some 110 bytes a cell) and the overview (some 30 bytes a house) are read whole. A walk that goes on while its
+//! The list of regions (some 25 bytes each) and the overview (some 35 bytes a house) are read whole. A walk that goes on while its
 //! city is baked again sees packets missing until it is opened anew. A power cut right after writing may lose blobs; writing
 //! again mends them. Two programs must not write to one directory at a time. Deflate's bytes depend on the version of its
 //! crate: a new one changes the names of blobs, not what they say.
@@ -70,6 +75,8 @@
 //! differ in them, and nothing unchanged could stay when baking again); retries inside readers (nobody could count them).
 
 mod blob;
+#[cfg(not(target_arch = "wasm32"))]
+mod cache;
 mod client;
 mod compose;
 mod error;
@@ -79,6 +86,7 @@ mod index;
 mod overview;
 mod packet;
 mod reader;
+mod region;
 mod request;
 mod stats;
 mod valid;
@@ -86,20 +94,23 @@ mod wire;
 mod write;
 
 pub use blob::BlobRef;
+#[cfg(not(target_arch = "wasm32"))]
+pub use cache::{CacheReader, CacheStats};
 pub use client::{Client, ClientEvent, ClientSettings, ClientStats};
 pub use error::{ReadError, StoreError};
 #[cfg(not(target_arch = "wasm32"))]
 pub use http::{HttpReader, HttpSettings};
-pub use index::{CellEntry, CityIndex, decode_index, encode_index};
+pub use index::{CityIndex, decode_index, encode_index, read_index};
 pub use overview::{decode_overview, encode_overview};
 pub use packet::{Packet, decode_packet, decode_styles, encode_packet, sheet_fits, wall_count};
-pub use reader::{DirReader, Reader, open_reader};
+pub use reader::{DirReader, Fresh, Reader, open_reader};
+pub use region::{CellEntry, Region, RegionEntry, RegionKey, decode_region, encode_region};
 pub use request::{Payload, Request, RequestId, What};
 pub use stats::CityStats;
 pub use write::{CityWriter, write_city};
 
 /// Version of the format that this program writes and reads.
-pub const FORMAT_VERSION: u32 = 9;
+pub const FORMAT_VERSION: u32 = 10;
 
 /// Name of the index's file in a city's directory.
 pub const INDEX_NAME: &str = "city.veduta";

@@ -14,8 +14,30 @@ pub trait Reader: Send + Sync + 'static {
     /// If the path could lead elsewhere, nothing is there, there is too much, or the disk or line fails.
     fn read(&self, path: &str, limit: u64) -> Result<Vec<u8>, ReadError>;
 
+    /// The same, unless the file is still the one that came with a mark: whoever knows no marks reads it.
+    ///
+    /// # Errors
+    /// As [`Reader::read`].
+    fn read_if_changed(&self, path: &str, limit: u64, _tag: Option<&str>) -> Result<Fresh, ReadError> {
+        self.read(path, limit).map(|bytes| Fresh::Changed { bytes, tag: None })
+    }
+
     /// The place in words, for messages.
     fn describe(&self) -> String;
+}
+
+/// What came of reading a file that is kept already.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Fresh {
+    /// It has not changed.
+    Same,
+    /// It is new.
+    Changed {
+        /// All of it.
+        bytes: Vec<u8>,
+        /// The mark by which whoever sent it knows it again.
+        tag: Option<String>,
+    },
 }
 
 /// Fails unless a path can only lead to something within a city, whatever the system makes of odd names.

@@ -3,7 +3,10 @@ use std::sync::Arc;
 
 use veduta_city::{Level, Overview};
 
-use crate::{BlobRef, CityIndex, Packet, Reader, StoreError, decode_index, decode_overview, decode_packet};
+use crate::{
+    BlobRef, CityIndex, Packet, Reader, Region, RegionEntry, StoreError, decode_index, decode_overview, decode_packet,
+    decode_region,
+};
 
 /// Number of a request, never used twice by the same client.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -14,6 +17,11 @@ pub struct RequestId(pub u64);
 pub enum What {
     /// The city's index.
     Index,
+    /// What the index tells of the cells of one region.
+    Region(
+        /// Which region.
+        u32,
+    ),
     /// The city's overview.
     Overview,
     /// A cell's packet.
@@ -29,6 +37,7 @@ impl fmt::Display for What {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Index => f.write_str("the city's index"),
+            Self::Region(number) => write!(f, "region {number} of the index"),
             Self::Overview => f.write_str("the city's overview"),
             Self::Packet { cell, level } => write!(f, "cell {cell}, {level}"),
         }
@@ -50,6 +59,8 @@ pub struct Request {
     pub what: What,
     /// The content asked for; none for the index, which checks itself.
     pub blob: Option<BlobRef>,
+    /// All regions of the city, by which those asked for name each other.
+    pub(crate) regions: Arc<[RegionEntry]>,
 }
 
 /// The answer to a request, decoded and checked.
@@ -57,11 +68,13 @@ pub struct Request {
 pub enum Payload {
     /// The index.
     Index {
-        /// The index.
-        index: Arc<CityIndex>,
+        /// The index, without its regions.
+        index: Box<CityIndex>,
         /// Bytes that it took on the wire.
         bytes: u64,
     },
+    /// A region.
+    Region(Arc<Region>),
     /// The overview.
     Overview(Arc<Overview>),
     /// A packet.
@@ -76,11 +89,14 @@ impl Request {
     pub fn decode(&self, bytes: Vec<u8>) -> Result<Payload, StoreError> {
         match (self.what, &self.blob) {
             (What::Overview, Some(blob)) => decode_overview(&bytes, blob).map(|overview| Payload::Overview(Arc::new(overview))),
+            (What::Region(number), Some(_)) => {
+                decode_region(&bytes, number, &self.regions).map(|region| Payload::Region(Arc::new(region)))
+            }
             (What::Packet { level, .. }, Some(blob)) => {
                 decode_packet(&bytes, blob, level).map(|packet| Payload::Packet(Box::new(packet)))
             }
             _ => {
-                let index = Arc::new(decode_index(&bytes)?);
+                let index = Box::new(decode_index(&bytes)?);
                 Ok(Payload::Index { index, bytes: bytes.len() as u64 })
             }
         }

@@ -18,7 +18,9 @@ pub struct CityStats {
     pub blobs_written: u64,
     /// Blobs that an earlier city had and this one has not.
     pub blobs_removed: u64,
-    /// Bytes of the index.
+    /// Regions of the index.
+    pub regions: u64,
+    /// Bytes of the index and of all its regions.
     pub bytes_index: u64,
     /// Bytes of the overview.
     pub bytes_overview: u64,

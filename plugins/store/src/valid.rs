@@ -3,12 +3,10 @@
 //! Plan positions stay within ±2³⁰ steps (1,048 km), positions within a cell and heights within ±2²⁷ (131 km): no sum or
 //! difference of two of them leaves 32 bits.
 
-use veduta_city::{
-    CellShell, Course, GridPolygon, GridPos, HouseShell, Overview, PortalSide, SpanForm, SpanStation, VolumeShell, WaySpan,
-};
+use veduta_city::{CellShell, Course, GridPolygon, GridPos, HouseShell, Overview, SpanForm, SpanStation, VolumeShell, WaySpan};
 
 use crate::blob::BlobKind;
-use crate::{BlobRef, CellEntry, CityIndex};
+use crate::{BlobRef, CellEntry, CityIndex, Region, RegionEntry};
 
 /// A reason in a sentence without a full stop.
 type Check = Result<(), String>;
@@ -95,8 +93,8 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
             return Err(format!("object {} has design {design} of {}", object.id, shell.designs.len()));
         }
     }
-    for (i, portal) in shell.blind.iter().enumerate() {
-        if !is_within(portal.ends.0, NEAR) || !is_within(portal.ends.1, NEAR) {
+    for (i, &(from, to)) in shell.blind.iter().enumerate() {
+        if !is_within(from, NEAR) || !is_within(to, NEAR) {
             return Err(format!("blind portal {i} reaches too far"));
         }
     }
@@ -235,6 +233,11 @@ pub(crate) fn check_overview(overview: &Overview) -> Check {
     if let Some(pos) = in_streets.chain(in_objects).find(|&&pos| !is_within(pos, FAR)) {
         return Err(format!("something is at ({}, {}), too far", pos.0, pos.1));
     }
+    for place in &overview.places {
+        if !place.pos.is_finite() || !place.radius_m.is_finite() || !place.view.as_ref().is_none_or(is_view) {
+            return Err(format!("place `{}` lies nowhere: a number of it is none", place.name));
+        }
+    }
     for name in &overview.names {
         if name.house as usize >= overview.houses.len() {
             return Err(format!("a name is given to house number {} of {}", name.house, overview.houses.len()));
@@ -254,67 +257,97 @@ fn check_blob(kind: BlobKind, blob: Option<&BlobRef>) -> Check {
 }
 
 pub(crate) fn check_index(index: &CityIndex) -> Check {
-    check_numbers(index)?;
+    let is_view = is_view(&index.start);
+    if !is_view || !index.anchor.lat.is_finite() || !index.anchor.lon.is_finite() {
+        return Err("its start or anchor is not a number".to_owned());
+    }
     check_blob(BlobKind::Overview, Some(&index.overview))?;
     check_blob(BlobKind::Styles, index.styles.as_ref())?;
     // A city may have no edge, if nothing lies in it.
     if !(index.extent.outer.is_empty() && index.extent.holes.is_empty()) {
         check_polygon("the city's edge", &index.extent, FAR)?;
     }
-    for (i, cell) in index.cells.iter().enumerate() {
-        check_cell(index, i, cell).map_err(|reason| format!("cell {i} ({}): {reason}", cell.id))?;
+    if index.regions.is_empty() {
+        return Err("it has no region".to_owned());
     }
-    for (i, portal) in index.portals.iter().enumerate() {
-        let beyond = match portal.beyond {
-            PortalSide::Cell(cell) => cell,
-            PortalSide::Edge => portal.cell,
-        };
-        if portal.cell.max(beyond) as usize >= index.cells.len() {
-            return Err(format!("portal {i} leads to cell {} of {}", portal.cell.max(beyond), index.cells.len()));
+    for (i, region) in index.regions.iter().enumerate() {
+        if !region.key.is_sound() {
+            return Err(format!("region {i} has a key that is none"));
         }
-        if !is_within(portal.ends.0, FAR) || !is_within(portal.ends.1, FAR) {
-            return Err(format!("portal {i} reaches too far"));
+        check_bounds(region.bounds).map_err(|reason| format!("region {i}: {reason}"))?;
+        if region.skyline > region.cells {
+            return Err(format!("region {i} has more cells on the skyline than cells"));
         }
+        check_blob(BlobKind::Region, Some(&region.blob))?;
     }
-    check_ascending("cells of the skyline", &index.skyline, index.cells.len())
-}
-
-/// No position, angle or radius is infinite or no number.
-fn check_numbers(index: &CityIndex) -> Check {
-    let is_view = |view: &veduta_city::Viewpoint| {
-        view.pos.is_finite() && view.eye_m.is_finite() && view.heading_deg.is_finite() && view.pitch_deg.is_finite()
-    };
-    if !is_view(&index.start) || !index.anchor.lat.is_finite() || !index.anchor.lon.is_finite() {
-        return Err("its start or anchor is not a number".to_owned());
-    }
-    for place in &index.places {
-        if !place.pos.is_finite() || !place.radius_m.is_finite() || !place.view.as_ref().is_none_or(is_view) {
-            return Err(format!("place `{}` lies nowhere: a number of it is none", place.name));
-        }
+    if !index.regions.is_sorted_by(|a, b| a.key.first_code() < b.key.first_code()) {
+        return Err("its regions are out of order".to_owned());
     }
     Ok(())
 }
 
-fn check_cell(index: &CityIndex, number: usize, cell: &CellEntry) -> Check {
+fn check_bounds((lo, hi): (GridPos, GridPos)) -> Check {
+    if lo.0 > hi.0 || lo.1 > hi.1 || !is_within(lo, FAR) || !is_within(hi, FAR) {
+        return Err("its bounds are no rectangle".to_owned());
+    }
+    Ok(())
+}
+
+fn is_view(view: &veduta_city::Viewpoint) -> bool {
+    view.pos.is_finite() && view.eye_m.is_finite() && view.heading_deg.is_finite() && view.pitch_deg.is_finite()
+}
+
+/// A region against what the index says of it and of the others.
+pub(crate) fn check_region(region: &Region, entry: &RegionEntry, regions: &[RegionEntry]) -> Check {
+    if region.cells.len() != entry.cells as usize || region.skyline.len() != entry.skyline as usize {
+        let (cells, skyline) = (region.cells.len(), region.skyline.len());
+        let (told, told_skyline) = (entry.cells, entry.skyline);
+        return Err(format!("it has {cells} cells, {skyline} of them on the skyline; the index says {told} and {told_skyline}"));
+    }
+    let count = regions.last().map_or(0, |last| last.first as usize + last.cells as usize);
+    for (cell, number) in region.cells.iter().zip(entry.first..) {
+        check_cell(region, number, count, cell).map_err(|reason| format!("cell {number} ({}): {reason}", cell.id))?;
+    }
+    for (i, portal) in region.portals.iter().enumerate() {
+        let other = portal.other(portal.cell).unwrap_or(portal.cell);
+        if portal.cell.max(other) as usize >= count {
+            return Err(format!("portal {i} leads to cell {} of {count}", portal.cell.max(other)));
+        }
+        if !entry.numbers().contains(&portal.cell) && !entry.numbers().contains(&other) {
+            return Err(format!("portal {i} is on the border of none of its cells"));
+        }
+        if !is_within(portal.ends.0, FAR) || !is_within(portal.ends.1, FAR) {
+            return Err(format!("portal {i} reaches too far"));
+        }
+        for cell in [portal.cell, other].into_iter().filter(|cell| entry.numbers().contains(cell)) {
+            if region.cells[(cell - entry.first) as usize].portals.binary_search(&(i as u32)).is_err() {
+                return Err(format!("cell {cell} does not know of portal {i} on its border"));
+            }
+        }
+    }
+    check_ascending("cells of the skyline", &region.skyline, count)?;
+    if let Some(cell) = region.skyline.iter().find(|cell| !entry.numbers().contains(cell)) {
+        return Err(format!("cell {cell} of the skyline is another region's"));
+    }
+    Ok(())
+}
+
+fn check_cell(region: &Region, number: u32, count: usize, cell: &CellEntry) -> Check {
     check_polygon("its outline", &cell.outline, FAR)?;
     check_height("its floor", cell.floor.0)?;
     check_height("its floor", cell.floor.1)?;
     check_height("its top", cell.top)?;
-    let (lo, hi) = cell.bounds;
-    if lo.0 > hi.0 || lo.1 > hi.1 || !is_within(lo, FAR) || !is_within(hi, FAR) {
-        return Err("its bounds are no rectangle".to_owned());
-    }
-    check_ascending("its portals", &cell.portals, index.portals.len())?;
+    check_bounds(cell.bounds)?;
+    check_ascending("its portals", &cell.portals, region.portals.len())?;
     for &p in &cell.portals {
-        let is_here = index.portals.get(p as usize).is_some_and(|portal| {
-            portal.cell as usize == number || matches!(portal.beyond, PortalSide::Cell(cell) if cell as usize == number)
-        });
+        let is_here =
+            region.portals.get(p as usize).is_some_and(|portal| portal.cell == number || portal.other(portal.cell) == Some(number));
         if !is_here {
             return Err(format!("portal {p} is not on its border"));
         }
     }
-    check_ascending("its visible cells", &cell.visible, index.cells.len())?;
-    if cell.visible.binary_search(&(number as u32)).is_err() {
+    check_ascending("its visible cells", &cell.visible, count)?;
+    if cell.visible.binary_search(&number).is_err() {
         return Err("it is not in its own visible set".to_owned());
     }
     // Further levels have no kind of their own in this format; they are packets all the same.

@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use veduta_city::{CellShell, Cells, CityPlan, FacadeSheet};
 
 use crate::compose::{self, invalid};
-use crate::{BlobRef, CityIndex, CityStats, INDEX_NAME, StoreError};
+use crate::{BlobRef, CellEntry, CityIndex, CityStats, INDEX_NAME, StoreError};
 
 /// Writes a city into a directory: whole or not at all.
 ///
@@ -45,6 +45,7 @@ pub struct CityWriter {
     dir: PathBuf,
     files: Files,
     index: CityIndex,
+    entries: Vec<CellEntry>,
     stats: CityStats,
 }
 
@@ -57,7 +58,7 @@ impl CityWriter {
         let files = Files::new(dir)?;
         let mut stats = CityStats::default();
         let index = compose::head(plan, &mut stats, &|blob, stored| files.add(blob, stored))?;
-        Ok(Self { dir: dir.to_owned(), files, index, stats })
+        Ok(Self { dir: dir.to_owned(), files, index, entries: Vec::new(), stats })
     }
 
     /// Writes the packets of all cells. `contents` makes shell and sheet of each when they are wanted, on several threads: no more of
@@ -73,18 +74,19 @@ impl CityWriter {
     ) -> Result<(), StoreError> {
         let files = &self.files;
         let sink = |blob: &BlobRef, stored: &[u8]| files.add(blob, stored);
-        self.index.cells.extend(compose::entries(plan, cells, contents, &mut self.stats, &sink)?);
+        self.entries.extend(compose::entries(plan, cells, contents, &mut self.stats, &sink)?);
         Ok(())
     }
 
     /// Writes the index, with what the cells tell of themselves, of what is seen from them and of the portals between them: the city is
-    /// there.
+    /// there. Cells must be in the order of the Morton codes of the middles of their outlines.
     ///
     /// # Errors
     /// As [`write_city`].
     pub fn finish(mut self, cells: Cells) -> Result<CityStats, StoreError> {
-        compose::take_over(&mut self.index, cells)?;
-        let stored = compose::index(&self.index, &mut self.stats)?;
+        let files = &self.files;
+        let sink = |blob: &BlobRef, stored: &[u8]| files.add(blob, stored);
+        let stored = compose::index(self.index, self.entries, cells, &mut self.stats, &sink)?;
         put(&self.files.site.join(INDEX_NAME), &stored)?;
         if self.files.is_new {
             fs::rename(&self.files.site, &self.dir).map_err(failed("move into place", &self.dir))?;
@@ -219,21 +221,22 @@ fn lay(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
 
 /// Writes a file so that it is there whole or not at all.
 fn put(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
+    lay_whole(path, &path.with_extension("part"), bytes).map_err(failed("write", path))
+}
+
+/// The same, by way of another file beside it.
+pub(crate) fn lay_whole(path: &Path, part: &Path, bytes: &[u8]) -> std::io::Result<()> {
     if let Some(parent) = path.parent() {
-        fs::create_dir_all(parent).map_err(failed("create", parent))?;
+        fs::create_dir_all(parent)?;
     }
-    let part = path.with_extension("part");
-    let write = || {
-        let mut file = fs::File::create(&part)?;
-        file.write_all(bytes)?;
-        // A blob that a power cut swallows is found by its checksum and written again; the index must be sound.
-        if path.ends_with(INDEX_NAME) {
-            file.sync_all()?;
-        }
-        drop(file);
-        fs::rename(&part, path)
-    };
-    write().map_err(failed("write", path))
+    let mut file = fs::File::create(part)?;
+    file.write_all(bytes)?;
+    // A blob that a power cut swallows is found by its checksum and written again; the index must be sound.
+    if path.ends_with(INDEX_NAME) {
+        file.sync_all()?;
+    }
+    drop(file);
+    fs::rename(part, path)
 }
 
 /// Removes blobs that nothing names, and what interrupted runs left of some. Other files are left alone.
@@ -260,7 +263,7 @@ fn sweep(dir: &Path, named: &HashSet<BlobRef>) -> Result<u64, StoreError> {
 /// Whether a file is named as a blob, or a part of one, is.
 fn is_blob(file: &Path) -> bool {
     let stem = file.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();
-    let is_hash = stem.len() == 64 && stem.bytes().all(|b| b.is_ascii_hexdigit());
+    let is_hash = stem.len() == 32 && stem.bytes().all(|b| b.is_ascii_hexdigit());
     is_hash && file.extension().is_some_and(|extension| extension == "bin" || extension == "part")
 }
 

@@ -9,7 +9,7 @@ use veduta_city::{CityPlan, Gable, GridPos, Id, Level, ObjectKind, Overview, Pla
 use veduta_store::*;
 
 fn index_of(dir: &std::path::Path) -> CityIndex {
-    decode_index(&std::fs::read(dir.join(INDEX_NAME)).expect("an index")).expect("a sound index")
+    read_index(&DirReader::new(dir).expect("a city")).expect("a sound index")
 }
 
 fn blob_bytes(dir: &std::path::Path, blob: &BlobRef) -> Vec<u8> {
@@ -24,9 +24,11 @@ fn a_city_of_three_cells_reads_back_as_it_was() {
     let stats = city.write(&dir).expect("written");
     let index = index_of(&dir);
     assert_eq!((index.name.as_str(), index.seed, index.anchor), ("Testov", 7, city.plan.anchor));
-    assert_eq!((&index.extent, &index.places, index.start), (&city.plan.extent, &city.plan.places, city.plan.start));
-    assert_eq!((&index.portals, &index.skyline), (&city.cells.portals, &city.cells.skyline));
-    for (c, entry) in index.cells.iter().enumerate() {
+    assert_eq!((&index.extent, index.start), (&city.plan.extent, city.plan.start));
+    let region = index.region(0).expect("here");
+    assert_eq!((&region.portals, &region.skyline), (&city.cells.portals, &city.cells.skyline));
+    assert_eq!((index.cell_count(), stats.regions), (3, 1));
+    for (c, entry) in index.cells().map(|(c, entry)| (c as usize, entry)) {
         let cell = &city.cells.cells[c];
         assert_eq!(
             (entry.id, &entry.outline, &entry.portals, &entry.visible),
@@ -53,7 +55,7 @@ fn a_cell_has_a_second_level_where_it_has_walls_or_trees() {
         let mut city = city(1, 0);
         city.shells[0].objects = objects;
         city.write(&temp.0).expect("written");
-        index_of(&temp.0).cells[0].packets.map(|packet| packet.is_some())
+        index_of(&temp.0).cell(0).expect("a cell").packets.map(|packet| packet.is_some())
     };
     let object = |kind| PlanObject { id: Id(5), kind, pos: GridPos(0, 0), z: 0, heading: 0, height: 0, monument: None };
     assert_eq!(has(vec![object(ObjectKind::Bench)]), [true, false, false, false]);
@@ -66,11 +68,12 @@ fn every_position_of_a_street_is_located_in_its_cell() {
     let city = city(3, 2);
     city.write(&temp.0).expect("written");
     let index = index_of(&temp.0);
-    for (c, cell) in index.cells.iter().enumerate() {
+    for (c, cell) in index.cells() {
         let middle = GridPos::from_metres(cell.outline.centroid());
-        assert_eq!(index.locate(middle), Some(c as u32));
+        assert_eq!(index.locate(middle), Some(c));
         let (lo, hi) = cell.bounds;
-        let house = city.shells[c].houses[0].volumes[0].footprint.outer[2] + city.shells[c].origin;
+        let shell = &city.shells[c as usize];
+        let house = shell.houses[0].volumes[0].footprint.outer[2] + shell.origin;
         assert!(lo.0 <= house.0 && house.0 <= hi.0 && lo.1 <= house.1 && house.1 <= hi.1, "houses are within the bounds");
     }
     assert_eq!(index.locate(GridPos(0, 50 * 1024)), None);
@@ -134,16 +137,16 @@ fn baking_again_replaces_what_changed_and_sweeps_the_rest() {
     let temp = TempDir::new("again");
     let mut city = city(3, 4);
     let first = city.write(&temp.0).expect("written");
-    assert_eq!((first.blobs, first.blobs_written, first.blobs_removed), (7, 7, 0));
+    assert_eq!((first.blobs, first.blobs_written, first.blobs_removed), (8, 8, 0));
     let same = city.write(&temp.0).expect("written");
     assert_eq!((same.blobs_written, same.blobs_removed), (0, 0));
     city.shells[1].houses[0].volumes[0].colour = veduta_city::Rgb(9, 9, 9);
     std::fs::write(temp.join("notes.txt"), "mine").expect("a file");
     std::fs::write(temp.join("blobs/notes.txt"), "mine").expect("a file");
     let changed = city.write(&temp.0).expect("written");
-    assert_eq!((changed.blobs_written, changed.blobs_removed), (1, 1));
-    assert_eq!(files(&temp.0).len(), 7 + 1 + 2, "blobs, index, and files that are not ours");
-    let blob = index_of(&temp.0).cells[1].packets[0].expect("a packet");
+    assert_eq!((changed.blobs_written, changed.blobs_removed), (2, 2), "the packet, and the region that names it");
+    assert_eq!(files(&temp.0).len(), 8 + 1 + 2, "blobs, index, and files that are not ours");
+    let blob = index_of(&temp.0).cell(1).expect("a cell").packets[0].expect("a packet");
     std::fs::write(temp.0.join(blob.path()), "damaged").expect("a file");
     assert_eq!(city.write(&temp.0).expect("written").blobs_written, 1, "a damaged blob is mended");
 }
@@ -179,7 +182,7 @@ fn an_interrupted_run_leaves_no_city_and_is_taken_up() {
     assert!(matches!(bigger.write(&dir), Err(StoreError::Write { .. })));
     assert_eq!(std::fs::read(dir.join(INDEX_NAME)).expect("an index"), old);
     let index = index_of(&dir);
-    for blob in index.cells.iter().flat_map(|cell| cell.packets.iter().flatten()) {
+    for blob in index.cells().flat_map(|(_, cell)| cell.packets.iter().flatten()) {
         blob.verify("a blob", &blob_bytes(&dir, blob)).expect("the old city is whole");
     }
 }
@@ -229,6 +232,8 @@ fn contradictions_are_named_before_anything_is_written() {
     has(&refused(|c| c.cells.visible[1] = vec![0, 1, 9]), "name number 9 of 3");
     has(&refused(|c| c.cells.visible[1] = vec![1, 0]), "do not ascend");
     has(&refused(|c| c.cells.visible[1] = vec![0]), "not in its own visible set");
+    has(&refused(|c| c.cells.cells[1].portals = vec![1]), "cell 1 does not know of portal 2 on its border");
+    has(&refused(|c| c.cells.cells.swap(0, 2)), "is out of order: sort cells by");
     has(&refused(|c| c.cells.skyline = vec![3]), "skyline name number 3 of 3");
     has(&refused(|c| c.cells.portals[0].beyond = PortalSide::Cell(7)), "leads to cell 7 of 3");
     has(&refused(|c| c.cells.cells[0].portals = vec![3]), "portal 3 is not on its border");

@@ -22,10 +22,12 @@ impl Walk {
         Self { _temp: temp, reader, client: Client::new(settings), now_s: 0.0 }
     }
 
-    /// A walk whose index and overview are there.
+    /// A walk whose index is there, with its only region, and the overview.
     fn open(cells: usize, settings: ClientSettings) -> Self {
         let mut walk = Self::new(cells, settings);
-        for expected in [What::Index, What::Overview] {
+        walk.client.want_regions([0]);
+        walk.client.want_overview();
+        for expected in [What::Index, What::Region(0), What::Overview] {
             let request = walk.next().expect("a request");
             assert_eq!(request.what, expected);
             assert_eq!(walk.answer(&request).len(), 1);
@@ -76,20 +78,66 @@ fn dead() -> StoreError {
 }
 
 #[test]
-fn the_index_comes_first_then_the_overview_then_packets() {
+fn the_index_comes_first_then_regions_then_packets_then_the_overview() {
     let mut walk = Walk::new(3, ClientSettings::default());
-    walk.client.want([(0, One)]);
+    walk.client.want([(0, One), (1, One)]);
+    walk.client.want_overview();
     let index = walk.next().expect("a request");
     assert_eq!((index.what, index.path.as_str()), (What::Index, INDEX_NAME));
     assert_eq!(walk.next(), None, "nothing else is known yet");
     assert_eq!(walk.answer(&index), [ClientEvent::Opened]);
-    assert_eq!(walk.client.index().expect("open").name, "Testov");
+    assert_eq!(walk.client.index().map(|index| (index.name.as_str(), index.cells().count())), Some(("Testov", 0)));
     let rest = walk.burst();
-    assert_eq!(rest.iter().map(|request| request.what).collect::<Vec<_>>(), [What::Overview, What::Packet { cell: 0, level: One }]);
-    assert_eq!(walk.answer(&rest[0]), [ClientEvent::OverviewReady]);
+    assert_eq!(rest.iter().map(|request| request.what).collect::<Vec<_>>(), [What::Region(0), What::Overview]);
+    assert!(!walk.client.has(0, One) && !walk.client.gave_up(0, One));
+    assert_eq!(walk.answer(&rest[0]), [ClientEvent::RegionReady(0)]);
+    assert_eq!(walk.client.index().map(|index| index.cells().count()), Some(3));
+    let packet = walk.burst();
+    assert_eq!(packets(&packet), [(0, One), (1, One)]);
+    assert_eq!(walk.answer(&rest[1]), [ClientEvent::OverviewReady]);
     assert_eq!(walk.client.overview().expect("there").houses.len(), 6);
-    assert!(matches!(walk.answer(&rest[1])[..], [ClientEvent::Arrived { cell: 0, level: One, packet: Packet::Shell(_) }]));
+    assert!(matches!(walk.answer(&packet[0])[..], [ClientEvent::Arrived { cell: 0, level: One, packet: Packet::Shell(_) }]));
     assert!(walk.client.has(0, One) && !walk.client.has(0, Two));
+}
+
+#[test]
+fn a_region_that_does_not_come_is_tried_again_and_its_cells_wait() {
+    let mut walk = Walk::new(2, ClientSettings::default());
+    walk.client.want([(1, One)]);
+    let index = walk.next().expect("a request");
+    walk.answer(&index);
+    for expected_s in [0.5, 1.0, 2.0] {
+        let request = walk.next().expect("due");
+        assert_eq!(request.what, What::Region(0));
+        assert_eq!(again(&walk.refuse(&request, dead())), Some(expected_s));
+        assert_eq!(walk.next(), None, "not yet");
+        walk.now_s += expected_s;
+    }
+    assert!(walk.client.gave_up(1, One), "nobody waits for it before a closed door");
+    let request = walk.next().expect("due");
+    walk.answer(&request);
+    assert!(!walk.client.gave_up(1, One));
+    assert_eq!(packets(&walk.burst()), [(1, One)]);
+}
+
+#[test]
+fn a_region_is_forgotten_when_nothing_of_it_is_here() {
+    let mut walk = Walk::open(2, ClientSettings::default());
+    walk.client.want([(1, One)]);
+    let request = walk.next().expect("a request");
+    walk.client.forget_region(0);
+    assert!(walk.client.index().expect("open").region(0).is_some(), "a packet is on its way");
+    walk.answer(&request);
+    walk.client.forget_region(0);
+    assert!(walk.client.has(1, One), "a packet is here");
+    walk.client.forget(1, One);
+    walk.client.want_regions([]);
+    walk.client.want([]);
+    walk.client.forget_region(0);
+    walk.client.forget_region(7);
+    assert_eq!((walk.client.index().expect("open").cells().count(), walk.next()), (0, None));
+    walk.client.want([(0, One)]);
+    assert_eq!(walk.next().expect("a request").what, What::Region(0));
 }
 
 #[test]
@@ -120,10 +168,66 @@ fn no_more_than_the_cap_are_on_their_way() {
 }
 
 #[test]
+fn no_more_bytes_than_the_cap_are_on_their_way() {
+    let mut walk = Walk::open(6, ClientSettings { max_bytes_in_flight: 1, ..ClientSettings::default() });
+    walk.client.want((0..6).map(|cell| (cell, One)));
+    for cell in 0..6 {
+        let one = walk.burst();
+        assert_eq!(packets(&one), [(cell, One)], "what is larger than the cap travels alone");
+        walk.answer(&one[0]);
+    }
+    let sizes = |walk: &Walk| -> Vec<u64> {
+        let index = walk.client.index().expect("open");
+        index.cells().map(|(_, cell)| u64::from(cell.packets[0].expect("a packet").bytes)).collect()
+    };
+    let mut walk = Walk::open(6, ClientSettings::default());
+    let cap = sizes(&walk)[..3].iter().sum();
+    walk = Walk::open(6, ClientSettings { max_bytes_in_flight: cap, ..ClientSettings::default() });
+    walk.client.want((0..6).map(|cell| (cell, One)));
+    assert_eq!(packets(&walk.burst()), [(0, One), (1, One), (2, One)]);
+}
+
+#[test]
+fn what_is_not_wanted_any_more_is_taken_back_before_it_is_sent() {
+    let mut walk = Walk::open(4, ClientSettings::default());
+    walk.client.want((0..4).map(|cell| (cell, One)));
+    let requests = walk.burst();
+    assert_eq!(walk.client.unwanted(), []);
+    walk.client.want([(3, One), (1, One)]);
+    let unwanted = walk.client.unwanted();
+    assert_eq!(unwanted, [requests[0].id, requests[2].id]);
+    assert_eq!(walk.client.cancel(unwanted[0]), Some(What::Packet { cell: 0, level: One }));
+    assert_eq!(walk.client.cancel(unwanted[0]), None, "once");
+    assert!(walk.answer(&requests[0]).is_empty(), "it is not expected any more");
+    assert_eq!((walk.client.stats().in_flight, walk.client.stats().cancelled, walk.client.stats().failures), (3, 1, 0));
+    walk.client.want([(0, One)]);
+    assert_eq!(packets(&walk.burst()), [(0, One)], "it can be asked for again, at once");
+}
+
+#[test]
+fn a_line_that_stands_again_is_used_at_once() {
+    let mut walk = Walk::open(3, ClientSettings::default());
+    walk.client.want((0..3).map(|cell| (cell, One)));
+    for _ in 0..4 {
+        for request in walk.burst() {
+            walk.refuse(&request, dead());
+        }
+        walk.now_s += 4.0;
+    }
+    for request in walk.burst() {
+        walk.refuse(&request, dead());
+    }
+    assert!(walk.next().is_none() && walk.client.gave_up(0, One));
+    walk.client.retry_now();
+    assert!(!walk.client.gave_up(0, One));
+    assert_eq!(packets(&walk.burst()), [(0, One), (1, One), (2, One)]);
+}
+
+#[test]
 fn a_packet_that_fails_is_tried_again_later_and_later() {
     let mut walk = Walk::open(1, ClientSettings::default());
     walk.client.want([(0, One), (0, Two)]);
-    for expected_s in [0.5, 1.0, 2.0, 4.0, 8.0, 8.0, 8.0] {
+    for expected_s in [0.5, 1.0, 2.0, 4.0, 4.0, 4.0, 4.0] {
         let request = walk.next().expect("due");
         let damaged = request.decode(vec![0; request.limit as usize]);
         assert!(matches!(damaged, Err(StoreError::Checksum { .. })));
@@ -143,7 +247,7 @@ fn a_packet_that_fails_is_tried_again_later_and_later() {
 #[test]
 fn a_missing_packet_does_not_hold_up_the_others() {
     let mut walk = Walk::open(3, ClientSettings::default());
-    let blob = walk.client.index().expect("open").cells[1].packets[0].expect("a packet");
+    let blob = walk.client.index().and_then(|index| index.cell(1)?.packets[0]).expect("a packet");
     std::fs::remove_file(walk._temp.join(&blob.path())).expect("removed");
     walk.client.want((0..3).flat_map(|cell| [(cell, One), (cell, Two)]));
     let mut arrived = Vec::new();
@@ -178,14 +282,14 @@ fn the_walk_goes_on_when_a_dead_server_returns() {
         }
         walk.now_s += 0.1;
     }
-    assert!((12 * 8..12 * 14).contains(&tries), "a dead server is not hammered: {tries} tries");
+    assert!((12 * 14..12 * 20).contains(&tries), "a dead server is not hammered: {tries} tries");
     let back_s = walk.now_s;
     while !(0..12).all(|cell| walk.client.has(cell, One)) {
         for request in walk.burst() {
             walk.answer(&request);
         }
         walk.now_s += 0.1;
-        assert!(walk.now_s - back_s < 8.5, "all is there soon after");
+        assert!(walk.now_s - back_s < 4.5, "all is there soon after");
     }
 }
 
@@ -262,14 +366,14 @@ fn bytes_are_counted_as_stored() {
     let mut walk = Walk::open(2, ClientSettings::default());
     let index = walk.client.index().expect("open").clone();
     let index_bytes = std::fs::metadata(walk._temp.join(INDEX_NAME)).expect("a file").len();
-    let opened = index_bytes + u64::from(index.overview.bytes);
+    let opened = index_bytes + u64::from(index.regions[0].blob.bytes) + u64::from(index.overview.bytes);
     assert_eq!(walk.client.stats().bytes, opened);
     walk.client.want([(0, One), (1, One)]);
     for request in walk.burst() {
         walk.answer(&request);
     }
-    let level_1: u64 = index.cells.iter().map(|cell| u64::from(cell.packets[0].expect("a packet").bytes)).sum();
+    let level_1: u64 = index.cells().map(|(_, cell)| u64::from(cell.packets[0].expect("a packet").bytes)).sum();
     let stats = walk.client.stats();
     assert_eq!((stats.bytes, stats.bytes_level), (opened + level_1, [level_1, 0, 0, 0]));
-    assert_eq!((stats.requests, stats.delivered, stats.failures, stats.in_flight), (4, 4, 0, 0));
+    assert_eq!((stats.requests, stats.delivered, stats.failures, stats.in_flight), (5, 5, 0, 0));
 }

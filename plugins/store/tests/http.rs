@@ -25,6 +25,7 @@ enum Answer {
 #[derive(Clone)]
 struct Server {
     answers: Arc<Mutex<BTreeMap<String, Answer>>>,
+    heads: Arc<Mutex<Vec<String>>>,
     base: String,
 }
 
@@ -38,15 +39,20 @@ impl Server {
     fn start() -> Self {
         let listener = TcpListener::bind(("127.0.0.1", 0)).expect("a port");
         let base = format!("http://{}/prague.city", listener.local_addr().expect("an address"));
-        let server = Self { answers: Arc::default(), base };
-        let answers = server.answers.clone();
+        let server = Self { answers: Arc::default(), heads: Arc::default(), base };
+        let (answers, heads) = (server.answers.clone(), server.heads.clone());
         std::thread::spawn(move || {
             for stream in listener.incoming().flatten() {
-                let answers = answers.clone();
-                std::thread::spawn(move || serve(stream, &answers));
+                let (answers, heads) = (answers.clone(), heads.clone());
+                std::thread::spawn(move || serve(stream, &answers, &heads));
             }
         });
         server
+    }
+
+    /// What requests say beyond their first lines.
+    fn heads(&self) -> Vec<String> {
+        self.heads.lock().expect("no panic").clone()
     }
 
     fn put(&self, path: &str, answer: Answer) {
@@ -60,15 +66,16 @@ impl Server {
 
     /// A reader that waits so long for an answer, and for what it holds.
     fn reader_with(&self, seconds: f64) -> HttpReader {
-        let settings = HttpSettings { connect_s: 60.0, response_s: seconds, body_s: seconds };
+        let settings = HttpSettings { connect_s: 60.0, response_s: seconds, body_s: seconds, least_bytes_s: 1e9 };
         HttpReader::with_settings(&self.base, settings).expect("an address")
     }
 }
 
-fn serve(mut stream: TcpStream, answers: &Mutex<BTreeMap<String, Answer>>) {
+fn serve(mut stream: TcpStream, answers: &Mutex<BTreeMap<String, Answer>>, heads: &Mutex<Vec<String>>) {
     let mut lines = BufReader::new(stream.try_clone().expect("a second handle")).lines().map_while(Result::ok);
     let Some(first) = lines.next() else { return };
-    let _rest: Vec<String> = lines.by_ref().take_while(|line| !line.is_empty()).collect();
+    let rest: Vec<String> = lines.by_ref().take_while(|line| !line.is_empty()).collect();
+    heads.lock().expect("no panic").push(rest.join("\n"));
     let path = first.split(' ').nth(1).unwrap_or_default().to_owned();
     let missing = Answer::Raw(b"HTTP/1.1 404 Not Found\r\nContent-Length: 4\r\nConnection: close\r\n\r\nnone".to_vec());
     let answer = answers.lock().expect("no panic").get(&path).cloned().unwrap_or(missing);
@@ -97,6 +104,20 @@ fn a_file_comes_whole() {
     server.put("chunked.bin", Answer::Raw(chunked.to_vec()));
     assert_eq!(reader.read("chunked.bin", 6), Ok(b"hello!".to_vec()));
     assert!(matches!(reader.read("chunked.bin", 5), Err(ReadError::TooLarge { .. })), "its length is not told beforehand");
+}
+
+#[test]
+fn what_is_known_is_only_asked_whether_it_changed() {
+    let server = Server::start();
+    let marked = b"HTTP/1.1 200 OK\r\nETag: \"7\"\r\nContent-Length: 5\r\nConnection: close\r\n\r\nhello";
+    server.put("a.bin", Answer::Raw(marked.to_vec()));
+    let reader = server.reader();
+    let new = Fresh::Changed { bytes: b"hello".to_vec(), tag: Some("\"7\"".to_owned()) };
+    assert_eq!(reader.read_if_changed("a.bin", 5, None), Ok(new));
+    server.put("a.bin", Answer::Raw(b"HTTP/1.1 304 Not Modified\r\nConnection: close\r\n\r\n".to_vec()));
+    assert_eq!(reader.read_if_changed("a.bin", 5, Some("\"7\"")), Ok(Fresh::Same));
+    assert!(matches!(reader.read("a.bin", 5), Err(ReadError::Status { status: 304, .. })), "nothing was known");
+    assert!(server.heads().iter().any(|head| head.to_ascii_lowercase().contains("if-none-match: \"7\"")), "{:?}", server.heads());
 }
 
 /// A server may close a line that it kept just as it is asked again: that is no failure of the file.

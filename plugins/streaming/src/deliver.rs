@@ -4,11 +4,13 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use veduta_city::{GridPos, Level};
 use veduta_ecs::{
-    Cell, CellContent, CellMesh, CellReady, CellReleased, City, CityFailed, CityOpened, LevelFade, StandingCells, WorldOrigin,
+    Awaited, Cell, CellContent, CellMesh, CellReady, CellReleased, City, CityFailed, CityOpened, LevelFade, StandingCells,
+    WorldOrigin,
 };
-use veduta_store::{CityIndex, ClientEvent, Packet, sheet_fits};
+use veduta_store::{CityIndex, Client, ClientEvent, Packet, What, sheet_fits};
 
 use crate::fetch::Store;
+use crate::journal::{Event, Item, Journal, Reason};
 use crate::{StreamingSettings, Wanted};
 
 /// Figures of streaming, for diagnostics and films.
@@ -20,6 +22,10 @@ pub struct StreamingStats {
     pub bytes_loaded: u64,
     /// Requests under way.
     pub in_flight: usize,
+    /// Requests made.
+    pub requests: u64,
+    /// Bytes of all that was received: index, regions, overview, packets.
+    pub bytes_all: u64,
     /// Requests that failed.
     pub failures: u64,
     /// Cells that have an entity.
@@ -74,38 +80,93 @@ pub(crate) fn deliver(world: &mut World) {
     if store.told != Some(wanted.generation) {
         store.told = Some(wanted.generation);
         store.client.want(wanted.order.iter().copied());
+        store.client.want_regions(wanted.regions.iter().copied());
+        forget_regions(&mut store.client, wanted);
+        let cancelled = store.cancel_unwanted();
+        for what in cancelled {
+            note(world, Event::Cancelled { item: item_of(what) });
+        }
     }
-    let budget = world.resource::<StreamingSettings>().packets_a_frame.max(1);
-    let mut taken = 0;
+    // Maps can wait until what is in sight stands.
+    let is_planned = store.client.index().is_some() && store.told.is_some_and(|generation| generation > 0);
+    if is_planned && world.resource::<Awaited>().cells == 0 {
+        store.client.want_overview();
+    }
+    let settings = *world.resource::<StreamingSettings>();
+    let (mut taken, before) = (0, store.client.stats().bytes);
     loop {
-        while let Some(request) = store.client.next_request(now_s) {
+        while !settings.paused
+            && let Some(request) = store.client.next_request(now_s)
+        {
+            let (what, bytes) = (request.what, request.blob.map_or(0, |blob| blob.bytes.into()));
+            let why = if let What::Packet { cell, .. } = what { world.resource::<Wanted>().why(cell) } else { None };
+            note(world, Event::Asked { item: item_of(what), bytes, why });
             store.ask(request);
         }
-        let Some((id, result)) = store.answer() else { break };
-        for event in store.client.deliver(id, result, now_s) {
-            on_event(world, &mut store, event);
-        }
-        taken += 1;
-        if taken >= budget {
+        // One answer is taken however large it is.
+        if taken >= settings.packets_a_frame.max(1) || (taken > 0 && store.client.stats().bytes - before >= settings.bytes_a_frame)
+        {
             break;
         }
+        let Some((id, result)) = store.answer() else { break };
+        let before = store.client.stats().bytes;
+        for event in store.client.deliver(id, result, now_s) {
+            let bytes = store.client.stats().bytes - before;
+            on_event(world, &mut store, event, bytes);
+        }
+        taken += 1;
     }
     let stats = store.client.stats();
     let mut figures = world.resource_mut::<StreamingStats>();
     figures.in_flight = stats.in_flight;
     figures.failures = stats.failures;
+    figures.requests = stats.requests;
+    figures.bytes_all = stats.bytes;
     world.insert_resource(store);
 }
 
-fn on_event(world: &mut World, store: &mut Store, event: ClientEvent) {
+/// Regions that nothing was planned with go when there are more than so many of them, and as many again as are in use.
+const IDLE_REGIONS: usize = 16;
+
+fn forget_regions(client: &mut Client, wanted: &Wanted) {
+    let Some(index) = client.index() else { return };
+    let idle: Vec<u32> = index.regions_here().map(|(number, _)| number).filter(|number| !wanted.used.contains(number)).collect();
+    if idle.len() > IDLE_REGIONS + wanted.used.len() {
+        idle.into_iter().for_each(|number| client.forget_region(number));
+    }
+}
+
+fn note(world: &mut World, event: Event) {
+    let at_s = world.resource::<Time>().elapsed_secs_f64();
+    world.resource_mut::<Journal>().note(at_s, event);
+}
+
+const fn item_of(what: What) -> Item {
+    match what {
+        What::Index => Item::Index,
+        What::Region(number) => Item::Region(number),
+        What::Overview => Item::Overview,
+        What::Packet { cell, level } => Item::Packet(cell, level),
+    }
+}
+
+/// Takes what came of a request, and how many bytes came.
+fn on_event(world: &mut World, store: &mut Store, event: ClientEvent, bytes: u64) {
     match event {
+        ClientEvent::RegionReady(number) => {
+            note(world, Event::Arrived { item: Item::Region(number), bytes });
+            world.resource_mut::<Wanted>().plan_anew();
+        }
         ClientEvent::Opened => {
+            note(world, Event::Arrived { item: Item::Index, bytes });
             if let Some(index) = store.client.index() {
                 open(world, index);
             }
         }
         ClientEvent::OverviewReady => {
+            note(world, Event::Arrived { item: Item::Overview, bytes });
             if let (Some(overview), Some(mut city)) = (store.client.overview().cloned(), world.get_resource_mut::<City>()) {
+                city.places = Arc::new(overview.places.clone());
                 city.overview = Some(overview);
             }
         }
@@ -116,12 +177,13 @@ fn on_event(world: &mut World, store: &mut Store, event: ClientEvent) {
                 None => format!("{what}: {error}"),
             };
             warn!("{message}");
+            note(world, Event::Failed { item: item_of(what), error: error.to_string(), again_in_s });
             world.write_message(CityFailed { message, will_retry: again_in_s.is_some() });
         }
     }
 }
 
-fn open(world: &mut World, index: &Arc<CityIndex>) {
+fn open(world: &mut World, index: &CityIndex) {
     // The floating origin begins on a whole metre at the start, so that positions there are exact.
     let plan = GridPos(GridPos::steps(index.start.pos.x.round()), GridPos::steps(index.start.pos.y.round()));
     *world.resource_mut::<WorldOrigin>() = WorldOrigin { plan };
@@ -131,17 +193,17 @@ fn open(world: &mut World, index: &Arc<CityIndex>) {
         anchor: index.anchor,
         start: index.start,
         extent: index.extent.clone(),
-        places: Arc::new(index.places.clone()),
+        places: Arc::default(),
         overview: None,
     });
-    info!("{}: {} cells", index.name, index.cells.len());
+    info!("{}: {} cells", index.name, index.cell_count());
     world.write_message(CityOpened);
 }
 
 fn arrive(world: &mut World, store: &mut Store, cell: u32, level: Level, packet: Packet) {
     let now_s = world.resource::<Time>().elapsed_secs_f64();
-    let bytes = store.client.index().and_then(|i| i.cells.get(cell as usize)?.packets[level.index()].as_ref().map(|b| b.bytes));
-    let bytes = u64::from(bytes.unwrap_or(0));
+    let blob = store.client.index().and_then(|index| index.cell(cell)?.packet(level));
+    let bytes = blob.map_or(0, |blob| u64::from(blob.bytes));
     let origin = *world.resource::<WorldOrigin>();
     let known = world.resource::<LoadedCells>().cells.get(&cell).map(|c| c.entity);
     let entity = match (packet, known) {
@@ -169,6 +231,7 @@ fn arrive(world: &mut World, store: &mut Store, cell: u32, level: Level, packet:
     let mut loaded = world.resource_mut::<LoadedCells>();
     let entry = loaded.cells.entry(cell).or_insert(LoadedCell { entity, levels: Vec::new(), wanted_at_s: now_s });
     entry.levels.push((level, bytes));
+    note(world, Event::Arrived { item: Item::Packet(cell, level), bytes });
     let mut stats = world.resource_mut::<StreamingStats>();
     stats.bytes_received[level.index()] += bytes;
     stats.bytes_loaded += bytes;
@@ -200,8 +263,11 @@ pub(crate) fn release_cells(world: &mut World) {
         }
         let mut leaving: Vec<u32> =
             loaded.cells.iter().filter(|(_, c)| now_s - c.wanted_at_s > settings.keep_s).map(|(&cell, _)| cell).collect();
+        let idle = leaving.len();
         leaving.extend(over_the_cap(&loaded, &wanted, &leaving, settings.memory_cap_bytes));
-        for cell in leaving {
+        for (n, cell) in leaving.into_iter().enumerate() {
+            let why = if n < idle { Reason::Idle } else { Reason::OverTheCap };
+            note(world, Event::Released { cell, from: Level::One, why });
             let Some(entry) = loaded.cells.remove(&cell) else { continue };
             for (level, _) in entry.levels {
                 store.client.forget(cell, level);
@@ -258,6 +324,7 @@ fn drop_levels(world: &mut World, store: &mut Store, loaded: &mut LoadedCells, w
             entry.levels.pop();
             bytes -= size;
             store.client.forget(cell, level);
+            note(world, Event::Released { cell, from: level, why: Reason::OverTheCap });
             forget_level(world, cell, entry.entity, level);
         }
     }

@@ -1,12 +1,14 @@
 use std::collections::VecDeque;
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use bevy::prelude::*;
 use veduta_ecs::{Cell, CellReleased, City, CityFailed, OpenCity, StandingCells};
-use veduta_store::{Client, ClientSettings, Payload, Reader, Request, RequestId, StoreError, open_reader};
+use veduta_store::{Client, ClientSettings, Payload, ReadError, Reader, Request, RequestId, StoreError, What, open_reader};
 
-use crate::{CurrentCell, Wanted};
+use crate::journal::Event;
+use crate::{CurrentCell, Journal, Wanted};
 
 /// Where reading and decoding happen.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,8 +38,39 @@ pub(crate) struct Store {
 }
 
 enum Fetcher {
-    Threads { ask: Sender<Request>, answers: Mutex<Receiver<Fetched>> },
+    Threads { queue: Arc<Queue>, answers: Mutex<Receiver<Fetched>> },
     Inline { reader: Arc<dyn Reader>, answers: VecDeque<Fetched> },
+}
+
+/// Requests that no thread has taken yet.
+#[derive(Default)]
+struct Queue {
+    /// `None` when the store is gone.
+    waiting: Mutex<Option<VecDeque<Request>>>,
+    news: Condvar,
+}
+
+impl Queue {
+    fn with<T>(&self, what: impl FnOnce(&mut Option<VecDeque<Request>>) -> T) -> T {
+        what(&mut self.waiting.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// The next request, when there is one; `None` at the end.
+    fn next(&self) -> Option<Request> {
+        let waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_empty = |waiting: &mut Option<VecDeque<Request>>| waiting.as_ref().is_some_and(VecDeque::is_empty);
+        let mut waiting = self.news.wait_while(waiting, is_empty).unwrap_or_else(PoisonError::into_inner);
+        waiting.as_mut()?.pop_front()
+    }
+}
+
+impl Drop for Fetcher {
+    fn drop(&mut self) {
+        if let Self::Threads { queue, .. } = self {
+            queue.with(|waiting| *waiting = None);
+            queue.news.notify_all();
+        }
+    }
 }
 
 impl Store {
@@ -61,9 +94,26 @@ impl Store {
                 let answer = request.fetch(reader.as_ref());
                 answers.push_back((request.id, answer));
             }
-            // The threads end only with the store, so that sending cannot fail while it stands.
-            Fetcher::Threads { ask, .. } => drop(ask.send(request)),
+            Fetcher::Threads { queue, .. } => {
+                queue.with(|waiting| waiting.as_mut().map(|waiting| waiting.push_back(request)));
+                queue.news.notify_one();
+            }
         }
+    }
+
+    /// Takes back those requests that are not wanted any more and that no thread has taken. Returns what they asked for.
+    pub fn cancel_unwanted(&mut self) -> Vec<What> {
+        let Fetcher::Threads { queue, .. } = &self.fetcher else { return Vec::new() };
+        let mut unwanted = self.client.unwanted();
+        if unwanted.is_empty() {
+            return Vec::new();
+        }
+        queue.with(|waiting| {
+            let Some(waiting) = waiting else { return };
+            unwanted.retain(|id| waiting.iter().any(|request| request.id == *id));
+            waiting.retain(|request| !unwanted.contains(&request.id));
+        });
+        unwanted.into_iter().filter_map(|id| self.client.cancel(id)).collect()
     }
 
     /// The next answer, if one is there.
@@ -76,16 +126,12 @@ impl Store {
 }
 
 fn spawn_threads(reader: &Arc<dyn Reader>, threads: usize) -> Fetcher {
-    let (ask, asked) = channel::<Request>();
+    let queue = Arc::new(Queue { waiting: Mutex::new(Some(VecDeque::new())), news: Condvar::new() });
     let (answer, answers) = channel::<Fetched>();
-    let asked = Arc::new(Mutex::new(asked));
     for _ in 0..threads {
-        let (reader, asked, answer) = (Arc::clone(reader), Arc::clone(&asked), answer.clone());
+        let (reader, queue, answer) = (Arc::clone(reader), Arc::clone(&queue), answer.clone());
         std::thread::spawn(move || {
-            loop {
-                // The lock is held only while waiting for work; the end of the store ends the channel and the thread.
-                let next = asked.lock().unwrap_or_else(PoisonError::into_inner).recv();
-                let Ok(request) = next else { return };
+            while let Some(request) = queue.next() {
                 let fetched = request.fetch(reader.as_ref());
                 if answer.send((request.id, fetched)).is_err() {
                     return;
@@ -93,7 +139,50 @@ fn spawn_threads(reader: &Arc<dyn Reader>, threads: usize) -> Fetcher {
             }
         });
     }
-    Fetcher::Threads { ask, answers: Mutex::new(answers) }
+    Fetcher::Threads { queue, answers: Mutex::new(answers) }
+}
+
+/// Reads a city again from the beginning of its waits: everything that failed is asked for at once, as after a lost connection that
+/// stands again.
+#[derive(Message, Debug, Clone, Copy, Default)]
+pub struct Reconnect;
+
+pub(crate) fn reconnect(mut asked: MessageReader<Reconnect>, store: Option<ResMut<Store>>) {
+    if asked.read().count() > 0
+        && let Some(mut store) = store
+    {
+        store.client.retry_now();
+    }
+}
+
+/// Where cities from web servers are kept, so that a return costs nothing. Without a directory nothing is kept. Not in browsers, which
+/// keep files themselves.
+#[derive(Resource, Debug, Clone, PartialEq, Eq)]
+pub struct StreamingCache {
+    /// The directory, which several programs may share.
+    pub dir: Option<PathBuf>,
+    /// Most bytes that are kept; what was not used for longest goes.
+    pub cap_bytes: u64,
+}
+
+impl Default for StreamingCache {
+    fn default() -> Self {
+        Self { dir: None, cap_bytes: 256 << 20 }
+    }
+}
+
+/// A reader for a place; what comes from a web server is kept.
+fn reader_of(place: &str, cache: &StreamingCache) -> Result<Arc<dyn Reader>, ReadError> {
+    let reader = open_reader(place)?;
+    #[cfg(not(target_arch = "wasm32"))]
+    if let Some(dir) = &cache.dir
+        && place.contains("://")
+    {
+        return Ok(Arc::new(veduta_store::CacheReader::new(reader, dir, cache.cap_bytes)));
+    }
+    #[cfg(target_arch = "wasm32")]
+    let _ = cache;
+    Ok(reader)
 }
 
 /// Opens the city that is asked for; closes the one before.
@@ -101,6 +190,9 @@ pub(crate) fn open_city(
     mut commands: Commands,
     asked: Option<Res<OpenCity>>,
     fetching: Res<Fetching>,
+    cache: Res<StreamingCache>,
+    time: Res<Time>,
+    mut journal: ResMut<Journal>,
     cells: Query<(Entity, &Cell)>,
     mut standing: ResMut<StandingCells>,
     mut wanted: ResMut<Wanted>,
@@ -122,7 +214,8 @@ pub(crate) fn open_city(
     standing.clear();
     *wanted = Wanted::default();
     commands.remove_resource::<City>();
-    match open_reader(&asked.0) {
+    journal.note(time.elapsed_secs_f64(), Event::Opened { place: asked.0.clone() });
+    match reader_of(&asked.0, &cache) {
         Ok(reader) => {
             info!("opening {}", reader.describe());
             commands.insert_resource(Store::new(reader, *fetching));

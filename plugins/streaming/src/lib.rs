@@ -5,10 +5,14 @@
 //!  Eye ──► follow (CellEntered) ──► plan what is wanted ──► ask ──► deliver (CellReady) ──► release (CellReleased)
 //! ```
 //!
-//! The current cell is followed by portal crossing. Wanted are the cells of its visible set at level 1, nearest first, then
+//! The current cell is followed by portal crossing. What the index tells of cells comes region by region, those about the viewer and of
+//! what is in sight first; the overview, for maps and tours, when all in sight stands. Wanted are the cells of its visible set at level 1, nearest first, then
 //! their finer levels within [`StreamingSettings::level_2_m`], then the neighbours of what is visible; a viewer above the
 //! roofs wants everything within [`StreamingSettings::flying_m`]. Levels of a cell arrive strictly in order. Nothing is read
 //! or decoded on the main thread.
+//!
+//! What a web server sent is kept in a [`StreamingCache`]. [`Wanted::why`] tells why a cell is wanted, and the [`Journal`] all that
+//! happened; it can be replayed to what is loaded. [`Reconnect`] asks at once for all that waits to be tried again.
 //!
 //! # Use
 //! ```no_run
@@ -24,7 +28,7 @@
 //! ```
 //!
 //! # Limits
-//! The index is read whole when a city opens.
+//! The overview is read whole.
 //!
 //! # Rejected
 //! Bevy's asset server for packets: no checksums, no retry, no order, and whole files are all it reads.
@@ -32,15 +36,17 @@
 mod deliver;
 mod fetch;
 mod follow;
+mod journal;
 mod want;
 
 use bevy::prelude::*;
 use veduta_ecs::VedutaSystems;
 
 pub use deliver::{RetryTime, StreamingStats};
-pub use fetch::Fetching;
+pub use fetch::{Fetching, Reconnect, StreamingCache};
 pub use follow::CurrentCell;
-pub use want::Wanted;
+pub use journal::{Entry, Event, Item, Journal, JournalError, Reason, read_journal, replay, write_journal};
+pub use want::{Wanted, Why};
 
 /// Streams the city that [`OpenCity`](veduta_ecs::OpenCity) names.
 #[derive(Debug, Clone, Default)]
@@ -80,8 +86,12 @@ pub struct StreamingSettings {
     pub keep_s: f64,
     /// Most bytes of content that stay loaded, as sent; over it the furthest cells that are not in sight go first.
     pub memory_cap_bytes: u64,
-    /// Most packets taken a frame.
+    /// Most answers taken a frame.
     pub packets_a_frame: usize,
+    /// No more answers are taken in a frame that has brought so many bytes, as sent.
+    pub bytes_a_frame: u64,
+    /// Nothing is asked for as long as this is set; what is on its way still arrives.
+    pub paused: bool,
     /// Highest level asked for.
     pub finest: u8,
 }
@@ -96,6 +106,8 @@ impl Default for StreamingSettings {
             keep_s: 10.0,
             memory_cap_bytes: 64 << 20,
             packets_a_frame: 16,
+            bytes_a_frame: 64 << 10,
+            paused: false,
             finest: 4,
         }
     }
@@ -110,9 +122,12 @@ impl Plugin for StreamingPlugin {
             .init_resource::<Wanted>()
             .init_resource::<StreamingStats>()
             .init_resource::<RetryTime>()
+            .init_resource::<StreamingCache>()
+            .init_resource::<Journal>()
+            .add_message::<Reconnect>()
             .register_type::<StreamingSettings>()
             .configure_sets(Update, (Open, Follow, Want, Deliver, Release).chain().in_set(VedutaSystems::Stream))
-            .add_systems(Update, fetch::open_city.in_set(Open))
+            .add_systems(Update, (fetch::open_city, fetch::reconnect).chain().in_set(Open))
             .add_systems(Update, follow::follow_viewers.in_set(Follow))
             .add_systems(Update, (want::plan_wanted, want::count_awaited).chain().in_set(Want))
             .add_systems(Update, deliver::deliver.in_set(Deliver))

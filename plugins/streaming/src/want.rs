@@ -2,7 +2,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use veduta_city::{Level, metres};
+use serde::{Deserialize, Serialize};
+use veduta_city::{GridPos, Level, metres};
 use veduta_ecs::{Awaited, Eye, StandingCells, Viewer};
 use veduta_store::{CellEntry, CityIndex};
 
@@ -16,12 +17,20 @@ pub struct Wanted {
     pub order: Vec<(u32, Level)>,
     /// Cells in sight of a viewer: these must stand at level 1 for a picture without holes.
     pub in_sight: Vec<u32>,
+    /// Regions of the index that are to tell of cells and have not come, most urgent first.
+    pub regions: Vec<u32>,
+    /// So many of them, the first, are to tell where a viewer is and what is in sight: nobody knows yet what is to be seen.
+    pub regions_in_sight: usize,
+    /// Why each cell is wanted.
+    why: BTreeMap<u32, Why>,
+    /// All regions whose cells the list was planned with.
+    pub(crate) used: BTreeSet<u32>,
     /// The order again, to be asked whether it has something.
     set: BTreeSet<(u32, Level)>,
     /// Counts the plans made for this city.
     pub(crate) generation: u64,
-    /// What the list was last planned for: a viewer's cell and position, coarsely.
-    planned_for: Vec<(Option<u32>, IVec3)>,
+    /// What the list was last planned for: a viewer's cell and position, coarsely; `None` if more is told by now.
+    planned_for: Option<Vec<(Option<u32>, IVec3)>>,
 }
 
 impl Wanted {
@@ -31,11 +40,42 @@ impl Wanted {
         self.set.range((cell, Level::One)..).next().is_some_and(|&(c, _)| c == cell)
     }
 
+    /// Why a cell is wanted; `None` if it is not.
+    #[must_use]
+    pub fn why(&self, cell: u32) -> Option<Why> {
+        self.why.get(&cell).copied()
+    }
+
+    /// Has the list planned anew: more is told of the city, or less.
+    pub(crate) fn plan_anew(&mut self) {
+        self.planned_for = None;
+    }
+
     /// Whether this level of a cell is wanted.
     #[must_use]
     pub fn wants_level(&self, cell: u32, level: Level) -> bool {
         self.set.contains(&(cell, level))
     }
+}
+
+/// Why a cell is wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Why {
+    /// It is seen from the cell in which a viewer is.
+    Seen {
+        /// That cell.
+        from: u32,
+    },
+    /// It lies behind a portal of a cell that is seen.
+    Beyond {
+        /// That cell.
+        cell: u32,
+    },
+    /// It rises above the roofs.
+    Skyline,
+    /// It is near a viewer who is above the roofs or outside of every cell.
+    Near,
 }
 
 /// Counts what is in sight and does not stand.
@@ -48,11 +88,13 @@ pub(crate) fn count_awaited(
     if !wanted.is_changed() && !standing.is_changed() && awaited.cells == 0 {
         return;
     }
+    let is_told_of = |&&region: &&u32| store.as_ref().is_some_and(|store| !store.client.gave_up_region(region));
+    let regions = wanted.regions.iter().take(wanted.regions_in_sight).filter(is_told_of).count();
     let gave_up = |cell| store.as_ref().is_some_and(|store| store.client.gave_up(cell, Level::One));
     // Level 1 of what is in sight leads the order; what the memory cap leaves out is not in it.
     let lead = wanted.order.iter().take(wanted.in_sight.len()).filter(|&&(_, level)| level == Level::One);
     let cells = lead.filter(|&&(cell, _)| !standing.levels(cell).has(Level::One) && !gave_up(cell)).count();
-    awaited.set_if_neq(Awaited { cells });
+    awaited.set_if_neq(Awaited { cells: cells + regions });
 }
 
 /// How urgently a cell is wanted: rank (0 in sight, 1 next to it), then metres.
@@ -61,9 +103,97 @@ struct Need {
     rank: u8,
     distance_m: f64,
     finest: Level,
+    why: Why,
 }
 
-/// Plans anew when a viewer has changed cell or moved eight metres.
+/// What viewers need of a city, as far as it is told.
+struct Needs<'a> {
+    index: &'a CityIndex,
+    settings: &'a StreamingSettings,
+    cells: BTreeMap<u32, Need>,
+    /// Regions that were asked about cells.
+    used: BTreeSet<u32>,
+    /// Those of them that have not come, by rank, in the order in which they were asked.
+    missing: [Vec<u32>; 2],
+}
+
+impl Needs<'_> {
+    /// Whether a region is here to tell of cells of a rank.
+    fn has(&mut self, region: u32, rank: u8) -> bool {
+        self.used.insert(region);
+        let is_here = self.index.region(region).is_some();
+        if !is_here && !self.missing[usize::from(rank)].contains(&region) {
+            self.missing[usize::from(rank)].push(region);
+        }
+        is_here
+    }
+
+    fn cell(&mut self, cell: u32, why: Why, eye: &Eye) {
+        let rank = u8::from(matches!(why, Why::Beyond { .. }));
+        let Some(region) = self.index.region_of(cell) else { return };
+        if !self.has(region, rank) {
+            return;
+        }
+        let Some(entry) = self.index.cell(cell) else { return };
+        let distance_m = distance_to(entry.bounds, eye.plan_pos);
+        let finest = if distance_m <= self.settings.level_2_m { Level::Four } else { Level::One };
+        let new = Need { rank, distance_m, finest, why };
+        let nearer = |old: &mut Need| {
+            *old = Need {
+                rank: old.rank.min(rank),
+                distance_m: old.distance_m.min(distance_m),
+                finest: old.finest.max(finest),
+                why: if rank < old.rank { why } else { old.why },
+            };
+        };
+        self.cells.entry(cell).and_modify(nearer).or_insert(new);
+    }
+
+    /// Adds what one viewer needs.
+    fn add(&mut self, eye: &Eye, cell: Option<u32>) {
+        let (index, settings) = (self.index, self.settings);
+        if cell.is_none() {
+            let pos = GridPos::from_metres(eye.plan_pos);
+            index.regions_at(pos).for_each(|region| _ = self.has(region, 0));
+        }
+        let is_flying = eye.eye_m >= settings.flying_from_m;
+        if let Some(cell) = cell
+            && !is_flying
+        {
+            for &seen in index.cell(cell).map_or(&[][..], |entry| &entry.visible) {
+                self.cell(seen, Why::Seen { from: cell }, eye);
+                let beyond = index.portals(seen).filter_map(|portal| portal.other(seen));
+                beyond.for_each(|beyond| self.cell(beyond, Why::Beyond { cell: seen }, eye));
+            }
+        }
+        // Above the roofs, or in a place that no cell covers: what is near, whatever stands between.
+        let around_m = match cell {
+            _ if is_flying => settings.flying_m,
+            None => settings.level_2_m,
+            Some(_) => 0.0,
+        };
+        for (number, region) in (0..).zip(&*index.regions) {
+            let distance_m = distance_to(region.bounds, eye.plan_pos);
+            if around_m > 0.0 && distance_m <= around_m && self.has(number, 0) {
+                let page = index.region(number).map_or(&[][..], |page| &page.cells);
+                for (cell, _) in region.numbers().zip(page).filter(|(_, cell)| distance_to(cell.bounds, eye.plan_pos) <= around_m) {
+                    self.cell(cell, Why::Near, eye);
+                }
+            }
+            if region.skyline > 0 && distance_m <= settings.skyline_m && self.has(number, 1) {
+                let page = index.region(number).map_or(&[][..], |page| &page.skyline);
+                for &tall in page {
+                    let is_near = |entry: &CellEntry| distance_to(entry.bounds, eye.plan_pos) <= settings.skyline_m;
+                    if index.cell(tall).is_some_and(is_near) {
+                        self.cell(tall, Why::Skyline, eye);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Plans anew when a viewer has changed cell or moved eight metres, or more of the city is told.
 pub(crate) fn plan_wanted(
     store: Option<Res<Store>>,
     settings: Res<StreamingSettings>,
@@ -78,70 +208,33 @@ pub(crate) fn plan_wanted(
             (current.and_then(|c| c.0), IVec3::new(p.x as i32, p.y as i32, (eye.eye_m / 8.0) as i32))
         })
         .collect();
-    if standpoints == wanted.planned_for && !settings.is_changed() {
+    if wanted.planned_for.as_ref() == Some(&standpoints) && !settings.is_changed() {
         return;
     }
-    let mut needs: BTreeMap<u32, Need> = BTreeMap::new();
+    let mut needs =
+        Needs { index, settings: &settings, cells: BTreeMap::new(), used: BTreeSet::new(), missing: [Vec::new(), Vec::new()] };
     for (eye, current) in &viewers {
-        add_needs(index, &settings, eye, current.and_then(|c| c.0), &mut needs);
+        needs.add(eye, current.and_then(|c| c.0));
     }
-    let (order, in_sight) = ranked(index, &needs, &settings);
-    let (set, generation) = (order.iter().copied().collect(), wanted.generation + 1);
-    *wanted = Wanted { order, in_sight, set, generation, planned_for: standpoints };
+    let (order, in_sight) = ranked(index, &needs.cells, &settings);
+    let [mut regions, later] = needs.missing;
+    let regions_in_sight = regions.len();
+    regions.extend(later.into_iter().filter(|region| !regions.contains(region)).collect::<Vec<_>>());
+    *wanted = Wanted {
+        set: order.iter().copied().collect(),
+        order,
+        in_sight,
+        regions,
+        regions_in_sight,
+        why: needs.cells.iter().map(|(&cell, need)| (cell, need.why)).collect(),
+        used: needs.used,
+        generation: wanted.generation + 1,
+        planned_for: Some(standpoints),
+    };
 }
 
-fn add_needs(index: &CityIndex, settings: &StreamingSettings, eye: &Eye, cell: Option<u32>, needs: &mut BTreeMap<u32, Need>) {
-    let mut need = |cell: u32, rank: u8| {
-        let Some(entry) = index.cells.get(cell as usize) else { return };
-        let distance_m = distance_to(entry, eye.plan_pos);
-        let finest = if distance_m <= settings.level_2_m { Level::Four } else { Level::One };
-        let new = Need { rank, distance_m, finest };
-        needs
-            .entry(cell)
-            .and_modify(|old| {
-                *old =
-                    Need { rank: old.rank.min(rank), distance_m: old.distance_m.min(distance_m), finest: old.finest.max(finest) };
-            })
-            .or_insert(new);
-    };
-    let flying = eye.eye_m >= settings.flying_from_m;
-    if let Some(cell) = cell
-        && !flying
-    {
-        let visible = index.cells.get(cell as usize).map_or(&[][..], |c| &c.visible);
-        for &seen in visible {
-            need(seen, 0);
-            let portals = index.cells.get(seen as usize).map_or(&[][..], |c| &c.portals);
-            for beyond in portals.iter().filter_map(|&p| index.portals.get(p as usize)?.other(seen)) {
-                need(beyond, 1);
-            }
-        }
-    }
-    // Above the roofs, or in a place that no cell covers: what is near, whatever stands between.
-    let around_m = if flying {
-        settings.flying_m
-    } else if cell.is_none() {
-        settings.level_2_m
-    } else {
-        0.0
-    };
-    if around_m > 0.0 {
-        for (i, entry) in index.cells.iter().enumerate() {
-            if distance_to(entry, eye.plan_pos) <= around_m {
-                need(i as u32, 0);
-            }
-        }
-    }
-    for &tall in &index.skyline {
-        if index.cells.get(tall as usize).is_some_and(|entry| distance_to(entry, eye.plan_pos) <= settings.skyline_m) {
-            need(tall, 0);
-        }
-    }
-}
-
-/// Distance in metres from a plan position to the box of what is drawn with a cell; 0 inside.
-fn distance_to(entry: &CellEntry, plan_pos: DVec2) -> f64 {
-    let (lo, hi) = entry.bounds;
+/// Distance in metres from a plan position to a box; 0 inside.
+fn distance_to((lo, hi): (GridPos, GridPos), plan_pos: DVec2) -> f64 {
     let (lo, hi) = (DVec2::new(metres(lo.0), metres(lo.1)), DVec2::new(metres(hi.0), metres(hi.1)));
     plan_pos.distance(plan_pos.clamp(lo.min(hi), hi.max(lo)))
 }
@@ -151,9 +244,7 @@ fn distance_to(entry: &CellEntry, plan_pos: DVec2) -> f64 {
 fn ranked(index: &CityIndex, needs: &BTreeMap<u32, Need>, settings: &StreamingSettings) -> (Vec<(u32, Level)>, Vec<u32>) {
     let mut cells: Vec<(u32, Need)> = needs.iter().map(|(&cell, &need)| (cell, need)).collect();
     cells.sort_by(|a, b| a.1.rank.cmp(&b.1.rank).then(a.1.distance_m.total_cmp(&b.1.distance_m)).then(a.0.cmp(&b.0)));
-    let bytes = |cell: u32, level: Level| {
-        index.cells.get(cell as usize).and_then(|c| c.packets[level.index()].as_ref()).map(|blob| u64::from(blob.bytes))
-    };
+    let bytes = |cell: u32, level: Level| index.cell(cell).and_then(|entry| entry.packet(level)).map(|blob| u64::from(blob.bytes));
     let (mut order, mut sum, mut reached) = (Vec::new(), 0, BTreeMap::new());
     for rank in [0, 1] {
         for level in Level::ALL {

@@ -2,8 +2,7 @@ use anstream::{eprintln, println};
 use veduta_bake::{Proof, ProofSettings, prove};
 use veduta_city::{CellShell, Level};
 use veduta_store::{
-    CityIndex, INDEX_NAME, Packet, Reader, StoreError, decode_index, decode_overview, decode_packet, decode_styles, open_reader,
-    sheet_fits,
+    CityIndex, Packet, Reader, StoreError, decode_overview, decode_packet, decode_styles, open_reader, read_index, sheet_fits,
 };
 
 use super::Failure;
@@ -32,6 +31,8 @@ struct Found {
     packets: [u64; 4],
     /// Their bytes by level.
     bytes: [u64; 4],
+    /// Things with a name.
+    places: usize,
     /// What is wrong.
     broken: Vec<String>,
     /// Of level 1, by cell.
@@ -41,18 +42,22 @@ struct Found {
 /// Reads a city through and says what is in it.
 pub(crate) fn inspect(city: &str, json: bool, proving: &Proving) -> Result<(), Failure> {
     let reader = open_reader(city)?;
-    let stored = reader.read(INDEX_NAME, 256 << 20)?;
-    let index = decode_index(&stored).map_err(|error| error.in_file(reader.describe(), INDEX_NAME))?;
+    let index = read_index(&*reader)?;
     let found = look(&*reader, &index);
     let settings = ProofSettings { rays: proving.rays, eyes_a_cell: proving.eyes, seed: proving.proof_seed };
     let proof = (proving.prove && found.broken.is_empty()).then(|| prove(&index, &found.shells, &settings));
-    let houses: u64 = index.cells.iter().map(|c| u64::from(c.houses)).sum();
-    let seen: usize = index.cells.iter().map(|c| c.visible.len()).sum();
-    let visible_mean = seen as f64 / index.cells.len().max(1) as f64;
+    let houses: u64 = index.cells().map(|(_, cell)| u64::from(cell.houses)).sum();
+    let seen: usize = index.cells().map(|(_, cell)| cell.visible.len()).sum();
+    let (cells, regions) = (index.cell_count(), index.regions.len());
+    let visible_mean = seen as f64 / f64::from(cells.max(1));
+    // Those between two regions are told in both.
+    let told = index.regions_here().flat_map(|(number, region)| region.portals.iter().map(move |portal| (number, portal)));
+    let portals = told.filter(|(number, portal)| index.region_of(portal.cell) == Some(*number)).count();
+    let skyline: usize = index.regions_here().map(|(_, region)| region.skyline.len()).sum();
     if json {
         let mut figures = serde_json::json!({
-            "name": index.name, "cells": index.cells.len(), "portals": index.portals.len(), "houses": houses,
-            "places": index.places.len(), "visible_mean": visible_mean, "skyline": index.skyline.len(),
+            "name": index.name, "cells": cells, "regions": regions, "portals": portals, "houses": houses,
+            "places": found.places, "visible_mean": visible_mean, "skyline": skyline,
             "packets": found.packets, "bytes": found.bytes, "broken": found.broken.len(),
         });
         if let Some(proof) = &proof {
@@ -69,8 +74,8 @@ pub(crate) fn inspect(city: &str, json: bool, proving: &Proving) -> Result<(), F
         println!("{figures}");
     } else {
         println!("{} ({})", index.name, reader.describe());
-        println!("  {} cells, {} portals, {houses} houses, {} places", index.cells.len(), index.portals.len(), index.places.len());
-        println!("  {visible_mean:.1} cells seen from a cell, {} on the skyline", index.skyline.len());
+        println!("  {cells} cells in {regions} regions, {portals} portals, {houses} houses, {} places", found.places);
+        println!("  {visible_mean:.1} cells seen from a cell, {skyline} on the skyline");
         for level in Level::ALL.into_iter().filter(|l| found.packets[l.index()] > 0) {
             println!("  {level}: {} packets, {} bytes", found.packets[level.index()], found.bytes[level.index()]);
         }
@@ -106,7 +111,7 @@ fn tell(proof: &Proof, index: &CityIndex, json: bool) {
             println!("  visible sets hold {excess:.3} times the area that is seen, the skyline apart");
         }
     }
-    let name = |cell: u32| &index.cells[cell as usize].name;
+    let name = |cell: u32| index.cell(cell).map_or("", |cell| &cell.name);
     for missing in proof.missing.iter().take(MOST_TOLD) {
         let ((eye, eye_m), (seen, seen_m)) = (missing.eye, missing.seen);
         eprintln!(
@@ -128,6 +133,7 @@ fn look(reader: &dyn Reader, index: &CityIndex) -> Found {
     let mut found = Found::default();
     let read = |blob: &veduta_store::BlobRef| reader.read(&blob.path(), u64::from(blob.bytes)).map_err(StoreError::from);
     let overview = read(&index.overview).and_then(|stored| decode_overview(&stored, &index.overview));
+    found.places = overview.as_ref().map_or(0, |overview| overview.places.len());
     if let Err(error) = overview {
         found.broken.push(format!("overview: {}", error.in_file(reader.describe(), &index.overview.path())));
     }
@@ -136,7 +142,7 @@ fn look(reader: &dyn Reader, index: &CityIndex) -> Found {
     {
         found.broken.push(format!("styles: {}", error.in_file(reader.describe(), &blob.path())));
     }
-    for (i, cell) in index.cells.iter().enumerate() {
+    for (i, cell) in index.cells() {
         let mut shell = None;
         for level in Level::ALL {
             let Some(blob) = cell.packet(level) else { continue };

@@ -70,10 +70,10 @@ fn open(city: &Path) -> Result<Town, String> {
 
 fn open_baked(city: &Path) -> Result<Town, veduta_store::StoreError> {
     let reader = DirReader::new(city)?;
-    let stored = reader.read(INDEX_NAME, 256 << 20)?;
+    let stored = reader.read(INDEX_NAME, 64 << 20)?;
     let index = decode_index(&stored).map_err(|error| error.in_file(reader.describe(), INDEX_NAME))?;
     let path = index.overview.path();
     let stored = reader.read(&path, u64::from(index.overview.bytes))?;
     let overview = decode_overview(&stored, &index.overview).map_err(|error| error.in_file(reader.describe(), &path))?;
-    Ok(Town { net: StreetNet::new(&overview.streets).on(&overview.terrain), places: Gazetteer::new(&index.places) })
+    Ok(Town { net: StreetNet::new(&overview.streets).on(&overview.terrain), places: Gazetteer::new(&overview.places) })
 }

@@ -57,8 +57,8 @@ pub fn collision(shell: &CellShell) -> Collision {
     let drape = Drape::of(shell);
     let mut walls = Trimesh::default();
     house_walls(shell, &ground, &drape, &mut walls);
-    for portal in &shell.blind {
-        if let Some(edge) = Edge::new(portal.ends.0.to_metres(), portal.ends.1.to_metres()) {
+    for (from, to) in &shell.blind {
+        if let Some(edge) = Edge::new(from.to_metres(), to.to_metres()) {
             // The portal's own cell lies on its left: the ground before the other side of the edge.
             let inner = Edge { out: -edge.out, ..edge };
             let (low, high) = shell.terrain.range_along(edge.a, edge.b);
@@ -267,9 +267,7 @@ fn pillar(object: &PlanObject) -> Pillar {
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::{
-        Arcade, Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Id, PlanRoof, Portal, PortalSide, Rgb, VolumeShell,
-    };
+    use veduta_city::{Arcade, Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Id, PlanRoof, Rgb, VolumeShell};
 
     use super::*;
 
@@ -367,8 +365,7 @@ mod tests {
 
     #[test]
     fn a_blind_portal_stops() {
-        let blind = Portal { ends: (GridPos(0, 0), GridPos(0, 4096)), cell: 0, beyond: PortalSide::Edge };
-        let c = collision(&CellShell { blind: vec![blind], ..Default::default() });
+        let c = collision(&CellShell { blind: vec![(GridPos(0, 0), GridPos(0, 4096))], ..Default::default() });
         assert_eq!(c.walls.triangles.len(), 2);
     }
 }

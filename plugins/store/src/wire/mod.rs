@@ -10,19 +10,23 @@
 mod columns;
 mod index;
 mod overview;
+mod places;
 mod points;
+mod region;
 mod sheet;
 mod shell;
 mod terrain;
 
 pub(crate) use index::WireIndex;
 pub(crate) use overview::WireOverview;
+pub(crate) use region::{WireRegion, bounds_beyond, metres_beyond};
 pub(crate) use sheet::WireSheet;
 pub(crate) use shell::WireShell;
 
-use serde::{Serialize, de::DeserializeOwned};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use crate::StoreError;
+use crate::{BlobRef, StoreError};
+use columns::Pull;
 
 /// What is wrong with columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,6 +44,45 @@ impl Malformed {
             Self::Column(name) => format!("there are too few or too many {name}"),
         };
         StoreError::Malformed { what, reason }
+    }
+}
+
+/// References to blobs in columns.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct WireBlobs {
+    bytes: Vec<u32>,
+    hashes: Vec<[u8; 16]>,
+}
+
+impl WireBlobs {
+    fn of<'a>(blobs: impl IntoIterator<Item = &'a BlobRef>) -> Self {
+        let (bytes, hashes) = blobs.into_iter().map(|blob| (blob.bytes, blob.hash)).unzip();
+        Self { bytes, hashes }
+    }
+
+    fn pull(self, name: &'static str) -> PullBlobs {
+        PullBlobs { bytes: Pull::new(name, self.bytes), hashes: Pull::new(name, self.hashes) }
+    }
+}
+
+/// Takes references off [`WireBlobs`].
+struct PullBlobs {
+    bytes: Pull<u32>,
+    hashes: Pull<[u8; 16]>,
+}
+
+impl PullBlobs {
+    fn take(&mut self) -> Result<BlobRef, Malformed> {
+        Ok(BlobRef { hash: self.hashes.take()?, bytes: self.bytes.take()? })
+    }
+
+    fn is_empty(&self) -> bool {
+        self.bytes.is_empty() && self.hashes.is_empty()
+    }
+
+    fn finish(&self) -> Result<(), Malformed> {
+        self.bytes.finish()?;
+        self.hashes.finish()
     }
 }
 

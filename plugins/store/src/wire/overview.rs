@@ -4,6 +4,7 @@ use veduta_city::{HouseName, ObjectKind, Overview, PlanStreet, PlanTerrain, Surf
 use super::{
     Malformed,
     columns::{Deltas, Ids, Pull, Texts},
+    places::WirePlaces,
     points::{PointWriter, Points, PullPoints},
     terrain::WireTerrain,
 };
@@ -25,6 +26,7 @@ pub(crate) struct WireOverview {
     named: Deltas,
     objects: Vec<ObjectKind>,
     spans: Vec<WaySpan>,
+    places: WirePlaces,
 }
 
 impl From<&Overview> for WireOverview {
@@ -57,6 +59,7 @@ impl From<&Overview> for WireOverview {
             named: Deltas::of(overview.names.iter().map(|name| name.house as i32)),
             objects: overview.objects.iter().map(|&(kind, _)| kind).collect(),
             spans: overview.spans.clone(),
+            places: WirePlaces::of(&overview.places),
         }
     }
 }
@@ -83,7 +86,8 @@ impl TryFrom<WireOverview> for Overview {
             .map(|house| Ok(HouseName { house: house as u32, name: texts.take()?, number: texts.take()? }))
             .collect::<Result<_, _>>()?;
         texts.finish()?;
-        Ok(Self { terrain: PlanTerrain::try_from(wire.terrain)?, streets, areas, houses, names, objects, spans: wire.spans })
+        let (terrain, places) = (PlanTerrain::try_from(wire.terrain)?, wire.places.pull()?);
+        Ok(Self { terrain, streets, areas, houses, names, objects, spans: wire.spans, places })
     }
 }
 

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
     Arcade, CellShell, Course, Design, Gable, GridPos, GroundPatch, HouseShell, Id, Marking, MarkingKind, ObjectKind,
-    PlacedMonument, PlanObject, PlanRoof, PlanTerrain, Portal, PortalSide, Rgb, RoofShape, SurfaceKind, VolumeShell, WaySpan,
+    PlacedMonument, PlanObject, PlanRoof, PlanTerrain, Rgb, RoofShape, SurfaceKind, VolumeShell, WaySpan,
 };
 
 use super::{
@@ -22,7 +22,8 @@ pub(crate) struct WireShell {
     houses: WireHouses,
     volumes: WireVolumes,
     objects: WireObjects,
-    blind: WireBlind,
+    /// How many blind portals there are.
+    blind: u32,
     markings: WireMarkings,
     designs: Vec<Design>,
     monuments: Vec<PlacedMonument>,
@@ -77,33 +78,10 @@ struct WireObjects {
 }
 
 #[derive(Serialize, Deserialize)]
-struct WireBlind {
-    cells: Vec<u32>,
-    /// 0: the edge; else one more than the cell.
-    beyond: Vec<u64>,
-}
-
-#[derive(Serialize, Deserialize)]
 struct WireMarkings {
     kinds: Vec<MarkingKind>,
     widths: Vec<i32>,
     z: Deltas,
-}
-
-/// One number for what lies beyond a portal: 0 for the edge, else one more than the cell.
-pub(super) const fn code_of_side(side: PortalSide) -> u64 {
-    match side {
-        PortalSide::Edge => 0,
-        PortalSide::Cell(cell) => cell as u64 + 1,
-    }
-}
-
-/// What lies beyond a portal, by its number.
-pub(super) fn side_of_code(code: u64) -> Result<PortalSide, Malformed> {
-    match code.checked_sub(1) {
-        None => Ok(PortalSide::Edge),
-        Some(cell) => u32::try_from(cell).map(PortalSide::Cell).map_err(|_| Malformed::Reason("a portal leads to no cell")),
-    }
 }
 
 impl From<&CellShell> for WireShell {
@@ -115,9 +93,9 @@ impl From<&CellShell> for WireShell {
         volumes().for_each(|volume| points.polygon(&volume.footprint));
         shell.ground.iter().for_each(|patch| points.polygon(&patch.outline));
         shell.objects.iter().for_each(|object| points.point(object.pos));
-        for portal in &shell.blind {
-            points.point(portal.ends.0);
-            points.point(portal.ends.1);
+        for &(from, to) in &shell.blind {
+            points.point(from);
+            points.point(to);
         }
         shell.markings.iter().for_each(|marking| points.line(&marking.line));
         shell.courses.iter().for_each(|course| points.line(&course.line));
@@ -145,10 +123,7 @@ impl From<&CellShell> for WireShell {
             },
             volumes: WireVolumes::of(volumes()),
             objects: WireObjects::of(&shell.objects),
-            blind: WireBlind {
-                cells: shell.blind.iter().map(|portal| portal.cell).collect(),
-                beyond: shell.blind.iter().map(|portal| code_of_side(portal.beyond)).collect(),
-            },
+            blind: shell.blind.len() as u32,
             markings: WireMarkings {
                 kinds: shell.markings.iter().map(|marking| marking.kind).collect(),
                 widths: shell.markings.iter().map(|marking| marking.width).collect(),
@@ -210,7 +185,7 @@ impl TryFrom<WireShell> for CellShell {
         let starts = core::mem::take(&mut wire.ground.from);
         let ground = wire.ground.pull(&mut points)?;
         let objects = wire.objects.pull(&mut points)?;
-        let blind = wire.blind.pull(&mut points)?;
+        let blind = (0..wire.blind).map(|_| Ok((points.point()?, points.point()?))).collect::<Result<_, _>>()?;
         let markings = wire.markings.pull(&mut points)?;
         let course = |from| Ok(Course { line: points.line()?, from });
         let courses = starts.into_iter().map(course).collect::<Result<_, _>>()?;
@@ -400,18 +375,5 @@ impl WireMarkings {
         widths.finish()?;
         z.finish()?;
         Ok(markings)
-    }
-}
-
-impl WireBlind {
-    fn pull(self, points: &mut PullPoints) -> Result<Vec<Portal>, Malformed> {
-        let mut beyond = Pull::new("portals", self.beyond);
-        let mut blind = Vec::with_capacity(self.cells.len());
-        for cell in self.cells {
-            let ends = (points.point()?, points.point()?);
-            blind.push(Portal { ends, cell, beyond: side_of_code(beyond.take()?)? });
-        }
-        beyond.finish()?;
-        Ok(blind)
     }
 }

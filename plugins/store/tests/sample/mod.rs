@@ -199,8 +199,7 @@ fn add_cell(plan: &mut CityPlan, city: &mut City, c: usize, count: usize, each: 
 
 fn add_portals(city: &mut City, cell: &mut Cell, shell: &mut CellShell, c: usize, count: usize, (start, front): (i32, i32)) {
     let portals = &mut city.cells.portals;
-    let mut blind =
-        |portal: Portal| shell.blind.push(Portal { ends: (portal.ends.0 - shell.origin, portal.ends.1 - shell.origin), ..portal });
+    let mut blind = |portal: Portal| shell.blind.push((portal.ends.0 - shell.origin, portal.ends.1 - shell.origin));
     if c == 0 {
         portals.push(Portal { ends: (at(start, 5 * M), at(start, -5 * M)), cell: 0, beyond: PortalSide::Edge });
         blind(portals[0]);

@@ -1,0 +1,204 @@
+use core::ops::Range;
+
+use veduta_city::{GridPolygon, GridPos, Id, Level, Portal};
+
+use crate::blob::{BlobKind, pack, unpack};
+use crate::wire::{WireRegion, from_bytes, to_bytes};
+use crate::{BlobRef, StoreError, valid};
+
+/// A square of the quadtree over the whole grid, named by the way down to it: a one, then two bits a step (north, east). The squares
+/// are the same for every city, so that what is built at one end changes no names at the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct RegionKey(pub u32);
+
+/// Steps down to the smallest squares, which measure 128 m.
+const DEEPEST: u32 = 15;
+/// A square with more cells than this is cut into four.
+const MOST_CELLS: usize = 128;
+
+impl RegionKey {
+    /// The square so many steps down in which a Morton code lies.
+    fn of(code: u64, depth: u32) -> Self {
+        Self(1 << (2 * depth) | code.checked_shr(u64::BITS - 2 * depth).unwrap_or_default() as u32)
+    }
+
+    /// The Morton code of its south-western corner, which is the least in it.
+    pub(crate) fn first_code(self) -> u64 {
+        let bits = u32::BITS - 1 - self.0.leading_zeros();
+        u64::from(self.0 ^ 1 << bits).checked_shl(u64::BITS - bits).unwrap_or_default()
+    }
+
+    /// Whether any square is called so.
+    pub(crate) const fn is_sound(self) -> bool {
+        self.0 != 0 && self.0.leading_zeros() % 2 == 1
+    }
+}
+
+/// What the index says of a region: a square of the city whose cells are told together, in a blob of its own.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RegionEntry {
+    /// Which square.
+    pub key: RegionKey,
+    /// Number of its first cell. Its cells have the numbers from there on, by the Morton codes of the middles of their outlines.
+    pub first: u32,
+    /// How many cells it has.
+    pub cells: u32,
+    /// How many of them are on the skyline.
+    pub skyline: u32,
+    /// Least and greatest corner in plan of all that is drawn with its cells, on whole metres.
+    pub bounds: (GridPos, GridPos),
+    /// Its [`Region`].
+    pub blob: BlobRef,
+}
+
+impl RegionEntry {
+    /// Numbers of its cells.
+    #[must_use]
+    pub fn numbers(&self) -> Range<u32> {
+        self.first..self.first.saturating_add(self.cells)
+    }
+}
+
+/// What the index tells of the cells of one region.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Region {
+    /// Its cells, from [`RegionEntry::first`] on.
+    pub cells: Vec<CellEntry>,
+    /// Portals of its cells; those into another region are told in both. Cells are named by their numbers in the city.
+    pub portals: Vec<Portal>,
+    /// Those of its cells whose tallest things are seen from (almost) everywhere, by their numbers in the city, ascending.
+    pub skyline: Vec<u32>,
+}
+
+/// What the index says of a cell.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct CellEntry {
+    /// Stable id.
+    pub id: Id,
+    /// Name of its square or street, may be empty.
+    pub name: String,
+    /// Its space in plan.
+    pub outline: GridPolygon,
+    /// Lowest and highest ground, grid steps.
+    pub floor: (i32, i32),
+    /// Least and greatest corner in plan of all that is drawn with it, houses and yards included: whole metres beyond its outline.
+    pub bounds: (GridPos, GridPos),
+    /// Its highest thing above the city's zero, grid steps.
+    pub top: i32,
+    /// Its portals, as indices of [`Region::portals`], ascending.
+    pub portals: Vec<u32>,
+    /// Cells seen from somewhere in it, itself included, by their numbers in the city, ascending.
+    pub visible: Vec<u32>,
+    /// Houses whose roof it carries: over all cells they add up to the city's.
+    pub houses: u32,
+    /// Walls that face it.
+    pub walls: u32,
+    /// Its packets, by [`Level::index`]. A cell without walls and trees has none beyond level 1.
+    pub packets: [Option<BlobRef>; 4],
+}
+
+impl CellEntry {
+    /// The packet of a level.
+    #[must_use]
+    pub fn packet(&self, level: Level) -> Option<&BlobRef> {
+        self.packets.get(level.index())?.as_ref()
+    }
+}
+
+/// The squares that cells of these ascending Morton codes are told in, and which cells lie in each.
+pub(crate) fn squares(codes: &[u64]) -> Vec<(RegionKey, Range<usize>)> {
+    let mut squares = Vec::new();
+    cut(codes, 0..codes.len(), 0, &mut squares);
+    squares
+}
+
+fn cut(codes: &[u64], cells: Range<usize>, depth: u32, squares: &mut Vec<(RegionKey, Range<usize>)>) {
+    if cells.len() <= MOST_CELLS || depth == DEEPEST {
+        let first = codes.get(cells.start).copied().unwrap_or_default();
+        // The smallest square that holds them all would change its name whenever a cell is built beside it.
+        squares.push((RegionKey::of(first, depth), cells));
+        return;
+    }
+    let mut from = cells.start;
+    while from < cells.end {
+        let quarter = RegionKey::of(codes[from], depth + 1);
+        let until = from + codes[from..cells.end].partition_point(|&code| RegionKey::of(code, depth + 1) <= quarter);
+        cut(codes, from..until, depth + 1, squares);
+        from = until;
+    }
+}
+
+/// Stored form of a region, which is the one with a number of these. What it says of the cells of others is told by the others' keys.
+#[must_use]
+pub fn encode_region(region: &Region, number: u32, regions: &[RegionEntry]) -> Vec<u8> {
+    pack(BlobKind::Region, &to_bytes(&WireRegion::of(region, number as usize, regions)))
+}
+
+/// The region of stored bytes, which is the one with a number of these.
+///
+/// # Errors
+/// If the bytes are not those that the index names, cannot be decoded, or contradict themselves or the index.
+pub fn decode_region(stored: &[u8], number: u32, regions: &[RegionEntry]) -> Result<Region, StoreError> {
+    let what = BlobKind::Region.words();
+    let none = || StoreError::Invalid { what, reason: format!("there is no region {number} of {}", regions.len()) };
+    let entry = regions.get(number as usize).ok_or_else(none)?;
+    let wire: WireRegion = from_bytes(what, &unpack(BlobKind::Region, stored, &entry.blob)?)?;
+    let region = wire.pull(number as usize, regions).map_err(|malformed| malformed.of(what))?;
+    valid::check_region(&region, entry, regions).map_err(|reason| StoreError::Invalid { what, reason })?;
+    Ok(region)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crowded_squares_are_cut_into_four() {
+        let at = |x: i32, y: i32| GridPos(x * 1024, y * 1024).morton();
+        let few: Vec<u64> = (0..100).map(|i| at(i, 0)).collect();
+        assert_eq!(squares(&few), [(RegionKey(1), 0..100)]);
+        let mut many: Vec<u64> = (-20..20).flat_map(|x| (-20..20).map(move |y| at(40 * x, 40 * y))).collect();
+        many.sort_unstable();
+        let squares = squares(&many);
+        assert!(squares.iter().all(|(key, cells)| cells.len() <= MOST_CELLS && key.is_sound()), "{squares:?}");
+        assert_eq!(squares.iter().map(|(_, cells)| cells.len()).sum::<usize>(), many.len());
+        assert!(squares.windows(2).all(|pair| pair[0].1.end == pair[1].1.start), "one after another: {squares:?}");
+        assert!(squares.is_sorted_by_key(|(key, _)| key.first_code()), "{squares:?}");
+        for (key, cells) in squares {
+            assert!(many[cells].iter().all(|&code| code >= key.first_code()));
+        }
+    }
+
+    #[test]
+    fn what_is_built_at_one_end_changes_no_square_at_the_other() {
+        let at = |x: i32, y: i32| GridPos(x * 1024, y * 1024).morton();
+        let town = |to: i32| {
+            let mut codes: Vec<u64> = (0..to).flat_map(|x| (0..16).map(move |y| at(64 * x, 64 * y))).collect();
+            codes.sort_unstable();
+            squares(&codes).into_iter().map(|(key, cells)| (key, codes[cells].to_vec())).collect::<Vec<_>>()
+        };
+        let (small, large) = (town(16), town(40));
+        let kept = small.iter().filter(|square| large.contains(square)).count();
+        assert_eq!((kept, small.len(), large.len()), (4, 4, 9));
+    }
+
+    #[test]
+    fn any_number_of_cells_may_lie_on_one_spot() {
+        let codes = vec![GridPos(5, 5).morton(); 1000];
+        assert_eq!(squares(&codes), [(RegionKey::of(codes[0], DEEPEST), 0..1000)]);
+        assert_eq!(squares(&[]), [(RegionKey(1), 0..0)], "a city without cells has a region all the same");
+    }
+
+    #[test]
+    fn a_square_knows_where_it_begins() {
+        for pos in [GridPos(0, 0), GridPos(-1, 7), GridPos(123_456, -654_321), GridPos(i32::MIN, i32::MAX)] {
+            for depth in 0..=DEEPEST {
+                let key = RegionKey::of(pos.morton(), depth);
+                assert!(key.is_sound(), "{key:?}");
+                assert_eq!(RegionKey::of(key.first_code(), depth), key);
+                assert!(key.first_code() <= pos.morton());
+            }
+        }
+        assert!(![0, 2, 3, 1 << 31].map(RegionKey).iter().any(|key| key.is_sound()));
+    }
+}

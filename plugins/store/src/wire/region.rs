@@ -1,0 +1,281 @@
+use serde::{Deserialize, Serialize};
+use veduta_city::{GRID_PER_METRE, GridPolygon, GridPos, Portal, PortalSide};
+
+use super::{
+    Malformed, WireBlobs,
+    columns::{Deltas, Ids, Lists, Pull, Texts},
+    points::{PointWriter, Points, PullPoints},
+};
+use crate::{CellEntry, Region, RegionEntry, RegionKey};
+
+/// A [`Region`] in columns. Cells have numbers of their own in it: first its own, then those of other regions that it names.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct WireRegion {
+    points: Points,
+    /// Names of cells.
+    texts: Texts,
+    cells: WireCells,
+    portals: WirePortals,
+    skyline: Lists,
+    foreign: Foreign,
+}
+
+/// Cells of other regions, by the keys of these and their places in them.
+#[derive(Serialize, Deserialize)]
+struct Foreign {
+    keys: Vec<u32>,
+    cells: Lists,
+}
+
+#[derive(Serialize, Deserialize)]
+struct WireCells {
+    ids: Ids,
+    floors_low: Deltas,
+    /// Above the lowest.
+    floors_high: Vec<i32>,
+    tops: Deltas,
+    /// Metres west, south, east and north of the outline's bounds to which there is something to draw.
+    beyond: Vec<u32>,
+    portals: Lists,
+    visible: Lists,
+    houses: Vec<u32>,
+    walls: Vec<u32>,
+    /// Bit n: it has a packet of the level with index n.
+    levels: Vec<u8>,
+    packets: WireBlobs,
+}
+
+#[derive(Serialize, Deserialize)]
+struct WirePortals {
+    cells: Vec<u32>,
+    /// 0: the edge; else one more than the cell.
+    beyond: Vec<u32>,
+}
+
+/// Numbers of cells in the city from those in a region, and back.
+struct Numbers {
+    first: u32,
+    own: u32,
+    /// Ascending.
+    foreign: Vec<u32>,
+}
+
+impl Numbers {
+    /// Of a region that names cells.
+    fn of(region: &Region, entry: &RegionEntry) -> Self {
+        let own = entry.numbers();
+        let sides = region.portals.iter().flat_map(|portal| [Some(portal.cell), portal.other(portal.cell)]).flatten();
+        let mut foreign: Vec<u32> = region.cells.iter().flat_map(|cell| cell.visible.iter().copied()).chain(sides).collect();
+        foreign.retain(|cell| !own.contains(cell));
+        foreign.sort_unstable();
+        foreign.dedup();
+        Self { first: entry.first, own: entry.cells, foreign }
+    }
+
+    fn local(&self, cell: u32) -> u32 {
+        match cell.checked_sub(self.first).filter(|&own| own < self.own) {
+            Some(own) => own,
+            None => self.own + self.foreign.partition_point(|&other| other < cell) as u32,
+        }
+    }
+
+    fn global(&self, local: u32) -> Result<u32, Malformed> {
+        match local.checked_sub(self.own) {
+            None => Ok(self.first + local),
+            Some(n) => self.foreign.get(n as usize).copied().ok_or(Malformed::Reason("a cell is named that is nowhere")),
+        }
+    }
+}
+
+impl Foreign {
+    fn of(foreign: &[u32], regions: &[RegionEntry]) -> Self {
+        let (mut keys, mut cells) = (Vec::new(), Lists::default());
+        let mut rest = foreign;
+        while let Some(&cell) = rest.first() {
+            let home = regions.partition_point(|entry| entry.first <= cell).saturating_sub(1);
+            // Whatever no region has is told of the last: it cannot be read back.
+            let end = regions.get(home + 1).map_or(rest.len(), |next| rest.partition_point(|&other| other < next.first));
+            let (here, after) = rest.split_at(end.max(1));
+            let entry = &regions[home];
+            keys.push(entry.key.0);
+            cells.push(here.iter().map(|cell| cell - entry.first));
+            rest = after;
+        }
+        Self { keys, cells }
+    }
+
+    fn pull(self, regions: &[RegionEntry]) -> Result<Vec<u32>, Malformed> {
+        let mut lists = self.cells.pull();
+        let mut all = Vec::new();
+        for key in self.keys {
+            let code = RegionKey(key);
+            let found = code.is_sound().then(|| regions.iter().find(|entry| entry.key == code)).flatten();
+            let entry = found.ok_or(Malformed::Reason("a region is named that is not there"))?;
+            for cell in lists.take()? {
+                if cell >= entry.cells {
+                    return Err(Malformed::Reason("a cell is named that its region does not have"));
+                }
+                all.push(entry.first + cell);
+            }
+        }
+        lists.finish()?;
+        if all.is_sorted_by(|a, b| a < b) { Ok(all) } else { Err(Malformed::Reason("cells of other regions do not ascend")) }
+    }
+}
+
+impl WireRegion {
+    pub(crate) fn of(region: &Region, number: usize, regions: &[RegionEntry]) -> Self {
+        let numbers = Numbers::of(region, &regions[number]);
+        let mut points = PointWriter::default();
+        region.cells.iter().for_each(|cell| points.polygon(&cell.outline));
+        for portal in &region.portals {
+            points.point(portal.ends.0);
+            points.point(portal.ends.1);
+        }
+        let mut skyline = Lists::default();
+        skyline.push(region.skyline.iter().map(|&cell| numbers.local(cell)));
+        let beyond = |portal: &Portal| match portal.beyond {
+            PortalSide::Edge => 0,
+            PortalSide::Cell(cell) => numbers.local(cell) + 1,
+        };
+        Self {
+            points: points.finish(),
+            texts: Texts::of(region.cells.iter().map(|cell| cell.name.as_str())),
+            cells: WireCells::of(&region.cells, &numbers),
+            portals: WirePortals {
+                cells: region.portals.iter().map(|portal| numbers.local(portal.cell)).collect(),
+                beyond: region.portals.iter().map(beyond).collect(),
+            },
+            skyline,
+            foreign: Foreign::of(&numbers.foreign, regions),
+        }
+    }
+
+    pub(crate) fn pull(self, number: usize, regions: &[RegionEntry]) -> Result<Region, Malformed> {
+        let entry = &regions[number];
+        let numbers = Numbers { first: entry.first, own: entry.cells, foreign: self.foreign.pull(regions)? };
+        let mut points = self.points.pull();
+        let mut texts = self.texts.pull()?;
+        let cells = self.cells.pull(&numbers, &mut points, || texts.take())?;
+        let mut beyond = Pull::new("portals", self.portals.beyond);
+        let mut portals = Vec::with_capacity(self.portals.cells.len());
+        for cell in self.portals.cells {
+            let ends = (points.point()?, points.point()?);
+            let beyond = match beyond.take()?.checked_sub(1) {
+                None => PortalSide::Edge,
+                Some(cell) => PortalSide::Cell(numbers.global(cell)?),
+            };
+            portals.push(Portal { ends, cell: numbers.global(cell)?, beyond });
+        }
+        beyond.finish()?;
+        points.finish()?;
+        texts.finish()?;
+        let mut lists = self.skyline.pull();
+        let skyline = lists.take()?.into_iter().map(|cell| numbers.global(cell)).collect::<Result<_, _>>()?;
+        lists.finish()?;
+        Ok(Region { cells, portals, skyline })
+    }
+}
+
+impl WireCells {
+    fn of(cells: &[CellEntry], numbers: &Numbers) -> Self {
+        let (mut ids, mut portals, mut visible) = (Ids::default(), Lists::default(), Lists::default());
+        for cell in cells {
+            ids.push(cell.id);
+            portals.push(cell.portals.iter().copied());
+            let mut seen: Vec<u32> = cell.visible.iter().map(|&cell| numbers.local(cell)).collect();
+            seen.sort_unstable();
+            visible.push(seen.into_iter());
+        }
+        let levels = |cell: &CellEntry| (0..4).filter(|&n| cell.packets[n].is_some()).fold(0, |bits, n| bits | 1 << n);
+        Self {
+            ids,
+            floors_low: Deltas::of(cells.iter().map(|cell| cell.floor.0)),
+            floors_high: cells.iter().map(|cell| cell.floor.1.wrapping_sub(cell.floor.0)).collect(),
+            tops: Deltas::of(cells.iter().map(|cell| cell.top)),
+            beyond: cells.iter().flat_map(|cell| metres_beyond(&cell.outline, cell.bounds)).collect(),
+            portals,
+            visible,
+            houses: cells.iter().map(|cell| cell.houses).collect(),
+            walls: cells.iter().map(|cell| cell.walls).collect(),
+            levels: cells.iter().map(levels).collect(),
+            packets: WireBlobs::of(cells.iter().flat_map(|cell| cell.packets.iter().flatten())),
+        }
+    }
+
+    fn pull(
+        self,
+        numbers: &Numbers,
+        points: &mut PullPoints,
+        mut name: impl FnMut() -> Result<String, Malformed>,
+    ) -> Result<Vec<CellEntry>, Malformed> {
+        let mut ids = self.ids.pull();
+        let mut low = Pull::new("floors of cells", self.floors_low.numbers());
+        let mut high = Pull::new("heights of floors", self.floors_high);
+        let mut tops = Pull::new("tops of cells", self.tops.numbers());
+        let mut beyond = Pull::new("bounds of cells", self.beyond);
+        let (mut portals, mut visible) = (self.portals.pull(), self.visible.pull());
+        let mut houses = Pull::new("houses of cells", self.houses);
+        let mut walls = Pull::new("walls of cells", self.walls);
+        let mut packets = self.packets.pull("packets of cells");
+        let mut cells = Vec::with_capacity(self.levels.len());
+        for levels in self.levels {
+            if levels >= 1 << 4 {
+                return Err(Malformed::Reason("a cell has packets of unknown levels"));
+            }
+            let floor = low.take()?;
+            let outline = points.polygon()?;
+            let metres = [beyond.take()?, beyond.take()?, beyond.take()?, beyond.take()?];
+            let mut seen = visible.take()?.into_iter().map(|cell| numbers.global(cell)).collect::<Result<Vec<_>, _>>()?;
+            seen.sort_unstable();
+            let mut all = [None; 4];
+            for (n, packet) in all.iter_mut().enumerate() {
+                if levels >> n & 1 == 1 {
+                    *packet = Some(packets.take()?);
+                }
+            }
+            cells.push(CellEntry {
+                id: ids.take()?,
+                name: name()?,
+                bounds: bounds_beyond(&outline, metres),
+                outline,
+                floor: (floor, floor.wrapping_add(high.take()?)),
+                top: tops.take()?,
+                portals: portals.take()?,
+                visible: seen,
+                houses: houses.take()?,
+                walls: walls.take()?,
+                packets: all,
+            });
+        }
+        ids.finish()?;
+        low.finish()?;
+        high.finish()?;
+        tops.finish()?;
+        beyond.finish()?;
+        portals.finish()?;
+        visible.finish()?;
+        houses.finish()?;
+        walls.finish()?;
+        packets.finish()?;
+        Ok(cells)
+    }
+}
+
+/// Metres west, south, east and north of an outline's bounds to which others reach, rounded up.
+pub(crate) fn metres_beyond(outline: &GridPolygon, (lo, hi): (GridPos, GridPos)) -> [u32; 4] {
+    let (low, high) = outline.bounds().unwrap_or_default();
+    let up = |to: i32, from: i32| {
+        let steps = (i64::from(to) - i64::from(from)).max(0) as u64;
+        u32::try_from(steps.div_ceil(GRID_PER_METRE as u64)).unwrap_or(u32::MAX)
+    };
+    [up(low.0, lo.0), up(low.1, lo.1), up(hi.0, high.0), up(hi.1, high.1)]
+}
+
+/// Bounds so many metres west, south, east and north of an outline's.
+pub(crate) fn bounds_beyond(outline: &GridPolygon, metres: [u32; 4]) -> (GridPos, GridPos) {
+    let (low, high) = outline.bounds().unwrap_or_default();
+    let [west, south, east, north] = metres.map(|m| i32::try_from(m).unwrap_or(i32::MAX).saturating_mul(GRID_PER_METRE));
+    let lo = GridPos(low.0.saturating_sub(west), low.1.saturating_sub(south));
+    (lo, GridPos(high.0.saturating_add(east), high.1.saturating_add(north)))
+}
