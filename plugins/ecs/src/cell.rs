@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use bevy::mesh::MeshTag;
@@ -115,8 +115,25 @@ pub struct Awaited {
 }
 
 impl Awaited {
-    /// Longest that a viewer is kept in the dark, seconds: what has not come by then may never come.
-    pub const PATIENCE_S: f64 = 8.0;
+    /// Longest that a viewer is kept in the dark, seconds: a server may be gone for a minute, but what has not come by then may never
+    /// come.
+    pub const PATIENCE_S: f64 = 65.0;
+}
+
+/// Cells that may be walked into: those from which nothing would be missing. The portals of all others are shut. Streaming keeps it;
+/// without it every cell is open.
+#[derive(Resource, Debug, Default, Clone, PartialEq, Eq)]
+pub struct OpenCells {
+    /// Those of the viewers and those next to them that are open; `None` as long as nobody keeps it.
+    pub cells: Option<BTreeSet<u32>>,
+}
+
+impl OpenCells {
+    /// Whether one may walk from one cell into another.
+    #[must_use]
+    pub fn lead(&self, from: u32, to: u32) -> bool {
+        from == to || self.cells.as_ref().is_none_or(|cells| cells.contains(&to))
+    }
 }
 
 /// Cells that stand at level 1 or better, by index: what can be walked on. Kept by whoever builds.

@@ -26,7 +26,7 @@ use bevy::prelude::*;
 
 pub use cell::{
     Awaited, Cell, CellContent, CellEntered, CellMesh, CellMeshKind, CellReady, CellReleased, CellStands, LevelFade,
-    MaterialsProvided, StandingCells,
+    MaterialsProvided, OpenCells, StandingCells,
 };
 pub use clock::CityClock;
 pub use eye::{Eye, Steering, Viewer};
@@ -44,6 +44,7 @@ impl Plugin for EcsPlugin {
         app.init_resource::<WorldOrigin>()
             .init_resource::<StandingCells>()
             .init_resource::<Awaited>()
+            .init_resource::<OpenCells>()
             .init_resource::<Steering>()
             .init_resource::<CityClock>()
             .register_type::<Eye>()

@@ -17,13 +17,22 @@ pub struct ClientSettings {
     pub retry_first_s: f64,
     /// Longest time in seconds until a failed request is tried again.
     pub retry_cap_s: f64,
+    /// Seconds after which something that has only failed counts as not to be had, though it is tried on.
+    pub patience_s: f64,
     /// Most bytes of an index as stored, its regions apart.
     pub index_limit: u64,
 }
 
 impl Default for ClientSettings {
     fn default() -> Self {
-        Self { max_in_flight: 8, max_bytes_in_flight: 4 << 20, retry_first_s: 0.5, retry_cap_s: 4.0, index_limit: 4 << 20 }
+        Self {
+            max_in_flight: 8,
+            max_bytes_in_flight: 4 << 20,
+            retry_first_s: 0.5,
+            retry_cap_s: 4.0,
+            patience_s: 65.0,
+            index_limit: 4 << 20,
+        }
     }
 }
 
@@ -96,6 +105,8 @@ struct Slot {
     state: State,
     /// Failures in a row.
     failures: u32,
+    /// When the first of them was told.
+    failing_since_s: f64,
     /// Not asked for before this time.
     again_s: f64,
 }
@@ -105,8 +116,8 @@ impl Slot {
         self.state == State::Missing && (self.failures == 0 || now_s >= self.again_s)
     }
 
-    fn gave_up(&self) -> bool {
-        self.state == State::Dead || self.failures > 2
+    fn gave_up(&self, now_s: f64, patience_s: f64) -> bool {
+        self.state == State::Dead || (self.failures > 0 && now_s - self.failing_since_s >= patience_s)
     }
 }
 
@@ -321,19 +332,23 @@ impl Client {
         self.slots(cell).is_some_and(|slots| slots[level.index()].state == State::Here)
     }
 
-    /// Whether a packet, or the region that tells of it, cannot be had: asking again cannot help, or did not help twice.
+    /// Whether a packet, or the region that tells of it, cannot be had: asking again cannot help, or has not helped for
+    /// [`ClientSettings::patience_s`].
     #[must_use]
-    pub fn gave_up(&self, cell: u32, level: Level) -> bool {
+    pub fn gave_up(&self, cell: u32, level: Level, now_s: f64) -> bool {
         match self.slots(cell) {
-            Some(slots) => slots[level.index()].gave_up(),
-            None => self.index.as_ref().and_then(|index| index.region_of(cell)).is_some_and(|number| self.gave_up_region(number)),
+            Some(slots) => slots[level.index()].gave_up(now_s, self.settings.patience_s),
+            None => {
+                let region = self.index.as_ref().and_then(|index| index.region_of(cell));
+                region.is_some_and(|number| self.gave_up_region(number, now_s))
+            }
         }
     }
 
-    /// Whether a region cannot be had: asking again cannot help, or did not help twice.
+    /// Whether a region cannot be had, as with [`Client::gave_up`].
     #[must_use]
-    pub fn gave_up_region(&self, number: u32) -> bool {
-        self.regions.get(number as usize).is_some_and(|region| region.slot.gave_up())
+    pub fn gave_up_region(&self, number: u32, now_s: f64) -> bool {
+        self.regions.get(number as usize).is_some_and(|region| region.slot.gave_up(now_s, self.settings.patience_s))
     }
 
     /// What it has done so far.
@@ -424,6 +439,9 @@ impl Client {
         let settings = self.settings;
         let mut again_in_s = None;
         if let Some(slot) = self.slot_mut(what) {
+            if slot.failures == 0 {
+                slot.failing_since_s = now_s;
+            }
             slot.failures = slot.failures.saturating_add(1);
             slot.state = if is_final { State::Dead } else { State::Missing };
             if !is_final {

@@ -89,7 +89,7 @@ fn the_index_comes_first_then_regions_then_packets_then_the_overview() {
     assert_eq!(walk.client.index().map(|index| (index.name.as_str(), index.cells().count())), Some(("Testov", 0)));
     let rest = walk.burst();
     assert_eq!(rest.iter().map(|request| request.what).collect::<Vec<_>>(), [What::Region(0), What::Overview]);
-    assert!(!walk.client.has(0, One) && !walk.client.gave_up(0, One));
+    assert!(!walk.client.has(0, One) && !walk.client.gave_up(0, One, 1e9));
     assert_eq!(walk.answer(&rest[0]), [ClientEvent::RegionReady(0)]);
     assert_eq!(walk.client.index().map(|index| index.cells().count()), Some(3));
     let packet = walk.burst();
@@ -113,10 +113,11 @@ fn a_region_that_does_not_come_is_tried_again_and_its_cells_wait() {
         assert_eq!(walk.next(), None, "not yet");
         walk.now_s += expected_s;
     }
-    assert!(walk.client.gave_up(1, One), "nobody waits for it before a closed door");
+    let waits = |walk: &Walk, s: f64| !walk.client.gave_up(1, One, s);
+    assert!(waits(&walk, 64.9) && !waits(&walk, 65.1), "after a minute nobody waits for it before a closed door");
     let request = walk.next().expect("due");
     walk.answer(&request);
-    assert!(!walk.client.gave_up(1, One));
+    assert!(!walk.client.gave_up(1, One, 1e9));
     assert_eq!(packets(&walk.burst()), [(1, One)]);
 }
 
@@ -217,9 +218,9 @@ fn a_line_that_stands_again_is_used_at_once() {
     for request in walk.burst() {
         walk.refuse(&request, dead());
     }
-    assert!(walk.next().is_none() && walk.client.gave_up(0, One));
+    assert!(walk.next().is_none() && walk.client.gave_up(0, One, 80.0));
     walk.client.retry_now();
-    assert!(!walk.client.gave_up(0, One));
+    assert!(!walk.client.gave_up(0, One, 80.0));
     assert_eq!(packets(&walk.burst()), [(0, One), (1, One), (2, One)]);
 }
 

@@ -11,6 +11,7 @@ use veduta_store::{CityIndex, Client, ClientEvent, Packet, What, sheet_fits};
 
 use crate::fetch::Store;
 use crate::journal::{Event, Item, Journal, Reason};
+use crate::link::Link;
 use crate::{StreamingSettings, Wanted};
 
 /// Figures of streaming, for diagnostics and films.
@@ -76,6 +77,7 @@ pub(crate) fn deliver(world: &mut World) {
         world.insert_resource(StreamingStats::default());
     }
     let now_s = world.resource::<Time>().elapsed_secs_f64() + world.resource::<RetryTime>().0;
+    (store.now_s, store.link) = (now_s, *world.resource::<Link>());
     let wanted = world.resource::<Wanted>();
     if store.told != Some(wanted.generation) {
         store.told = Some(wanted.generation);

@@ -4,10 +4,12 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use bevy::prelude::*;
+use veduta_city::Level;
 use veduta_ecs::{Cell, CellReleased, City, CityFailed, OpenCity, StandingCells};
 use veduta_store::{Client, ClientSettings, Payload, ReadError, Reader, Request, RequestId, StoreError, What, open_reader};
 
 use crate::journal::Event;
+use crate::link::{Line, Link};
 use crate::{CurrentCell, Journal, Wanted};
 
 /// Where reading and decoding happen.
@@ -34,6 +36,10 @@ pub(crate) struct Store {
     pub client: Client,
     /// The plan of what is wanted that the client has been told of.
     pub told: Option<u64>,
+    /// The time of requests, seconds.
+    pub now_s: f64,
+    pub link: Link,
+    line: Line,
     fetcher: Fetcher,
 }
 
@@ -84,11 +90,22 @@ impl Store {
             Fetching::Inline => Fetcher::Inline { reader, answers: VecDeque::new() },
             Fetching::Threads(_) => spawn_threads(&reader, threads),
         };
-        Self { client, told: None, fetcher }
+        Self { client, told: None, now_s: 0.0, link: Link::default(), line: Line::default(), fetcher }
+    }
+
+    /// Whether level 1 of a cell cannot be had.
+    pub fn gave_up(&self, cell: u32) -> bool {
+        self.client.gave_up(cell, Level::One, self.now_s)
+    }
+
+    /// Whether a region cannot be had.
+    pub fn gave_up_region(&self, region: u32) -> bool {
+        self.client.gave_up_region(region, self.now_s)
     }
 
     /// Sends a request on its way.
     pub fn ask(&mut self, request: Request) {
+        self.line.ask(&request, &self.link, self.now_s);
         match &mut self.fetcher {
             Fetcher::Inline { reader, answers } => {
                 let answer = request.fetch(reader.as_ref());
@@ -113,15 +130,21 @@ impl Store {
             unwanted.retain(|id| waiting.iter().any(|request| request.id == *id));
             waiting.retain(|request| !unwanted.contains(&request.id));
         });
+        unwanted.iter().for_each(|id| self.line.cancel(*id));
         unwanted.into_iter().filter_map(|id| self.client.cancel(id)).collect()
     }
 
     /// The next answer, if one is there.
     pub fn answer(&mut self) -> Option<Fetched> {
-        match &mut self.fetcher {
-            Fetcher::Inline { answers, .. } => answers.pop_front(),
-            Fetcher::Threads { answers, .. } => answers.get_mut().unwrap_or_else(PoisonError::into_inner).try_recv().ok(),
+        loop {
+            let read = match &mut self.fetcher {
+                Fetcher::Inline { answers, .. } => answers.pop_front(),
+                Fetcher::Threads { answers, .. } => answers.get_mut().unwrap_or_else(PoisonError::into_inner).try_recv().ok(),
+            };
+            let Some(fetched) = read else { break };
+            self.line.take(fetched, &self.link, self.now_s);
         }
+        self.line.next(self.now_s)
     }
 }
 
@@ -171,6 +194,13 @@ impl Default for StreamingCache {
     }
 }
 
+/// Reads every city in place of what its place asks for: a transport of one's own.
+#[derive(Resource, Clone)]
+pub struct CityReader(
+    /// Called on threads of streaming's own, or at once with [`Fetching::Inline`].
+    pub Arc<dyn Reader>,
+);
+
 /// A reader for a place; what comes from a web server is kept.
 fn reader_of(place: &str, cache: &StreamingCache) -> Result<Arc<dyn Reader>, ReadError> {
     let reader = open_reader(place)?;
@@ -191,6 +221,7 @@ pub(crate) fn open_city(
     asked: Option<Res<OpenCity>>,
     fetching: Res<Fetching>,
     cache: Res<StreamingCache>,
+    own: Option<Res<CityReader>>,
     time: Res<Time>,
     mut journal: ResMut<Journal>,
     cells: Query<(Entity, &Cell)>,
@@ -215,7 +246,11 @@ pub(crate) fn open_city(
     *wanted = Wanted::default();
     commands.remove_resource::<City>();
     journal.note(time.elapsed_secs_f64(), Event::Opened { place: asked.0.clone() });
-    match reader_of(&asked.0, &cache) {
+    let reader = match own {
+        Some(own) => Ok(Arc::clone(&own.0)),
+        None => reader_of(&asked.0, &cache),
+    };
+    match reader {
         Ok(reader) => {
             info!("opening {}", reader.describe());
             commands.insert_resource(Store::new(reader, *fetching));

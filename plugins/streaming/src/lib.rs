@@ -6,9 +6,10 @@
 //! ```
 //!
 //! The current cell is followed by portal crossing. What the index tells of cells comes region by region, those about the viewer and of
-//! what is in sight first; the overview, for maps and tours, when all in sight stands. Wanted are the cells of its visible set at level 1, nearest first, then
-//! their finer levels within [`StreamingSettings::level_2_m`], then the neighbours of what is visible; a viewer above the
-//! roofs wants everything within [`StreamingSettings::flying_m`]. Levels of a cell arrive strictly in order. Nothing is read
+//! what is in sight first; the overview, for maps and tours, when all in sight stands. Wanted are the cells of its
+//! visible set at level 1, nearest first, then their finer levels within [`StreamingSettings::level_2_m`], then level 1 of all that is seen
+//! from the cells next to it: a cell opens ([`OpenCells`](veduta_ecs::OpenCells)) when nothing would be missing from there. A viewer
+//! above the roofs wants everything within [`StreamingSettings::flying_m`]. Levels of a cell arrive strictly in order. Nothing is read
 //! or decoded on the main thread.
 //!
 //! What a web server sent is kept in a [`StreamingCache`]. [`Wanted::why`] tells why a cell is wanted, and the [`Journal`] all that
@@ -37,15 +38,17 @@ mod deliver;
 mod fetch;
 mod follow;
 mod journal;
+mod link;
 mod want;
 
 use bevy::prelude::*;
 use veduta_ecs::VedutaSystems;
 
 pub use deliver::{RetryTime, StreamingStats};
-pub use fetch::{Fetching, Reconnect, StreamingCache};
+pub use fetch::{CityReader, Fetching, Reconnect, StreamingCache};
 pub use follow::CurrentCell;
 pub use journal::{Entry, Event, Item, Journal, JournalError, Reason, read_journal, replay, write_journal};
+pub use link::Link;
 pub use want::{Wanted, Why};
 
 /// Streams the city that [`OpenCity`](veduta_ecs::OpenCity) names.
@@ -124,12 +127,14 @@ impl Plugin for StreamingPlugin {
             .init_resource::<RetryTime>()
             .init_resource::<StreamingCache>()
             .init_resource::<Journal>()
+            .init_resource::<Link>()
+            .register_type::<Link>()
             .add_message::<Reconnect>()
             .register_type::<StreamingSettings>()
             .configure_sets(Update, (Open, Follow, Want, Deliver, Release).chain().in_set(VedutaSystems::Stream))
             .add_systems(Update, (fetch::open_city, fetch::reconnect).chain().in_set(Open))
             .add_systems(Update, follow::follow_viewers.in_set(Follow))
-            .add_systems(Update, (want::plan_wanted, want::count_awaited).chain().in_set(Want))
+            .add_systems(Update, (want::plan_wanted, (want::count_awaited, want::open_cells)).chain().in_set(Want))
             .add_systems(Update, deliver::deliver.in_set(Deliver))
             .add_systems(Update, deliver::release_cells.in_set(Release));
     }

@@ -3,8 +3,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
-use veduta_city::{GridPos, Level, metres};
-use veduta_ecs::{Awaited, Eye, StandingCells, Viewer};
+use veduta_city::{GridPos, Level, Portal, metres};
+use veduta_ecs::{Awaited, Eye, OpenCells, StandingCells, Viewer};
 use veduta_store::{CellEntry, CityIndex};
 
 use crate::fetch::Store;
@@ -67,10 +67,10 @@ pub enum Why {
         /// That cell.
         from: u32,
     },
-    /// It lies behind a portal of a cell that is seen.
-    Beyond {
+    /// It is seen from a cell into which a viewer may walk next.
+    Ahead {
         /// That cell.
-        cell: u32,
+        from: u32,
     },
     /// It rises above the roofs.
     Skyline,
@@ -88,19 +88,21 @@ pub(crate) fn count_awaited(
     if !wanted.is_changed() && !standing.is_changed() && awaited.cells == 0 {
         return;
     }
-    let is_told_of = |&&region: &&u32| store.as_ref().is_some_and(|store| !store.client.gave_up_region(region));
+    let is_told_of = |&&region: &&u32| store.as_ref().is_some_and(|store| !store.gave_up_region(region));
     let regions = wanted.regions.iter().take(wanted.regions_in_sight).filter(is_told_of).count();
-    let gave_up = |cell| store.as_ref().is_some_and(|store| store.client.gave_up(cell, Level::One));
+    let gave_up = |cell| store.as_ref().is_some_and(|store| store.gave_up(cell));
     // Level 1 of what is in sight leads the order; what the memory cap leaves out is not in it.
     let lead = wanted.order.iter().take(wanted.in_sight.len()).filter(|&&(_, level)| level == Level::One);
     let cells = lead.filter(|&&(cell, _)| !standing.levels(cell).has(Level::One) && !gave_up(cell)).count();
     awaited.set_if_neq(Awaited { cells: cells + regions });
 }
 
-/// How urgently a cell is wanted: rank (0 in sight, 1 next to it), then metres.
+/// How urgently a cell is wanted: rank (0 in sight, 1 in sight from the next cell), then metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Need {
     rank: u8,
+    /// Metres to walk until it comes into sight; 0 if it is.
+    way_m: f64,
     distance_m: f64,
     finest: Level,
     why: Why,
@@ -129,7 +131,15 @@ impl Needs<'_> {
     }
 
     fn cell(&mut self, cell: u32, why: Why, eye: &Eye) {
-        let rank = u8::from(matches!(why, Why::Beyond { .. }));
+        self.need(cell, why, 0.0, eye);
+    }
+
+    fn cell_ahead(&mut self, cell: u32, from: u32, way_m: f64, eye: &Eye) {
+        self.need(cell, Why::Ahead { from }, way_m, eye);
+    }
+
+    fn need(&mut self, cell: u32, why: Why, way_m: f64, eye: &Eye) {
+        let rank = u8::from(matches!(why, Why::Ahead { .. }));
         let Some(region) = self.index.region_of(cell) else { return };
         if !self.has(region, rank) {
             return;
@@ -137,10 +147,11 @@ impl Needs<'_> {
         let Some(entry) = self.index.cell(cell) else { return };
         let distance_m = distance_to(entry.bounds, eye.plan_pos);
         let finest = if distance_m <= self.settings.level_2_m { Level::Four } else { Level::One };
-        let new = Need { rank, distance_m, finest, why };
+        let new = Need { rank, way_m, distance_m, finest, why };
         let nearer = |old: &mut Need| {
             *old = Need {
                 rank: old.rank.min(rank),
+                way_m: old.way_m.min(way_m),
                 distance_m: old.distance_m.min(distance_m),
                 finest: old.finest.max(finest),
                 why: if rank < old.rank { why } else { old.why },
@@ -160,10 +171,17 @@ impl Needs<'_> {
         if let Some(cell) = cell
             && !is_flying
         {
-            for &seen in index.cell(cell).map_or(&[][..], |entry| &entry.visible) {
+            for &seen in visible(index, cell) {
                 self.cell(seen, Why::Seen { from: cell }, eye);
-                let beyond = index.portals(seen).filter_map(|portal| portal.other(seen));
-                beyond.for_each(|beyond| self.cell(beyond, Why::Beyond { cell: seen }, eye));
+            }
+            // Cells open when all that is seen from them stands: the nearest ahead first.
+            let mut ahead: Vec<(f64, u32)> =
+                index.portals(cell).filter_map(|portal| Some((way_m(portal, eye), portal.other(cell)?))).collect();
+            ahead.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            for (way_m, next) in ahead {
+                for &seen in visible(index, next) {
+                    self.cell_ahead(seen, next, way_m, eye);
+                }
             }
         }
         // Above the roofs, or in a place that no cell covers: what is near, whatever stands between.
@@ -233,17 +251,66 @@ pub(crate) fn plan_wanted(
     };
 }
 
+/// Cells seen from one; none as long as its region has not come.
+fn visible(index: &CityIndex, cell: u32) -> &[u32] {
+    index.cell(cell).map_or(&[], |entry| &entry.visible)
+}
+
+/// Metres from a viewer to a portal; those behind the back count as so many times as far.
+fn way_m(portal: &Portal, eye: &Eye) -> f64 {
+    const BEHIND: f64 = 2.0;
+    let (a, b) = (portal.ends.0.to_metres(), portal.ends.1.to_metres());
+    let along = ((eye.plan_pos - a).dot(b - a) / (b - a).length_squared().max(1e-9)).clamp(0.0, 1.0);
+    let way = a.lerp(b, along) - eye.plan_pos;
+    let heading = eye.heading_deg.to_radians();
+    let is_ahead = way.dot(DVec2::new(heading.sin(), heading.cos())) >= 0.0;
+    way.length() * if is_ahead { 1.0 } else { BEHIND }
+}
+
+/// Opens the cells about viewers from which nothing would be missing.
+pub(crate) fn open_cells(
+    store: Option<Res<Store>>,
+    wanted: Res<Wanted>,
+    standing: Res<StandingCells>,
+    viewers: Query<&CurrentCell, With<Viewer>>,
+    mut open: ResMut<OpenCells>,
+) {
+    let Some((store, index)) = store.as_ref().and_then(|store| Some((store, store.client.index()?))) else {
+        open.set_if_neq(OpenCells { cells: Some(BTreeSet::new()) });
+        return;
+    };
+    let stands = |&cell: &u32| {
+        // What the memory cap leaves out will not come.
+        standing.levels(cell).has(Level::One)
+            || store.gave_up(cell)
+            || (index.cell(cell).is_some() && !wanted.wants_level(cell, Level::One))
+    };
+    let is_open = |cell: &u32| index.cell(*cell).is_some_and(|entry| entry.visible.iter().all(stands));
+    let about = viewers.iter().filter_map(|current| current.0).flat_map(|cell| {
+        let beyond = index.portals(cell).filter_map(move |portal| portal.other(cell));
+        beyond.chain([cell])
+    });
+    let about: BTreeSet<u32> = about.collect();
+    open.set_if_neq(OpenCells { cells: Some(about.into_iter().filter(is_open).collect()) });
+}
+
 /// Distance in metres from a plan position to a box; 0 inside.
 fn distance_to((lo, hi): (GridPos, GridPos), plan_pos: DVec2) -> f64 {
     let (lo, hi) = (DVec2::new(metres(lo.0), metres(lo.1)), DVec2::new(metres(hi.0), metres(hi.1)));
     plan_pos.distance(plan_pos.clamp(lo.min(hi), hi.max(lo)))
 }
 
-/// Level 1 of all that is in sight, then its finer levels, then level 1 of what lies next to it; nearest first, as far as
+/// Level 1 of all that is in sight, then its finer levels, then level 1 of what is in sight from the next cells; nearest first, as far as
 /// the memory cap goes: the furthest finer levels are the first to be left out.
 fn ranked(index: &CityIndex, needs: &BTreeMap<u32, Need>, settings: &StreamingSettings) -> (Vec<(u32, Level)>, Vec<u32>) {
     let mut cells: Vec<(u32, Need)> = needs.iter().map(|(&cell, &need)| (cell, need)).collect();
-    cells.sort_by(|a, b| a.1.rank.cmp(&b.1.rank).then(a.1.distance_m.total_cmp(&b.1.distance_m)).then(a.0.cmp(&b.0)));
+    cells.sort_by(|a, b| {
+        a.1.rank
+            .cmp(&b.1.rank)
+            .then(a.1.way_m.total_cmp(&b.1.way_m))
+            .then(a.1.distance_m.total_cmp(&b.1.distance_m))
+            .then(a.0.cmp(&b.0))
+    });
     let bytes = |cell: u32, level: Level| index.cell(cell).and_then(|entry| entry.packet(level)).map(|blob| u64::from(blob.bytes));
     let (mut order, mut sum, mut reached) = (Vec::new(), 0, BTreeMap::new());
     for rank in [0, 1] {

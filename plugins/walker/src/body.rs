@@ -4,7 +4,7 @@ use bevy_rapier3d::prelude::{
     CharacterAutostep, CharacterLength, Collider, KinematicCharacterController, KinematicCharacterControllerOutput, RigidBody,
 };
 use veduta_city::GridPos;
-use veduta_ecs::{Eye, Footing, Ground, Steering, Viewer, WorldOrigin};
+use veduta_ecs::{Eye, Footing, Ground, OpenCells, Steering, Viewer, WorldOrigin};
 
 use crate::{Intent, Jump, SolidCells, WalkerSettings};
 
@@ -108,6 +108,7 @@ pub(crate) fn settle(
     steering: Res<Steering>,
     jump: Res<Jump>,
     solid: Res<SolidCells>,
+    open: Res<OpenCells>,
     mut walkers: Query<(&mut Eye, &mut Gait), With<Walker>>,
     mut bodies: Query<(&WalkerBody, &mut Transform, Option<&KinematicCharacterControllerOutput>)>,
 ) {
@@ -119,10 +120,15 @@ pub(crate) fn settle(
         let (at, z_m) = origin.plan_from_world(transform.translation);
         let foot_m = z_m - f64::from(middle_m());
         let was_inside = solid.hold(grid(eye.plan_pos));
-        if was_inside && !solid.hold(grid(at)) {
-            // A closed portal, the city's edge, or a corner cut too fine: slide along one axis, else stay.
+        let from = solid.at(grid(eye.plan_pos));
+        let leads_to = |to: DVec2| {
+            let is_open = from.zip(solid.at(grid(to))).is_none_or(|(from, to)| open.lead(from, to));
+            is_open && solid.hold(grid(to))
+        };
+        if was_inside && !leads_to(at) {
+            // A shut portal, the city's edge, or a corner cut too fine: slide along one axis, else stay.
             let slid = [DVec2::new(at.x, eye.plan_pos.y), DVec2::new(eye.plan_pos.x, at.y)];
-            let stay = slid.into_iter().find(|p| solid.hold(grid(*p))).unwrap_or(eye.plan_pos);
+            let stay = slid.into_iter().find(|p| leads_to(*p)).unwrap_or(eye.plan_pos);
             transform.translation = origin.world_from_plan(stay, z_m);
             gait.velocity *= 0.5;
             eye.plan_pos = stay;

@@ -25,6 +25,12 @@ impl SolidCells {
         })
     }
 
+    /// The cell in whose outline a plan position lies.
+    #[must_use]
+    pub fn at(&self, pos: GridPos) -> Option<u32> {
+        self.cells.iter().find(|(_, (_, shell))| shell.outline.contains(pos - shell.origin)).map(|(cell, _)| *cell)
+    }
+
     /// The nearest plan position that lies half a metre or more inside a cell; `None` if there are no cells.
     #[must_use]
     pub fn nearest(&self, pos: GridPos) -> Option<GridPos> {

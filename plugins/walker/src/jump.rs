@@ -56,6 +56,9 @@ pub(crate) fn begin(
     }
 }
 
+/// How long a floor is waited for when all in sight stands, seconds: a place without a cell, such as a viewpoint in the air, has none.
+const FLOOR_S: f64 = 2.0;
+
 /// Carries a jump on.
 pub(crate) fn advance(
     time: Res<Time>,
@@ -83,8 +86,7 @@ pub(crate) fn advance(
         Jump::Waiting { for_s } => {
             let DVec2 { x, y } = eye.plan_pos;
             let here = solid.hold(GridPos(GridPos::steps(x), GridPos::steps(y)));
-            let ready = here && awaited.cells == 0;
-            // A place without a cell has no floor to wait for.
+            let ready = awaited.cells == 0 && (here || for_s > FLOOR_S);
             if ready || for_s > Awaited::PATIENCE_S {
                 Jump::Arriving
             } else {

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Walking uses bevy_rapier3d's kinematic character controller: it slides along walls and climbs kerbs and steps up to
-//! [`WalkerSettings::step_m`]. A cell that does not stand yet is closed: you wait at its portal as at a door, and never fall
-//! through a floor that has not arrived. Blind portals, the edge of the modelled city, stop you in the same way.
+//! [`WalkerSettings::step_m`]. A cell is shut as long as it, or anything that is seen from it, does not stand: you wait at its
+//! portal as at a door, and never fall through a floor that has not arrived. Blind portals, the edge of the modelled city, stop you in the same way.
 //!
 //! # Use
 //! ```no_run
