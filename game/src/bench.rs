@@ -9,14 +9,18 @@ use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use cpu_time::ThreadTime;
-use veduta::buildings::{Building, BuildingsPlugin};
+use veduta::buildings::{BuildSettings, Building, BuildingsPlugin};
 use veduta::city::{Tour, file};
+use veduta::ecs::{CellEntered, StandingCells};
 use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
 use veduta::streaming::{Fetching, StreamingStats};
 use veduta_bake::{BakeSettings, Input, bake, enlarged, overrides_beside, survey};
+use veduta_store::CityStats;
 
 use crate::{Failure, cities};
+
+mod stream;
 
 /// What to measure.
 #[derive(clap::ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,6 +29,9 @@ pub enum Bench {
     Bake,
     /// The sample tour in the city and in one ten times as large: entities, CPU time a frame by system set, bytes.
     Walk,
+    /// What streaming costs the main thread and the line, along the sample tour and on a run through a town of 50,000 houses, beside the
+    /// naive way; and whether a city's size matters.
+    Stream,
 }
 
 /// How many times larger the large city is.
@@ -36,11 +43,12 @@ const FPS: f64 = 30.0;
 ///
 /// # Errors
 /// If the city cannot be baked or the tour not be played.
-pub fn bench(what: Bench, city: Option<&str>) -> Result<(), Failure> {
+pub fn bench(what: Bench, city: Option<&str>, json: bool) -> Result<(), Failure> {
     let scene = city.map_or_else(cities::sample_scene, PathBuf::from);
     match what {
         Bench::Bake => bench_bake(&scene),
         Bench::Walk => bench_walk(&scene),
+        Bench::Stream => stream::stream(&scene, json),
     }
 }
 
@@ -78,24 +86,12 @@ fn bench_bake(scene: &Path) -> Result<(), Failure> {
 
 fn bench_walk(scene: &Path) -> Result<(), Failure> {
     let dir = workplace("walk")?;
-    let input = Input::of(scene)?;
-    let (graph, ..) = survey(&input)?;
-    let large = dir.join("large.graph.ron");
-    file::write(&enlarged(&graph, TIMES.0, TIMES.1), &large)?;
-    let overrides = overrides_beside(&input.path);
-    if overrides.exists() {
-        // Edits are applied already; styles still count.
-        let mut kept: veduta::city::GraphOverrides = file::read(&overrides)?;
-        kept.edits.clear();
-        file::write(&kept, &overrides_beside(&large))?;
-    }
     let tour: Tour = file::read(&cities::sample_scene().join("royal_route.tour.ron"))?;
     let mut medians = Vec::new();
-    for (name, source) in [("sample", scene), ("large", large.as_path())] {
-        let city = dir.join(format!("{name}.city"));
-        let baked = bake(source, &city, &BakeSettings::default(), &mut |_| ())?;
-        let mut walk = Walk::run(&city, &tour)?;
-        line(&format!("{name}_houses"), baked.stats.houses as f64, "1");
+    for (name, times) in [("sample", (1, 1)), ("large", TIMES)] {
+        let (city, stats) = large(scene, &dir, times, name)?;
+        let mut walk = Walk::run(&city, &tour, Way::Streamed)?;
+        line(&format!("{name}_houses"), stats.houses as f64, "1");
         line(&format!("{name}_entities_max"), f64::from(walk.entities), "1");
         line(&format!("{name}_frame_us"), median(&mut walk.frames), "us");
         for (set, times) in SETS.iter().zip(&mut walk.sets) {
@@ -109,6 +105,28 @@ fn bench_walk(scene: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The scene, or one with so many copies of it along and across, baked.
+fn large(scene: &Path, dir: &Path, times: (u32, u32), name: &str) -> Result<(PathBuf, CityStats), Failure> {
+    let city = dir.join(format!("{name}.city"));
+    if times == (1, 1) {
+        let stats = bake(scene, &city, &BakeSettings::default(), &mut |_| ())?.stats;
+        return Ok((city, stats));
+    }
+    let input = Input::of(scene)?;
+    let (graph, ..) = survey(&input)?;
+    let source = dir.join(format!("{name}.graph.ron"));
+    file::write(&enlarged(&graph, times.0, times.1), &source)?;
+    let overrides = overrides_beside(&input.path);
+    if overrides.exists() {
+        // Edits are applied already; styles still count.
+        let mut kept: veduta::city::GraphOverrides = file::read(&overrides)?;
+        kept.edits.clear();
+        file::write(&kept, &overrides_beside(&source))?;
+    }
+    let stats = bake(&source, &city, &BakeSettings::default(), &mut |_| ())?.stats;
+    Ok((city, stats))
+}
+
 /// The middle value; 0 of none.
 fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
@@ -117,11 +135,23 @@ fn median(values: &mut [f64]) -> f64 {
 
 const SETS: [VedutaSystems; 4] = [VedutaSystems::Steer, VedutaSystems::Stream, VedutaSystems::Build, VedutaSystems::Show];
 
-/// Figures of one walk along the tour.
+/// How a city comes to the viewer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Way {
+    /// As streaming does it.
+    Streamed,
+    /// All that is so near, in metres, whatever stands between; read and built on the main thread, as soon as it is wanted.
+    Naive { around_m: f64 },
+}
+
+/// Figures of one walk along the tour: microseconds of the main thread's time for each frame.
 struct Walk {
     frames: Vec<f64>,
     sets: [Vec<f64>; 4],
+    /// For each cell that was walked into, frames until its level 1 stood.
+    late_frames: Vec<u32>,
     entities: u32,
+    /// Of all that was read.
     bytes: u64,
 }
 
@@ -131,8 +161,8 @@ struct Marks(Vec<Duration>);
 
 impl Walk {
     /// Plays the tour without drawing, on one thread, and measures its CPU time.
-    fn run(city: &Path, tour: &Tour) -> Result<Self, Failure> {
-        let mut app = quiet_app(city);
+    fn run(city: &Path, tour: &Tour, way: Way) -> Result<Self, Failure> {
+        let mut app = quiet_app(city, way);
         app.world_mut().spawn((Viewer, Transform::default(), Projection::default()));
         for _ in 0..2_000 {
             app.update();
@@ -148,7 +178,9 @@ impl Walk {
             return Err(player.error().unwrap_or("the tour did not start").to_owned().into());
         };
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / FPS)));
-        let mut walk = Self { frames: Vec::new(), sets: Default::default(), entities: 0, bytes: 0 };
+        let mut walk = Self { frames: Vec::new(), sets: Default::default(), late_frames: Vec::new(), entities: 0, bytes: 0 };
+        let mut entered = app.world().resource::<Messages<CellEntered>>().get_cursor();
+        let mut waiting: Vec<(u32, u32)> = Vec::new();
         for _ in 0..(duration_s * FPS) as u32 {
             app.world_mut().resource_mut::<Marks>().0.clear();
             let began = ThreadTime::now();
@@ -159,21 +191,41 @@ impl Walk {
                 times.push((pair[1].saturating_sub(pair[0])).as_secs_f64() * 1e6);
             }
             walk.entities = walk.entities.max(app.world().entities().count_spawned());
+            waiting.extend(entered.read(app.world().resource::<Messages<CellEntered>>()).filter_map(|m| Some((m.cell?, 0))));
+            let standing = app.world().resource::<StandingCells>();
+            waiting.retain(|&(cell, frames)| {
+                let stands = standing.levels(cell).has(veduta::city::Level::One);
+                if stands {
+                    walk.late_frames.push(frames);
+                }
+                !stands
+            });
+            waiting.iter_mut().for_each(|(_, frames)| *frames += 1);
         }
-        walk.bytes = app.world().resource::<StreamingStats>().bytes_received.iter().sum();
+        walk.late_frames.extend(waiting.into_iter().map(|(_, frames)| frames));
+        walk.bytes = app.world().resource::<StreamingStats>().bytes_all;
         Ok(walk)
+    }
+
+    /// What streaming and building together took of each frame.
+    fn streaming(&self) -> impl Iterator<Item = f64> {
+        self.sets[1].iter().zip(&self.sets[2]).map(|(stream, build)| stream + build)
     }
 }
 
-/// All that runs on the main thread of a walk, without drawing; reading and building happen on their threads.
-fn quiet_app(city: &Path) -> App {
+/// All that runs on the main thread of a walk, without drawing; reading and building happen on their threads, but in the naive way.
+fn quiet_app(city: &Path, way: Way) -> App {
     let mut app = App::new();
+    let (fetching, building) = match way {
+        Way::Streamed => (Fetching::Threads(2), Building::Pool),
+        Way::Naive { .. } => (Fetching::Inline, Building::Inline),
+    };
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), bevy::transform::TransformPlugin))
         .init_asset::<Mesh>()
         .add_plugins((
             veduta::ecs::EcsPlugin,
-            StreamingPlugin { fetching: Fetching::Threads(2) },
-            BuildingsPlugin { building: Building::Pool },
+            StreamingPlugin { fetching },
+            BuildingsPlugin { building },
             FacadePlugin::default(),
             SkyPlugin,
             TourPlugin { interface: false },
@@ -190,6 +242,12 @@ fn quiet_app(city: &Path) -> App {
         .edit_schedule(Update, |schedule| {
             schedule.set_executor(SingleThreadedExecutor::new());
         });
+    if let Way::Naive { around_m } = way {
+        let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
+        (settings.flying_from_m, settings.flying_m, settings.level_2_m) = (0.0, around_m, around_m);
+        (settings.packets_a_frame, settings.bytes_a_frame) = (usize::MAX, u64::MAX);
+        app.insert_resource(BuildSettings { vertices_a_frame: usize::MAX, in_the_making: usize::MAX });
+    }
     app
 }
 

@@ -113,6 +113,9 @@ enum Command {
         what: bench::Bench,
         /// City directory, map or scene folder; the sample city if not given.
         city: Option<String>,
+        /// Print all figures of `stream` as one object of JSON.
+        #[arg(long)]
+        json: bool,
     },
 }
 
@@ -173,7 +176,7 @@ fn command(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Gallery { out, sheets, only, size, profile }) => {
             gallery::gallery(&GalleryOrder { out, sheets, only, size, profile })
         }
-        Some(Command::Bench { what, city }) => bench::bench(what, city.as_deref()),
+        Some(Command::Bench { what, city, json }) => bench::bench(what, city.as_deref(), json),
     }
 }
 

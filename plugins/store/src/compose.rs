@@ -281,3 +281,120 @@ const PARAPET: i32 = 2 * GRID_PER_METRE;
 fn drawn_spans(shell: &CellShell) -> impl Iterator<Item = &WaySpan> {
     shell.spans.iter().take(shell.drawn_spans as usize)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::sync::Arc;
+
+    use veduta_city::{GridPolygon, Id, Portal, PortalSide};
+
+    use super::*;
+
+    /// Cells a side of a large city.
+    const SIDE: i32 = 317;
+    /// Metres from cell to cell.
+    const APART_M: i32 = 50;
+    /// So many cells away one sees, along and across.
+    const SIGHT: i32 = 3;
+
+    /// A city of 100,489 cells in rows: each with four portals, 49 cells in sight and two packets that do not shrink.
+    fn large() -> Region {
+        let side = APART_M * GRID_PER_METRE;
+        let mut places: Vec<(i32, i32)> = (0..SIDE).flat_map(|x| (0..SIDE).map(move |y| (x, y))).collect();
+        let outline = |(x, y): (i32, i32)| {
+            // Corners on no round numbers.
+            let at = |x: i32, y: i32| GridPos(x * side + (x * 7919 + y * 104_729) % 9000, y * side + (x * 15_485 + y * 863) % 9000);
+            GridPolygon::simple(vec![at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)])
+        };
+        places.sort_by_key(|&place| outline(place).middle().morton());
+        let mut number = vec![0; (SIDE * SIDE) as usize];
+        (0..).zip(&places).for_each(|(n, &(x, y))| number[(x * SIDE + y) as usize] = n);
+        let number =
+            |(x, y): (i32, i32)| ((0..SIDE).contains(&x) && (0..SIDE).contains(&y)).then(|| number[(x * SIDE + y) as usize]);
+        let mut noise = blake3::Hasher::new().finalize_xof();
+        let mut whole = Region::default();
+        for (cell, &(x, y)) in (0_u32..).zip(&places) {
+            let outline = outline((x, y));
+            let around = (-SIGHT..=SIGHT).flat_map(|dx| (-SIGHT..=SIGHT).map(move |dy| (x + dx, y + dy)));
+            let mut visible: Vec<u32> = around.filter_map(number).collect();
+            visible.sort_unstable();
+            let mut packets = [None; 4];
+            for (n, packet) in packets.iter_mut().take(2).enumerate() {
+                let mut hash = [0; 16];
+                noise.fill(&mut hash);
+                *packet = Some(BlobRef { hash, bytes: 400 + u32::from(hash[0]) * (2 - n as u32) });
+            }
+            let bounds = bounds_beyond(&outline, [u32::from(packets[0].map_or(0, |blob| blob.hash[1])) % 20; 4]);
+            whole.cells.push(CellEntry {
+                id: Id(u64::from_le_bytes(*packets[1].map_or([0; 16], |blob| blob.hash).first_chunk().unwrap_or(&[0; 8]))),
+                name: format!("Street {}", y / 3),
+                floor: (0, 150),
+                bounds,
+                top: 12_000 + i32::from(packets[0].map_or(0, |blob| blob.hash[2])) * 64,
+                visible,
+                houses: 5,
+                walls: 17,
+                packets,
+                outline: outline.clone(),
+                ..CellEntry::default()
+            });
+            for (n, beyond) in [(1, (x + 1, y)), (2, (x, y + 1))] {
+                let ends = (outline.outer[n], outline.outer[(n + 1) % 4]);
+                let beyond = number(beyond).map_or(PortalSide::Edge, PortalSide::Cell);
+                let n = whole.portals.len() as u32;
+                whole.portals.push(Portal { ends, cell, beyond });
+                whole.cells[cell as usize].portals.push(n);
+            }
+        }
+        for (n, portal) in (0..).zip(&whole.portals) {
+            if let PortalSide::Cell(other) = portal.beyond {
+                whole.cells[other as usize].portals.push(n);
+            }
+        }
+        whole.cells.iter_mut().for_each(|cell| cell.portals.sort_unstable());
+        whole.skyline = (0..whole.cells.len() as u32).step_by(400).collect();
+        whole
+    }
+
+    #[test]
+    fn a_city_of_a_hundred_thousand_cells_opens_reading_64_kb() {
+        let (mut told, pages) = regions(large()).expect("a city");
+        let stored: Vec<Vec<u8>> = (0..).zip(&pages).map(|(n, page)| encode_region(page, n, &told)).collect();
+        for (entry, stored) in told.iter_mut().zip(&stored) {
+            entry.blob = BlobRef::of(stored);
+        }
+        let plan = CityPlan { name: "Large".to_owned(), ..CityPlan::default() };
+        let head = head(&plan, &mut CityStats::default(), &|_, _| Ok(())).expect("a head");
+        let index = CityIndex { regions: told.into(), ..head }.without_pages();
+        assert!(index.cell_count() >= 100_000);
+        let list = encode_index(&index);
+        let opened = decode_index(&list).expect("whole");
+        let per_cell = stored.iter().map(Vec::len).sum::<usize>() as f64 / f64::from(index.cell_count());
+        let mut most = 0;
+        // Wherever a visit begins: the region of the place, and all that tell of what is seen from there.
+        for start in (0..SIDE).step_by(13).flat_map(|x| (0..SIDE).step_by(17).map(move |y| GridPos(x, y))) {
+            let pos = GridPos((start.0 * APART_M + 25) * GRID_PER_METRE, (start.1 * APART_M + 25) * GRID_PER_METRE);
+            let mut index = opened.clone();
+            let mut read = BTreeSet::new();
+            let mut fetch = |index: &mut CityIndex, numbers: Vec<u32>| {
+                for number in numbers {
+                    if read.insert(number) {
+                        let region = decode_region(&stored[number as usize], number, &index.regions).expect("whole");
+                        index.put(number, Arc::new(region));
+                    }
+                }
+            };
+            let about = index.regions_at(pos).collect();
+            fetch(&mut index, about);
+            let cell = index.locate(pos).expect("a cell");
+            let seen = index.cell(cell).map(|entry| entry.visible.clone()).expect("told");
+            let numbers = seen.iter().filter_map(|&cell| index.region_of(cell)).collect();
+            fetch(&mut index, numbers);
+            assert!(seen.iter().all(|&cell| index.cell(cell).is_some()));
+            most = most.max(list.len() + read.iter().map(|&number| stored[number as usize].len()).sum::<usize>());
+        }
+        println!("{} regions, {} B listed, {per_cell:.1} B a cell, at most {most} B to open", index.regions.len(), list.len());
+        assert!(most <= 64_000, "{most} bytes are read");
+    }
+}

@@ -1,0 +1,109 @@
+//! `veduta bench stream`: what streaming costs the main thread and the line, beside the naive way.
+
+use std::path::Path;
+
+use anstream::{eprintln, println};
+use bevy::math::DVec2;
+use veduta::city::{GridPos, Level, Step, Tour, Where, file};
+use veduta_bake::{BakeSettings, bake};
+use veduta_store::{DirReader, Reader, decode_overview, read_index};
+
+use super::{Walk, Way, large, line, median, workplace};
+use crate::{Failure, cities};
+
+/// A town of more than 50,000 houses, in words.
+const TOWN: &str = "(name: \"Fifty thousand\", seed: 11, size_m: 5600, plan: Medieval(), squares: 40)";
+/// Metres a second of the fast run through it.
+const RUN_M_S: f64 = 8.0;
+/// How far it leads, metres.
+const RUN_M: f64 = 1_600.0;
+/// A viewer of the naive way wants everything so near, metres.
+const NAIVE_M: f64 = 400.0;
+/// The sample city so many times, along and across.
+const TIMES: [(u32, u32, &str); 2] = [(5, 2, "10x"), (10, 10, "100x")];
+
+/// Measures and prints, as one object of JSON or as lines of it.
+///
+/// # Errors
+/// If a city cannot be baked or walked.
+pub(super) fn stream(scene: &Path, json: bool) -> Result<(), Failure> {
+    let dir = workplace("stream")?;
+    let mut figures: Vec<(String, f64, &str)> = Vec::new();
+    let mut tell = |name: &str, value: f64, unit: &'static str| {
+        if !json {
+            line(name, value, unit);
+        }
+        figures.push((name.to_owned(), value, unit));
+    };
+    let tour: Tour = file::read(&cities::sample_scene().join("royal_route.tour.ron"))?;
+
+    let sample = dir.join("sample.city");
+    let stats = bake(scene, &sample, &BakeSettings::default(), &mut |_| ())?.stats;
+    let mut small = Walk::run(&sample, &tour, Way::Streamed)?;
+    eprintln!("the sample tour: {} frames", small.frames.len());
+
+    let town = dir.join("town.city");
+    let (run, houses) = fast_run(&dir, &town, &tour)?;
+    let fast = Walk::run(&town, &run, Way::Streamed)?;
+    eprintln!("a run of {RUN_M} m through {houses} houses: {} frames", fast.frames.len());
+    let naive = Walk::run(&town, &run, Way::Naive { around_m: NAIVE_M })?;
+
+    let mut cpu: Vec<f64> = small.streaming().chain(fast.streaming()).collect();
+    cpu.sort_by(f64::total_cmp);
+    tell("stream_cpu_p999_ms", quantile(&cpu, 0.999) / 1e3, "ms");
+    tell("stream_cpu_max_ms", quantile(&cpu, 1.0) / 1e3, "ms");
+    let late = small.late_frames.iter().chain(&fast.late_frames).max().copied().unwrap_or(0);
+    tell("level1_after_portal_frames", f64::from(late), "1");
+    let worst = |walk: &Walk| walk.frames.iter().copied().fold(0.0, f64::max);
+    tell("worst_frame_ratio_vs_naive", worst(&naive) / worst(&fast), "1");
+    tell("worst_frame_ms", worst(&fast) / 1e3, "ms");
+    tell("worst_frame_naive_ms", worst(&naive) / 1e3, "ms");
+    tell("walk_bytes_before_level3", small.bytes as f64, "B");
+    for level in [Level::One, Level::Two] {
+        let bytes = stats.bytes_per_house(level).unwrap_or(0.0);
+        tell(&format!("bytes_per_house_level{}", level as u8), bytes, "B");
+    }
+    let (frame, bytes) = (median(&mut small.frames), small.bytes as f64);
+    for (columns, rows, name) in TIMES {
+        let (city, stats) = large(scene, &dir, (columns, rows), name)?;
+        let mut walk = Walk::run(&city, &tour, Way::Streamed)?;
+        eprintln!("the sample tour in a city of {} houses", stats.houses);
+        tell(&format!("frame_ratio_{name}"), median(&mut walk.frames) / frame, "1");
+        tell(&format!("bytes_ratio_{name}"), walk.bytes as f64 / bytes, "1");
+        std::fs::remove_dir_all(&city)?;
+    }
+    if json {
+        let object = figures.into_iter().map(|(name, value, _)| (name, value.into())).collect();
+        println!("{}", serde_json::Value::Object(object));
+    }
+    std::fs::remove_dir_all(&dir)?;
+    Ok(())
+}
+
+/// The value below which so large a share of ascending values lies; 0 of none.
+fn quantile(ascending: &[f64], share: f64) -> f64 {
+    let n = (share * ascending.len() as f64).ceil() as usize;
+    ascending.get(n.saturating_sub(1)).copied().unwrap_or(0.0)
+}
+
+/// Bakes the town, and a run through it along its streets.
+fn fast_run(dir: &Path, city: &Path, sample: &Tour) -> Result<(Tour, u64), Failure> {
+    let words = dir.join("town.words.ron");
+    std::fs::write(&words, TOWN)?;
+    let houses = bake(&words, city, &BakeSettings::default(), &mut |_| ())?.stats.houses;
+    let reader = DirReader::new(city)?;
+    let index = read_index(&reader)?;
+    let stored = reader.read(&index.overview.path(), index.overview.bytes.into())?;
+    let overview = decode_overview(&stored, &index.overview)?;
+    let start = index.start.pos;
+    // The street's end that lies nearest to as far away as the run is to lead.
+    let ends = overview.streets.iter().filter(|street| street.walkable).filter_map(|street| street.line.last());
+    let off = |pos: &GridPos| (pos.to_metres().distance(start) - RUN_M).abs();
+    let goal = ends.min_by(|a, b| off(a).total_cmp(&off(b))).map_or(start, |pos| pos.to_metres());
+    let at = |pos: DVec2| Where::At(pos.x, pos.y);
+    let steps = vec![
+        Step::Start { at: at(start), eye_m: None, look: Default::default() },
+        Step::Walk { to: at(goal), via: Vec::new(), speed: Some(RUN_M_S), look: Default::default(), ease: Default::default() },
+    ];
+    Ok((Tour { title: "Run".into(), steps, ..sample.clone() }, houses))
+}
