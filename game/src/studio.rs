@@ -63,6 +63,8 @@ pub struct Studio {
     viewer: Entity,
     captured: Captured,
     given_up: BTreeSet<u32>,
+    /// Regions that were waited for in vain.
+    regions_given_up: BTreeSet<u32>,
 }
 
 impl Studio {
@@ -106,7 +108,7 @@ impl Studio {
         }
         app.finish();
         app.cleanup();
-        let mut studio = Self { app, target, viewer, captured: Captured::default(), given_up: BTreeSet::new() };
+        let mut studio = Self { app, target, viewer, captured: Captured::default(), given_up: BTreeSet::new(), regions_given_up: BTreeSet::new() };
         studio.look(false);
         studio.await_city(city)?;
         Ok(studio)
@@ -183,22 +185,31 @@ impl Studio {
     /// Waits, without letting the app's time pass, until all that is wanted stands; gives back what does not even then. What
     /// was waited for in vain once is not waited for again.
     pub fn settle(&mut self) -> BTreeSet<u32> {
+        // Where the camera was put meanwhile, nothing is planned yet.
+        self.update_waiting(false);
         let mut came = Instant::now();
         let mut before = usize::MAX;
         while came.elapsed() < PATIENCE {
-            let missing = self.missing();
-            if missing.is_subset(&self.given_up) {
+            let (missing, untold) = (self.missing(), self.untold());
+            if missing.is_subset(&self.given_up) && untold.is_subset(&self.regions_given_up) {
                 return missing;
             }
-            let idle = missing.len() == before;
+            let left = missing.len() + untold.len();
+            let idle = left == before;
             if !idle {
-                (came, before) = (Instant::now(), missing.len());
+                (came, before) = (Instant::now(), left);
             }
             self.update_waiting(idle);
         }
         let missing = self.missing();
         self.given_up.extend(&missing);
+        self.regions_given_up.extend(self.untold());
         missing
+    }
+
+    /// Regions that are to tell what is wanted, and have not come.
+    fn untold(&self) -> BTreeSet<u32> {
+        self.app.world().resource::<Wanted>().regions.iter().copied().collect()
     }
 
     /// Renders until nothing changes any more: for the first picture.

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
 use crate::blob::name_of;
+use crate::disk::Disk;
 use crate::reader::check_path;
 use crate::write::lay_whole;
 use crate::{Fresh, ReadError, Reader};
@@ -181,7 +182,7 @@ impl CacheReader {
     fn write(&self, file: &Path, bytes: &[u8]) -> bool {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let part = format!("{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
-        let is_written = lay_whole(file, &file.with_extension(part), bytes).is_ok();
+        let is_written = lay_whole(&Disk::default(), file, &file.with_extension(part), bytes).is_ok();
         if !is_written {
             self.count(|counts| &mut counts.unwritten);
         }

@@ -79,6 +79,7 @@ mod blob;
 mod cache;
 mod client;
 mod compose;
+mod disk;
 mod error;
 #[cfg(not(target_arch = "wasm32"))]
 mod http;
@@ -108,6 +109,10 @@ pub use region::{CellEntry, Region, RegionEntry, RegionKey, decode_region, encod
 pub use request::{Payload, Request, RequestId, What};
 pub use stats::CityStats;
 pub use write::{CityWriter, write_city};
+
+// The small city of the tests names this crate as others do.
+#[cfg(test)]
+extern crate self as veduta_store;
 
 /// Version of the format that this program writes and reads.
 pub const FORMAT_VERSION: u32 = 10;

@@ -1,13 +1,13 @@
 use std::borrow::Cow;
 use std::collections::HashSet;
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use veduta_city::{CellShell, Cells, CityPlan, FacadeSheet};
 
 use crate::compose::{self, invalid};
+use crate::disk::Disk;
 use crate::{BlobRef, CellEntry, CityIndex, CityStats, INDEX_NAME, StoreError};
 
 /// Writes a city into a directory: whole or not at all.
@@ -55,7 +55,11 @@ impl CityWriter {
     /// # Errors
     /// As [`write_city`].
     pub fn new(dir: &Path, plan: &CityPlan) -> Result<Self, StoreError> {
-        let files = Files::new(dir)?;
+        Self::on(Disk::default(), dir, plan)
+    }
+
+    fn on(disk: Disk, dir: &Path, plan: &CityPlan) -> Result<Self, StoreError> {
+        let files = Files::new(disk, dir)?;
         let mut stats = CityStats::default();
         let index = compose::head(plan, &mut stats, &|blob, stored| files.add(blob, stored))?;
         Ok(Self { dir: dir.to_owned(), files, index, entries: Vec::new(), stats })
@@ -87,19 +91,20 @@ impl CityWriter {
         let files = &self.files;
         let sink = |blob: &BlobRef, stored: &[u8]| files.add(blob, stored);
         let stored = compose::index(self.index, self.entries, cells, &mut self.stats, &sink)?;
-        put(&self.files.site.join(INDEX_NAME), &stored)?;
+        self.files.put(&self.files.site.join(INDEX_NAME), &stored)?;
         if self.files.is_new {
-            fs::rename(&self.files.site, &self.dir).map_err(failed("move into place", &self.dir))?;
+            self.files.disk.rename(&self.files.site, &self.dir).map_err(failed("move into place", &self.dir))?;
         }
-        let (named, added) = self.files.finish();
+        let (named, added) = self.files.keep();
         (self.stats.blobs, self.stats.blobs_written) = (named.len() as u64, added);
-        self.stats.blobs_removed = sweep(&self.dir, &named)?;
+        self.stats.blobs_removed = self.files.sweep(&self.dir, &named)?;
         Ok(self.stats)
     }
 }
 
 /// The blobs of a city that is being written. Those that it brought go again if it is dropped before it is finished.
 struct Files {
+    disk: Disk,
     /// Where they are written: a directory that nobody reads yet, or the city's own.
     site: PathBuf,
     is_new: bool,
@@ -118,7 +123,7 @@ struct Written {
 }
 
 impl Files {
-    fn new(dir: &Path) -> Result<Self, StoreError> {
+    fn new(disk: Disk, dir: &Path) -> Result<Self, StoreError> {
         let occupied = || StoreError::Occupied(dir.to_owned());
         let is_new = !dir.exists();
         let site = match is_new {
@@ -128,9 +133,9 @@ impl Files {
             false => return Err(occupied()),
         };
         if is_new {
-            remove_all(&site)?;
+            disk.remove_all(&site).map_err(failed("remove", &site))?;
         }
-        Ok(Self { site, is_new, written: Mutex::default(), is_finished: false })
+        Ok(Self { disk, site, is_new, written: Mutex::default(), is_finished: false })
     }
 
     /// Writes a blob, once, unless it is there.
@@ -146,9 +151,9 @@ impl Files {
             return Ok(());
         }
         if self.is_new {
-            lay(&path, stored)?
+            self.disk.lay(&path, stored, false).map_err(failed("write", &path))?;
         } else {
-            put(&path, stored)?
+            self.put(&path, stored)?;
         }
         let mut written = written();
         if was_there {
@@ -160,10 +165,36 @@ impl Files {
     }
 
     /// Keeps all. Returns what the city names, and how many of them were written.
-    fn finish(mut self) -> (HashSet<BlobRef>, u64) {
+    fn keep(&mut self) -> (HashSet<BlobRef>, u64) {
         self.is_finished = true;
         let written = core::mem::take(self.written.get_mut().unwrap_or_else(PoisonError::into_inner));
         (written.named, written.added.len() as u64 + written.mended)
+    }
+
+    /// Writes a file so that it is there whole or not at all.
+    fn put(&self, path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
+        lay_whole(&self.disk, path, &path.with_extension("part"), bytes).map_err(failed("write", path))
+    }
+
+    /// Removes blobs that nothing names, and what interrupted runs left of some. Other files are left alone.
+    fn sweep(&self, dir: &Path, named: &HashSet<BlobRef>) -> Result<u64, StoreError> {
+        let named: HashSet<PathBuf> = named.iter().map(|blob| dir.join(blob.path())).collect();
+        let mut removed = 0;
+        for folder in entries(&dir.join("blobs"))? {
+            if !folder.is_dir() || folder.is_symlink() {
+                continue;
+            }
+            for file in entries(&folder)? {
+                if is_blob(&file) && !file.is_dir() && !named.contains(&file) {
+                    self.disk.remove_file(&file).map_err(failed("remove", &file))?;
+                    removed += 1;
+                }
+            }
+            if entries(&folder)?.is_empty() {
+                self.disk.remove_dir(&folder).map_err(failed("remove", &folder))?;
+            }
+        }
+        Ok(removed)
     }
 }
 
@@ -174,14 +205,14 @@ impl Drop for Files {
         }
         // Whatever led here is the error to tell.
         if self.is_new {
-            let _ = remove_all(&self.site);
+            let _ = self.disk.remove_all(&self.site);
             return;
         }
         let written = self.written.get_mut().unwrap_or_else(PoisonError::into_inner);
         for path in written.added.iter().map(|blob| self.site.join(blob.path())) {
-            let _ = fs::remove_file(&path);
+            let _ = self.disk.remove_file(&path);
             // Folders that hold others stay.
-            let _ = path.parent().map(fs::remove_dir);
+            let _ = path.parent().map(|folder| self.disk.remove_dir(folder));
         }
     }
 }
@@ -201,63 +232,11 @@ fn failed(doing: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> St
     move |error| StoreError::Write { doing, path, message: error.to_string() }
 }
 
-fn remove_all(dir: &Path) -> Result<(), StoreError> {
-    match fs::remove_dir_all(dir) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(failed("remove", dir)(error)),
-        _ => Ok(()),
-    }
-}
-
-/// Writes a file where nobody reads yet.
-fn lay(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
-    let write = || match fs::write(path, bytes) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            path.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(path, bytes))
-        }
-        done => done,
-    };
-    write().map_err(failed("write", path))
-}
-
-/// Writes a file so that it is there whole or not at all.
-fn put(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
-    lay_whole(path, &path.with_extension("part"), bytes).map_err(failed("write", path))
-}
-
-/// The same, by way of another file beside it.
-pub(crate) fn lay_whole(path: &Path, part: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    if let Some(parent) = path.parent() {
-        fs::create_dir_all(parent)?;
-    }
-    let mut file = fs::File::create(part)?;
-    file.write_all(bytes)?;
+/// Writes a file so that it is there whole or not at all, by way of another beside it.
+pub(crate) fn lay_whole(disk: &Disk, path: &Path, part: &Path, bytes: &[u8]) -> std::io::Result<()> {
     // A blob that a power cut swallows is found by its checksum and written again; the index must be sound.
-    if path.ends_with(INDEX_NAME) {
-        file.sync_all()?;
-    }
-    drop(file);
-    fs::rename(part, path)
-}
-
-/// Removes blobs that nothing names, and what interrupted runs left of some. Other files are left alone.
-fn sweep(dir: &Path, named: &HashSet<BlobRef>) -> Result<u64, StoreError> {
-    let named: HashSet<PathBuf> = named.iter().map(|blob| dir.join(blob.path())).collect();
-    let mut removed = 0;
-    for folder in entries(&dir.join("blobs"))? {
-        if !folder.is_dir() || folder.is_symlink() {
-            continue;
-        }
-        for file in entries(&folder)? {
-            if is_blob(&file) && !file.is_dir() && !named.contains(&file) {
-                fs::remove_file(&file).map_err(failed("remove", &file))?;
-                removed += 1;
-            }
-        }
-        if entries(&folder)?.is_empty() {
-            fs::remove_dir(&folder).map_err(failed("remove", &folder))?;
-        }
-    }
-    Ok(removed)
+    disk.lay(part, bytes, path.ends_with(INDEX_NAME))?;
+    disk.rename(part, path)
 }
 
 /// Whether a file is named as a blob, or a part of one, is.
@@ -277,4 +256,77 @@ fn entries(dir: &Path) -> Result<Vec<PathBuf>, StoreError> {
     let mut all = all.map_err(failed("list", dir))?;
     all.sort();
     Ok(all)
+}
+
+#[cfg(test)]
+#[path = "../tests/sample/mod.rs"]
+mod sample;
+
+#[cfg(test)]
+mod tests {
+    use veduta_city::Level;
+
+    use super::sample::{City, TempDir, city, files};
+    use super::*;
+    use crate::{DirReader, ReadError, Reader, decode_overview, decode_packet, read_index};
+
+    /// Writes a city on a disk that dies after so many steps; whether it did.
+    fn write_dying(city: &City, dir: &Path, steps: i64) -> bool {
+        let write = || -> Result<CityStats, StoreError> {
+            let mut writer = CityWriter::on(Disk::dying_after(steps), dir, &city.plan)?;
+            writer
+                .cells(&city.plan, &city.cells, &|cell| (Cow::Borrowed(&city.shells[cell]), Cow::Borrowed(&city.sheets[cell])))?;
+            writer.finish(city.cells.clone())
+        };
+        match write() {
+            Ok(_) => false,
+            Err(StoreError::Write { message, .. }) if message == "killed" => true,
+            Err(error) => panic!("after {steps} steps: {error}"),
+        }
+    }
+
+    /// How many houses a city shows that is read through and through; `None` if there is none.
+    fn houses(dir: &Path) -> Option<usize> {
+        let reader = match DirReader::new(dir) {
+            Err(ReadError::NoDirectory(_) | ReadError::NoIndex(_)) => return None,
+            reader => reader.expect("a directory"),
+        };
+        let index = read_index(&reader).expect("whole");
+        let read = |blob: &BlobRef| reader.read(&blob.path(), blob.bytes.into()).expect("there");
+        for (cell, level) in index.cells().flat_map(|(_, cell)| Level::ALL.map(|level| (cell, level))) {
+            if let Some(blob) = cell.packet(level) {
+                decode_packet(&read(blob), blob, level).expect("whole");
+            }
+        }
+        Some(decode_overview(&read(&index.overview), &index.overview).expect("whole").houses.len())
+    }
+
+    #[test]
+    fn a_writer_that_is_killed_at_any_step_leaves_the_old_city_or_the_new_one() {
+        let (old, new) = (city(3, 1), city(2, 2));
+        let fresh = TempDir::new("fresh");
+        new.write(&fresh.join("x")).expect("written");
+        let expected: Vec<Vec<u8>> = files(&fresh.join("x")).into_values().collect();
+        for is_over_old in [false, true] {
+            let mut seen = std::collections::BTreeSet::new();
+            for steps in 0.. {
+                let temp = TempDir::new("killed");
+                let dir = temp.join("x");
+                if is_over_old {
+                    old.write(&dir).expect("written");
+                }
+                let is_killed = write_dying(&new, &dir, steps);
+                seen.insert(houses(&dir));
+                // The next run takes up what is there, and leaves nothing over.
+                new.write(&dir).expect("taken up");
+                assert_eq!(houses(&dir), Some(8), "after {steps} steps");
+                assert_eq!(files(&temp.0).into_values().collect::<Vec<_>>(), expected, "after {steps} steps");
+                if !is_killed {
+                    assert!(steps > 9, "only {steps} steps");
+                    break;
+                }
+            }
+            assert_eq!(seen, [is_over_old.then_some(6), Some(8)].into());
+        }
+    }
 }

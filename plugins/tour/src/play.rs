@@ -403,7 +403,7 @@ mod tests {
     fn what_never_comes_is_not_waited_for_longer_than_patience() {
         let awaited = Awaited { cells: 1 };
         let mut hold = Hold::Cut;
-        let frames = (0..1_000).take_while(|_| {
+        let frames = (0..2_000).take_while(|_| {
             hold = hold.next(0.05, &awaited).0;
             hold.is_still()
         });

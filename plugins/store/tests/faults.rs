@@ -1,0 +1,197 @@
+//! Every read made to fail in turn, every byte of a city flipped: what was written arrives, or an error names what did not.
+
+mod sample;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use sample::{TempDir, city, files};
+use veduta_city::Level;
+use veduta_store::*;
+
+/// Reads from a directory, but for one read, which fails.
+struct OneFails {
+    inner: DirReader,
+    count: AtomicUsize,
+    failing: usize,
+    how: fn(&str) -> ReadError,
+}
+
+impl Reader for OneFails {
+    fn read(&self, path: &str, limit: u64) -> Result<Vec<u8>, ReadError> {
+        if self.count.fetch_add(1, Ordering::SeqCst) == self.failing { Err((self.how)(path)) } else { self.inner.read(path, limit) }
+    }
+
+    fn describe(&self) -> String {
+        "a line".to_owned()
+    }
+}
+
+const CELLS: usize = 5;
+
+/// Everything that a client reads of a city, by what it asked for.
+fn walk(reader: &dyn Reader) -> (Vec<(What, String)>, ClientStats, f64) {
+    let mut client = Client::new(ClientSettings::default());
+    client.want((0..CELLS as u32).flat_map(|cell| [(cell, Level::One), (cell, Level::Two)]));
+    client.want_overview();
+    let (mut arrived, mut now_s) = (Vec::new(), 0.0);
+    while arrived.len() < 3 + 2 * CELLS && now_s < 30.0 {
+        while let Some(request) = client.next_request(now_s) {
+            let answer = request.fetch(reader);
+            for event in client.deliver(request.id, answer, now_s) {
+                match event {
+                    ClientEvent::Failed { again_in_s, error, .. } => assert!(again_in_s.is_some(), "{error}"),
+                    event => arrived.push((request.what, format!("{event:?}"))),
+                }
+            }
+        }
+        now_s += 0.05;
+    }
+    arrived.sort();
+    (arrived, client.stats(), now_s)
+}
+
+#[test]
+fn any_one_read_may_fail() {
+    let temp = TempDir::new("fails");
+    city(CELLS, 2).write(&temp.0).expect("written");
+    let reader =
+        |failing, how| OneFails { inner: DirReader::new(&temp.0).expect("a city"), count: AtomicUsize::new(0), failing, how };
+    let told: [fn(&str) -> ReadError; 3] = [
+        |path| ReadError::Failed { place: "a line".to_owned(), path: path.to_owned(), message: "cut".to_owned() },
+        |path| ReadError::NotFound { place: "a line".to_owned(), path: path.to_owned() },
+        |path| ReadError::Status { place: "a line".to_owned(), path: path.to_owned(), status: 500 },
+    ];
+    let (whole, stats, _) = walk(&reader(usize::MAX, told[0]));
+    assert_eq!((whole.len(), stats.failures), (3 + 2 * CELLS, 0));
+    for failing in 0..whole.len() {
+        for how in told {
+            let (arrived, stats, took_s) = walk(&reader(failing, how));
+            assert_eq!((&arrived, stats.failures), (&whole, 1), "read {failing}");
+            assert!(took_s < 1.0, "read {failing} took {took_s} s to be made good");
+        }
+    }
+}
+
+#[test]
+fn any_flipped_byte_of_a_city_is_an_error_that_names_the_file() {
+    let temp = TempDir::new("flipped");
+    city(2, 1).write(&temp.0).expect("written");
+    let read = || -> Result<(), StoreError> {
+        let reader = DirReader::new(&temp.0)?;
+        let index = read_index(&reader)?;
+        let bytes = |blob: &BlobRef| reader.read(&blob.path(), blob.bytes.into());
+        let told = |blob: &BlobRef, error: StoreError| error.in_file(reader.describe(), &blob.path());
+        for (cell, level) in index.cells().flat_map(|(_, cell)| Level::ALL.map(|level| (cell, level))) {
+            if let Some(blob) = cell.packet(level) {
+                decode_packet(&bytes(blob)?, blob, level).map_err(|error| told(blob, error))?;
+            }
+        }
+        decode_overview(&bytes(&index.overview)?, &index.overview).map_err(|error| told(&index.overview, error))?;
+        Ok(())
+    };
+    assert_eq!(read(), Ok(()));
+    let mut flipped = 0;
+    for (path, good) in files(&temp.0) {
+        let name = path.strip_prefix(&temp.0).expect("below").to_string_lossy().into_owned();
+        let mut bytes = good.clone();
+        for i in 0..good.len() {
+            bytes[i] ^= 1 << (i % 8);
+            std::fs::write(&path, &bytes).expect("our own");
+            let error = read().expect_err("a flipped byte").to_string();
+            assert!(error.contains(&name), "byte {i} of {name}: {error}");
+            bytes[i] = good[i];
+            flipped += 1;
+        }
+        std::fs::write(&path, &good).expect("our own");
+    }
+    assert_eq!(read(), Ok(()));
+    assert!(flipped > 1_000, "only {flipped} bytes");
+}
+
+/// Ways in which someone might try to get out of a folder, and ways to write them.
+fn corpus() -> Vec<String> {
+    let ups = [
+        "..",
+        "../..",
+        "../../..",
+        ".",
+        "...",
+        "....",
+        "~",
+        "",
+        "%2e%2e",
+        "%2E%2E",
+        "..%2f",
+        "%252e%252e",
+        "..;",
+        "..\u{2215}",
+        "．．",
+    ];
+    let targets =
+        ["etc/passwd", "city.veduta", "secret.txt", "blobs", "", "windows/win.ini", "proc/self/environ", "x\0.bin", "nul", "con"];
+    let heads = [
+        "",
+        "/",
+        "\\",
+        "//",
+        "\\\\",
+        "C:",
+        "C:/",
+        "C:\\",
+        "file:///",
+        "http://h/",
+        "blobs/",
+        "blobs/ab/",
+        "./",
+        "%2f",
+        "\u{feff}",
+        " ",
+    ];
+    let joints = ["/", "\\", "//", "/./", "\\\\", "%2f", "%5c", "/\0/", "/ /"];
+    let mut all = Vec::new();
+    for head in heads {
+        for up in ups {
+            for joint in joints {
+                for target in targets {
+                    all.push(format!("{head}{up}{joint}{target}"));
+                }
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn ten_thousand_paths_lead_out_of_no_reader() {
+    let temp = TempDir::new("escape");
+    city(1, 1).write(&temp.join("x.city")).expect("written");
+    std::fs::write(temp.join("secret.txt"), "a secret").expect("our own");
+    std::fs::write(temp.join("city.veduta"), "a secret").expect("our own");
+    let dir = DirReader::new(temp.join("x.city")).expect("a city");
+    let inside: Vec<Vec<u8>> = files(&temp.join("x.city")).into_values().collect();
+    let cache = temp.join("cache");
+    let cached = CacheReader::new(std::sync::Arc::new(dir.clone()), &cache, 1 << 20);
+    // Nobody listens there: a path that got so far would be an error of the line.
+    let http = HttpReader::new("http://127.0.0.1:9/x.city").expect("an address");
+    let corpus = corpus();
+    assert!(corpus.len() > 10_000, "{} paths", corpus.len());
+    let (mut refused, before) = (0, files(&temp.0));
+    for path in &corpus {
+        for reader in [&dir as &dyn Reader, &cached] {
+            match reader.read(path, 1 << 20) {
+                Ok(bytes) => assert!(inside.contains(&bytes), "{path:?} leads to {bytes:?}"),
+                Err(ReadError::Forbidden { .. }) => refused += 1,
+                Err(ReadError::NotFound { .. } | ReadError::Failed { .. }) => {}
+                Err(error) => panic!("{path:?}: {error}"),
+            }
+        }
+        let is_plain = path.bytes().all(|b| b.is_ascii_alphanumeric() || b"._-/".contains(&b))
+            && !path.split('/').any(|part| part.is_empty() || part.starts_with('.'));
+        if !is_plain {
+            assert!(matches!(http.read(path, 1 << 20), Err(ReadError::Forbidden { .. })), "{path:?}");
+        }
+    }
+    assert!(refused > corpus.len(), "{refused} of {} were refused", 2 * corpus.len());
+    let after: Vec<_> = files(&temp.0).into_iter().filter(|(path, _)| !path.starts_with(&cache)).collect();
+    assert_eq!(after, before.into_iter().collect::<Vec<_>>(), "nothing was written elsewhere");
+}
