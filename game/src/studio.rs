@@ -108,7 +108,14 @@ impl Studio {
         }
         app.finish();
         app.cleanup();
-        let mut studio = Self { app, target, viewer, captured: Captured::default(), given_up: BTreeSet::new(), regions_given_up: BTreeSet::new() };
+        let mut studio = Self {
+            app,
+            target,
+            viewer,
+            captured: Captured::default(),
+            given_up: BTreeSet::new(),
+            regions_given_up: BTreeSet::new(),
+        };
         studio.look(false);
         studio.await_city(city)?;
         Ok(studio)

@@ -36,7 +36,7 @@ pub(crate) fn fade_levels(
             growing.push((message.entity, i));
         }
     }
-    let step = time.delta_secs() / settings.seconds.max(1e-3);
+    let step = if settings.seconds > 0.0 { time.delta_secs() / settings.seconds } else { 1.0 };
     growing.retain(|&(entity, i)| {
         let Ok(mut fade) = cells.get_mut(entity) else { return false };
         fade.0[i] = (fade.0[i] + step).min(1.0);
@@ -93,6 +93,21 @@ mod tests {
         }
         assert_eq!(fade(&app)[1], 1.0);
         assert_eq!(app.world().get::<MeshTag>(mesh).expect("spawned above").0, 0x0000_FFFF);
+    }
+
+    #[test]
+    fn a_fade_under_way_ends_when_levels_are_to_show_at_once() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, crate::FacadePlugin::default()));
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+        let cell = app.world_mut().spawn((Cell(0), LevelFade::default())).id();
+        app.world_mut().write_message(CellStands { entity: cell, cell: 0, level: Level::Two });
+        app.update();
+        let fade = |app: &App| app.world().get::<LevelFade>(cell).expect("spawned above").0[1];
+        assert!(fade(&app) < 0.1);
+        app.insert_resource(FadeSettings { seconds: 0.0 });
+        app.update();
+        assert_eq!(fade(&app), 1.0);
     }
 
     #[test]
