@@ -15,7 +15,7 @@ use veduta::city::{Tour, file};
 use veduta::ecs::{CellEntered, StandingCells};
 use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
-use veduta::streaming::{Fetching, StreamingStats};
+use veduta::streaming::{Event, Fetching, Journal};
 use veduta_bake::{BakeSettings, Input, bake, enlarged, overrides_beside, survey};
 use veduta_store::CityStats;
 
@@ -156,7 +156,7 @@ struct Walk {
     /// For each cell that was walked into, frames until its level 1 stood.
     late_frames: Vec<u32>,
     entities: u32,
-    /// Of all that was read.
+    /// Of all that was read, each thing once.
     bytes: u64,
 }
 
@@ -170,7 +170,7 @@ impl Walk {
         let mut app = quiet_app(city, way);
         app.world_mut().spawn((Viewer, Transform::default(), Projection::default()));
         let began = Instant::now();
-        while !app.world().get_resource::<City>().is_some_and(|c| c.overview.is_some()) {
+        while app.world().get_resource::<City>().is_none_or(|c| c.overview.is_none()) {
             if began.elapsed() > PATIENCE {
                 return Err(format!("{}: the city did not open in {} s", city.display(), PATIENCE.as_secs()).into());
             }
@@ -188,7 +188,7 @@ impl Walk {
         let mut walk = Self { frames: Vec::new(), sets: Default::default(), late_frames: Vec::new(), entities: 0, bytes: 0 };
         let mut entered = app.world().resource::<Messages<CellEntered>>().get_cursor();
         let mut waiting: Vec<(u32, u32)> = Vec::new();
-        let mut here = DVec2::INFINITY;
+        let (mut here, mut cell) = (DVec2::INFINITY, None);
         for _ in 0..(duration_s * FPS) as u32 {
             app.world_mut().resource_mut::<Marks>().0.clear();
             let began = ThreadTime::now();
@@ -202,8 +202,10 @@ impl Walk {
             let eye = app.world_mut().query::<&Eye>().iter(app.world()).next().map_or(here, |eye| eye.plan_pos);
             // Who leaps comes through no portal.
             let has_leapt = core::mem::replace(&mut here, eye).distance(eye) > LEAP_M;
-            let now = entered.read(app.world().resource::<Messages<CellEntered>>()).filter_map(|m| Some((m.cell?, 0)));
-            waiting.extend(now.filter(|_| !has_leapt));
+            for message in entered.read(app.world().resource::<Messages<CellEntered>>()) {
+                let from = core::mem::replace(&mut cell, message.cell);
+                waiting.extend(message.cell.filter(|_| from.is_some() && !has_leapt).map(|cell| (cell, 0)));
+            }
             let standing = app.world().resource::<StandingCells>();
             waiting.retain(|&(cell, frames)| {
                 let stands = standing.levels(cell).has(veduta::city::Level::One);
@@ -215,7 +217,14 @@ impl Walk {
             waiting.iter_mut().for_each(|(_, frames)| *frames += 1);
         }
         walk.late_frames.extend(waiting.into_iter().map(|(_, frames)| frames));
-        walk.bytes = app.world().resource::<StreamingStats>().bytes_all;
+        // What came twice would have been kept, on the way from a web server.
+        let mut came = std::collections::BTreeMap::new();
+        for entry in app.world().resource::<Journal>().entries() {
+            if let Event::Arrived { item, bytes } = entry.event {
+                came.insert(item, bytes);
+            }
+        }
+        walk.bytes = came.values().sum();
         Ok(walk)
     }
 
@@ -245,6 +254,7 @@ fn quiet_app(city: &Path, way: Way) -> App {
         ))
         .insert_resource(OpenCity(city.display().to_string()))
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(1)))
+        .insert_resource(Journal { keep: usize::MAX, ..default() })
         .init_resource::<Marks>()
         .add_systems(Update, mark.before(VedutaSystems::Steer))
         .add_systems(Update, mark.after(VedutaSystems::Steer).before(VedutaSystems::Stream))

@@ -86,7 +86,7 @@ fn cached(input: &Input) -> Result<PathBuf, Failure> {
     let stem = input.path.file_name().unwrap_or_default().to_string_lossy();
     let stem = stem.split('.').next().unwrap_or("city");
     let name = format!("{stem}-{}.city", &hasher.finalize().to_hex()[..16]);
-    Ok(cache_dir().join(name))
+    Ok(cache_dir().join("cities").join(name))
 }
 
 fn cache_dir() -> PathBuf {
@@ -95,7 +95,13 @@ fn cache_dir() -> PathBuf {
         .or_else(|| var("LOCALAPPDATA"))
         .or_else(|| var("HOME").map(|home| home.join(".cache")))
         .unwrap_or_else(std::env::temp_dir);
-    base.join("veduta").join("cities")
+    base.join("veduta")
+}
+
+/// Where what web servers sent is kept.
+#[must_use]
+pub fn streamed_dir() -> PathBuf {
+    cache_dir().join("streamed")
 }
 
 fn bake_with_bar(input: &Path, out: &Path) -> Result<(), Failure> {

@@ -6,6 +6,8 @@ use bevy_egui::{EguiContexts, EguiPrimaryContextPass};
 use veduta::prelude::*;
 use veduta::streaming::StreamingStats;
 
+use crate::expert::Expert;
+
 /// Help, and what has gone wrong.
 pub(crate) struct HudPlugin;
 
@@ -26,7 +28,7 @@ struct Hud {
 /// Seconds that a message stays.
 const STAY_S: f64 = 8.0;
 
-const HELP: [(&str, &str); 13] = [
+const HELP: [(&str, &str); 14] = [
     ("W A S D", "walk"),
     ("right mouse button", "look around (or arrow left, right)"),
     ("Shift", "run"),
@@ -40,6 +42,7 @@ const HELP: [(&str, &str); 13] = [
     ("H   J", "hour of the day: earlier, later"),
     ("K", "the next season"),
     ("F1", "this help"),
+    ("F2", "how the city streams: cells, line, journal"),
 ];
 
 /// A quarter of a year, days.
@@ -109,8 +112,9 @@ fn draw_help(mut contexts: EguiContexts, hud: Res<Hud>) -> Result {
     Ok(())
 }
 
-fn draw_messages(mut contexts: EguiContexts, hud: Res<Hud>) -> Result {
-    if hud.messages.is_empty() {
+fn draw_messages(mut contexts: EguiContexts, hud: Res<Hud>, expert: Res<Expert>) -> Result {
+    // An expert reads them in the journal.
+    if hud.messages.is_empty() || expert.is_shown {
         return Ok(());
     }
     let context = contexts.ctx_mut()?;

@@ -18,6 +18,7 @@ pub mod camera;
 pub mod cities;
 pub mod cli;
 pub mod encode;
+mod expert;
 pub mod film;
 pub mod gallery;
 mod hud;

@@ -6,10 +6,11 @@ use bevy::asset::io::AssetSourceBuilder;
 use bevy::prelude::*;
 use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
+use veduta::streaming::StreamingCache;
 
 use crate::camera::camera;
 use crate::profile::Profile;
-use crate::{Failure, cities, hud, profile};
+use crate::{Failure, cities, expert, hud, profile};
 
 /// Whether there is a display to open a window on.
 #[must_use]
@@ -59,9 +60,11 @@ pub fn walk(city: &str, chosen: Option<Profile>, first: Option<&FirstTour>) -> R
         MinimapPlugin,
         GuidePlugin::default(),
         hud::HudPlugin,
+        expert::ExpertPlugin,
     ))
     .insert_resource(ClearColor(Color::BLACK))
     .insert_resource(OpenCity(city.to_owned()))
+    .insert_resource(StreamingCache { dir: Some(cities::streamed_dir()), ..default() })
     .add_systems(Startup, spawn_walker);
     if let Some(first) = first {
         app.insert_resource(first.clone()).add_systems(Update, offer_tour);

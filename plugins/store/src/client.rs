@@ -226,6 +226,11 @@ impl Client {
         has_room.then(|| self.request(what, Some(blob)))
     }
 
+    /// What is on its way.
+    pub fn pending(&self) -> impl Iterator<Item = What> {
+        self.in_flight.values().map(|(what, _)| *what)
+    }
+
     /// Requests for packets that are on their way and not wanted any more: those that were not sent yet may be taken back with
     /// [`Client::cancel`].
     #[must_use]

@@ -43,10 +43,17 @@ pub struct RetryTime(
 
 /// Entity, last time wanted and bytes of every loaded cell.
 #[derive(Resource, Default)]
-struct LoadedCells {
+pub(crate) struct LoadedCells {
     cells: BTreeMap<u32, LoadedCell>,
     /// When it was last looked through for what may go, and for which plan of what is wanted.
     swept: Option<(f64, u64)>,
+}
+
+impl LoadedCells {
+    /// The finest level of a cell that is loaded.
+    pub fn level(&self, cell: u32) -> Option<Level> {
+        self.cells.get(&cell)?.levels.last().map(|(level, _)| *level)
+    }
 }
 
 /// Cells that nobody wants are looked for so often; at once where the plan changes or memory runs over.

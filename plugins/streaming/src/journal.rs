@@ -55,6 +55,17 @@ pub enum Item {
     Packet(u32, Level),
 }
 
+impl fmt::Display for Item {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Index => f.write_str("the index"),
+            Self::Region(number) => write!(f, "region {number}"),
+            Self::Overview => f.write_str("the overview"),
+            Self::Packet(cell, level) => write!(f, "cell {cell} {level}"),
+        }
+    }
+}
+
 /// What happened.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -121,6 +132,15 @@ pub enum Reason {
     Idle,
     /// Memory ran over.
     OverTheCap,
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Idle => "unwanted",
+            Self::OverTheCap => "over the cap",
+        })
+    }
 }
 
 /// A line that is none of a journal.

@@ -39,6 +39,7 @@ mod fetch;
 mod follow;
 mod journal;
 mod link;
+mod look;
 mod want;
 
 use bevy::prelude::*;
@@ -49,6 +50,7 @@ pub use fetch::{CityReader, Fetching, Reconnect, StreamingCache};
 pub use follow::CurrentCell;
 pub use journal::{Entry, Event, Item, Journal, JournalError, Reason, read_journal, replay, write_journal};
 pub use link::Link;
+pub use look::Streamed;
 pub use want::{Wanted, Why};
 
 /// Streams the city that [`OpenCity`](veduta_ecs::OpenCity) names.
