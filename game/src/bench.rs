@@ -254,7 +254,7 @@ fn quiet_app(city: &Path, way: Way) -> App {
         ))
         .insert_resource(OpenCity(city.display().to_string()))
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(1)))
-        .insert_resource(Journal { keep: usize::MAX, ..default() })
+        .insert_resource(Journal::keeping(usize::MAX))
         .init_resource::<Marks>()
         .add_systems(Update, mark.before(VedutaSystems::Steer))
         .add_systems(Update, mark.after(VedutaSystems::Steer).before(VedutaSystems::Stream))

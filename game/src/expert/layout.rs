@@ -88,22 +88,10 @@ pub(super) fn draw(
             let level = streamed.level(cell).map_or("not loaded".to_owned(), |level| format!("{level} loaded"));
             let name = if entry.name.is_empty() { "without a name" } else { &entry.name };
             let text = format!("cell {cell}, {name}: {} houses, {level}; {}", entry.houses, because(wanted.why(cell)));
-            painter.text(
-                area.rect.left_bottom() + Vec2::new(4.0, -4.0),
-                Align2::LEFT_BOTTOM,
-                text,
-                FontId::proportional(12.0),
-                INK,
-            );
+            foot(&painter, area.rect, text, INK);
         } else {
             let text = format!("{:.0} m across; wheel to zoom, point at a cell to ask why", 2.0 * expert.reach_m);
-            painter.text(
-                area.rect.left_bottom() + Vec2::new(4.0, -4.0),
-                Align2::LEFT_BOTTOM,
-                text,
-                FontId::proportional(12.0),
-                FAINT,
-            );
+            foot(&painter, area.rect, text, FAINT);
         }
         if let Some(to) = area.clicked().then(|| area.interact_pointer_pos()).flatten().map(|at| view.plan(at)) {
             expert.leap = Some(to);

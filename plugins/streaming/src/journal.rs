@@ -161,6 +161,12 @@ impl fmt::Display for JournalError {
 impl core::error::Error for JournalError {}
 
 impl Journal {
+    /// An empty journal that keeps so many entries.
+    #[must_use]
+    pub fn keeping(keep: usize) -> Self {
+        Self { keep, ..Self::default() }
+    }
+
     /// The entries that are kept, oldest first.
     pub fn entries(&self) -> impl DoubleEndedIterator<Item = &Entry> + ExactSizeIterator {
         self.entries.iter()
