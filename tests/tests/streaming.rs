@@ -9,9 +9,9 @@ use std::time::Duration;
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use veduta::ecs::StandingCells;
+use veduta::ecs::{Awaited, Itinerary, OpenCells, StandingCells, Stop};
 use veduta::prelude::*;
-use veduta::streaming::{Fetching, StreamingStats, Wanted};
+use veduta::streaming::{CurrentCell, Fetching, StreamingStats, Wanted, Why};
 use veduta_city::Level;
 use veduta_store::{DirReader, read_index};
 use veduta_tests::{quiet_app, sample_city, update_until, workplace};
@@ -141,6 +141,62 @@ fn levels_come_in_order_and_cells_are_released_behind_the_walker() {
     assert!(gone > 10, "only {gone} of {} cells are gone, 400 m away", first.len());
     let entities = app.world_mut().query::<&veduta::ecs::Cell>().iter(app.world()).count();
     assert_eq!(entities, now.len(), "each standing cell is one entity");
+}
+
+#[test]
+fn what_lies_on_an_itinerary_stands_before_one_is_there() {
+    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+    let viewer = stand(&mut app);
+    let index = read_index(&DirReader::new(sample_city()).expect("a city")).expect("whole");
+    let here = app.world().get::<Eye>(viewer).expect("spawned").plan_pos;
+    let middles = index.cells().map(|(cell, entry)| (cell, entry.outline.centroid()));
+    let within = middles.filter(|(cell, at)| index.locate(veduta_city::GridPos::from_metres(*at)) == Some(*cell));
+    let (far, at) = within.max_by(|a, b| a.1.distance(here).total_cmp(&b.1.distance(here))).expect("cells");
+    let seen = &index.cell(far).expect("told").visible;
+    let missing =
+        |app: &App| seen.iter().filter(|&&cell| !app.world().resource::<StandingCells>().levels(cell).has(Level::One)).count();
+    assert!(missing(&app) > 0, "nobody has wanted it yet");
+    let stop = Stop { in_s: 20.0, plan_pos: at, eye_m: 1.65 };
+    app.world_mut().entity_mut(viewer).insert(Itinerary(vec![stop]));
+    (0..20).for_each(|_| app.update());
+    assert_eq!(missing(&app), 0, "it is there beforehand");
+    assert_eq!(app.world().resource::<Wanted>().why(far), Some(Why::Ahead { from: far }));
+    app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos = at;
+    app.update();
+    assert_eq!(*app.world().resource::<Awaited>(), Awaited { cells: 0 }, "the leap needs no dark");
+}
+
+#[test]
+fn two_viewers_are_served_under_one_cap() {
+    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+    let first = stand(&mut app);
+    let alone = app.world().resource::<Wanted>().in_sight.clone();
+    let start = app.world().resource::<City>().start;
+    let mut other = Eye::at(start);
+    other.plan_pos = DVec2::new(300.0, -27.0);
+    let second = app.world_mut().spawn((Viewer, other, Transform::default())).id();
+    app.update();
+    app.update();
+    viewer_sees(&mut app);
+    let both = app.world().resource::<Wanted>().in_sight.clone();
+    assert!(alone.iter().all(|cell| both.contains(cell)) && both.len() > alone.len(), "the union of what both see");
+    // Doors open in the frame after.
+    app.update();
+    for viewer in [first, second] {
+        let cell = app.world().get::<CurrentCell>(viewer).and_then(|current| current.0).expect("in a cell");
+        assert!(app.world().resource::<OpenCells>().lead(u32::MAX, cell), "both may walk");
+    }
+    let cap = 60_000;
+    app.world_mut().resource_mut::<StreamingSettings>().memory_cap_bytes = cap;
+    for _ in 0..60 {
+        app.update();
+    }
+    assert!(app.world().resource::<StreamingStats>().bytes_loaded <= cap);
+    app.world_mut().despawn(second);
+    for _ in 0..200 {
+        app.update();
+    }
+    assert_eq!(app.world().resource::<Wanted>().in_sight, alone, "what only the other saw is no longer wanted");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::{Footing, WorldOrigin};
 /// A camera that sees the city: streaming loads what it needs, its [`Eye`] says where it is.
 #[derive(Component, Reflect, Debug, Default, Clone, Copy)]
 #[reflect(Component)]
-#[require(Eye, Footing)]
+#[require(Eye, Footing, Itinerary)]
 pub struct Viewer;
 
 /// Where a viewer stands and looks, in plan space. The one interface through which cameras are moved: the walker, tours,
@@ -64,6 +64,25 @@ impl Eye {
     pub fn z_m(&self) -> f64 {
         self.ground_m + self.eye_m
     }
+}
+
+/// Where a viewer will be: what is seen from there can be loaded beforehand, also where no way leads through a portal. Kept by whoever
+/// knows, as tours do.
+#[derive(Component, Debug, Clone, PartialEq, Default)]
+pub struct Itinerary(
+    /// Soonest first.
+    pub Vec<Stop>,
+);
+
+/// A place on an [`Itinerary`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stop {
+    /// Seconds from now.
+    pub in_s: f64,
+    /// Plan metres.
+    pub plan_pos: DVec2,
+    /// Metres above the ground.
+    pub eye_m: f64,
 }
 
 /// Who moves the viewer's eye.

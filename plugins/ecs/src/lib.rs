@@ -29,7 +29,7 @@ pub use cell::{
     MaterialsProvided, OpenCells, StandingCells,
 };
 pub use clock::CityClock;
-pub use eye::{Eye, Steering, Viewer};
+pub use eye::{Eye, Itinerary, Steering, Stop, Viewer};
 pub use ground::{Footing, Ground};
 pub use place::{City, CityFailed, CityOpened, JumpTo, OpenCity};
 pub use sets::VedutaSystems;

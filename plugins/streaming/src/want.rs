@@ -4,7 +4,7 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 use veduta_city::{GridPos, Level, Portal, metres};
-use veduta_ecs::{Awaited, Eye, OpenCells, StandingCells, Viewer};
+use veduta_ecs::{Awaited, Eye, Itinerary, OpenCells, StandingCells, Stop, Viewer};
 use veduta_store::{CellEntry, CityIndex};
 
 use crate::fetch::Store;
@@ -67,7 +67,7 @@ pub enum Why {
         /// That cell.
         from: u32,
     },
-    /// It is seen from a cell into which a viewer may walk next.
+    /// It is seen from a cell into which a viewer may walk next, or which lies on a tour's way.
     Ahead {
         /// That cell.
         from: u32,
@@ -134,10 +134,6 @@ impl Needs<'_> {
         self.need(cell, why, 0.0, eye);
     }
 
-    fn cell_ahead(&mut self, cell: u32, from: u32, way_m: f64, eye: &Eye) {
-        self.need(cell, Why::Ahead { from }, way_m, eye);
-    }
-
     fn need(&mut self, cell: u32, why: Why, way_m: f64, eye: &Eye) {
         let rank = u8::from(matches!(why, Why::Ahead { .. }));
         let Some(region) = self.index.region_of(cell) else { return };
@@ -180,7 +176,7 @@ impl Needs<'_> {
             ahead.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             for (way_m, next) in ahead {
                 for &seen in visible(index, next) {
-                    self.cell_ahead(seen, next, way_m, eye);
+                    self.need(seen, Why::Ahead { from: next }, way_m, eye);
                 }
             }
         }
@@ -211,19 +207,59 @@ impl Needs<'_> {
     }
 }
 
+impl Needs<'_> {
+    /// Adds what is seen from where a viewer will be.
+    fn add_stop(&mut self, stop: &Stop, eye: &Eye) {
+        let way_m = stop.in_s * PACE_M_S;
+        let (index, settings) = (self.index, self.settings);
+        let pos = GridPos::from_metres(stop.plan_pos);
+        if index.regions_at(pos).filter(|&region| !self.has(region, 1)).count() > 0 {
+            return;
+        }
+        let Some(from) = index.locate(pos) else { return };
+        if stop.eye_m < settings.flying_from_m {
+            for &seen in visible(index, from) {
+                self.need(seen, Why::Ahead { from }, way_m, eye);
+            }
+            return;
+        }
+        let regions =
+            (0..).zip(&*index.regions).filter(|(_, region)| distance_to(region.bounds, stop.plan_pos) <= settings.flying_m);
+        for (number, region) in regions {
+            if !self.has(number, 1) {
+                continue;
+            }
+            let page = index.region(number).map_or(&[][..], |page| &page.cells);
+            for (cell, entry) in region.numbers().zip(page) {
+                if distance_to(entry.bounds, stop.plan_pos) <= settings.flying_m {
+                    self.need(cell, Why::Ahead { from }, way_m, eye);
+                }
+            }
+        }
+    }
+}
+
+/// Metres a second at which a walker comes to a portal: by that, what is to be seen in so many seconds is compared with it.
+const PACE_M_S: f64 = 1.4;
+
 /// Plans anew when a viewer has changed cell or moved eight metres, or more of the city is told.
 pub(crate) fn plan_wanted(
     store: Option<Res<Store>>,
     settings: Res<StreamingSettings>,
-    viewers: Query<(&Eye, Option<&CurrentCell>), With<Viewer>>,
+    viewers: Query<(&Eye, Option<&CurrentCell>, &Itinerary), With<Viewer>>,
     mut wanted: ResMut<Wanted>,
 ) {
     let Some(index) = store.as_ref().and_then(|store| store.client.index()) else { return };
+    let coarse = |plan_pos: DVec2, eye_m: f64| {
+        let p = (plan_pos / 8.0).floor();
+        IVec3::new(p.x as i32, p.y as i32, (eye_m / 8.0) as i32)
+    };
     let standpoints: Vec<(Option<u32>, IVec3)> = viewers
         .iter()
-        .map(|(eye, current)| {
-            let p = (eye.plan_pos / 8.0).floor();
-            (current.and_then(|c| c.0), IVec3::new(p.x as i32, p.y as i32, (eye.eye_m / 8.0) as i32))
+        .flat_map(|(eye, current, itinerary)| {
+            let here = (current.and_then(|c| c.0), coarse(eye.plan_pos, eye.eye_m));
+            let stops = itinerary.0.iter().map(|stop| (None, coarse(stop.plan_pos, stop.eye_m)));
+            core::iter::once(here).chain(stops).collect::<Vec<_>>()
         })
         .collect();
     if wanted.planned_for.as_ref() == Some(&standpoints) && !settings.is_changed() {
@@ -231,8 +267,9 @@ pub(crate) fn plan_wanted(
     }
     let mut needs =
         Needs { index, settings: &settings, cells: BTreeMap::new(), used: BTreeSet::new(), missing: [Vec::new(), Vec::new()] };
-    for (eye, current) in &viewers {
+    for (eye, current, itinerary) in &viewers {
         needs.add(eye, current.and_then(|c| c.0));
+        itinerary.0.iter().for_each(|stop| needs.add_stop(stop, eye));
     }
     let (order, in_sight) = ranked(index, &needs.cells, &settings);
     let [mut regions, later] = needs.missing;
@@ -300,8 +337,11 @@ fn distance_to((lo, hi): (GridPos, GridPos), plan_pos: DVec2) -> f64 {
     plan_pos.distance(plan_pos.clamp(lo.min(hi), hi.max(lo)))
 }
 
-/// Level 1 of all that is in sight, then its finer levels, then level 1 of what is in sight from the next cells; nearest first, as far as
-/// the memory cap goes: the furthest finer levels are the first to be left out.
+/// So near to a portal, what is seen from beyond it comes before the finer levels of what is in sight; metres.
+const NEXT_M: f64 = 20.0;
+
+/// Level 1 of all that is in sight, then of what is in sight from beyond a near portal, then the finer levels, then level 1 of what is
+/// farther ahead; nearest first, as far as the memory cap goes: what comes last is the first to be left out.
 fn ranked(index: &CityIndex, needs: &BTreeMap<u32, Need>, settings: &StreamingSettings) -> (Vec<(u32, Level)>, Vec<u32>) {
     let mut cells: Vec<(u32, Need)> = needs.iter().map(|(&cell, &need)| (cell, need)).collect();
     cells.sort_by(|a, b| {
@@ -312,22 +352,23 @@ fn ranked(index: &CityIndex, needs: &BTreeMap<u32, Need>, settings: &StreamingSe
             .then(a.0.cmp(&b.0))
     });
     let bytes = |cell: u32, level: Level| index.cell(cell).and_then(|entry| entry.packet(level)).map(|blob| u64::from(blob.bytes));
-    let (mut order, mut sum, mut reached) = (Vec::new(), 0, BTreeMap::new());
-    for rank in [0, 1] {
-        for level in Level::ALL {
-            for (cell, need) in cells.iter().filter(|(_, need)| need.rank == rank) {
-                let allowed = level == Level::One || (rank == 0 && level <= need.finest && level as u8 <= settings.finest);
-                let Some(size) = bytes(*cell, level).filter(|_| allowed) else { continue };
-                // A finer level without the one before it is of no use.
-                let stands =
-                    level == Level::One || reached.get(cell).is_some_and(|&last: &Level| last.index() + 1 == level.index());
-                if stands && sum + size <= settings.memory_cap_bytes {
-                    sum += size;
-                    reached.insert(*cell, level);
-                    order.push((*cell, level));
-                }
-            }
-        }
+    let (mut order, mut sum, mut reached) = (Vec::new(), 0, BTreeMap::<u32, Level>::new());
+    let mut take = |cell: u32, level: Level| {
+        // A finer level without the one before it is of no use.
+        let is_next = reached.get(&cell).map_or(0, |last| last.index() + 1) == level.index();
+        let Some(size) = bytes(cell, level).filter(|size| is_next && sum + size <= settings.memory_cap_bytes) else { return };
+        sum += size;
+        reached.insert(cell, level);
+        order.push((cell, level));
+    };
+    let of_rank = |rank: u8| cells.iter().filter(move |(_, need)| need.rank == rank);
+    of_rank(0).for_each(|&(cell, _)| take(cell, Level::One));
+    // Whoever is about to walk on must not stand before a shut door.
+    of_rank(1).filter(|(_, need)| need.way_m <= NEXT_M).for_each(|&(cell, _)| take(cell, Level::One));
+    for level in [Level::Two, Level::Three, Level::Four] {
+        let is_allowed = |need: &Need| level <= need.finest && level as u8 <= settings.finest;
+        of_rank(0).filter(|(_, need)| is_allowed(need)).for_each(|&(cell, _)| take(cell, level));
     }
+    of_rank(1).filter(|(_, need)| need.way_m > NEXT_M).for_each(|&(cell, _)| take(cell, Level::One));
     (order, cells.iter().filter(|(_, need)| need.rank == 0).map(|(cell, _)| *cell).collect())
 }

@@ -2,7 +2,7 @@ use bevy::asset::{AssetLoadError, AssetLoadFailedEvent};
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::Tour;
-use veduta_ecs::{Awaited, City, CityClock, Eye, Steering, Viewer};
+use veduta_ecs::{Awaited, City, CityClock, Eye, Itinerary, Steering, Stop, Viewer};
 use veduta_route::{CompiledTour, Gazetteer, Pose, ResumeLeg, StreetNet, compile, resume};
 
 use crate::TourAsset;
@@ -308,6 +308,23 @@ pub(crate) fn compile_tour(
     }
 }
 
+/// So many seconds ahead it is told where the tour will be.
+const AHEAD_S: [f64; 4] = [3.0, 7.0, 12.0, 20.0];
+
+/// Tells where the viewers will be.
+fn tell_ahead(player: &TourPlayer, itineraries: &mut Query<&mut Itinerary, With<Viewer>>) {
+    let is_under_way = matches!(player.state, TourState::Waiting | TourState::Playing | TourState::Returning | TourState::Paused);
+    let tour = player.compiled.as_ref().filter(|_| is_under_way);
+    let stop = |tour: &CompiledTour, in_s: f64| {
+        let pose = tour.pose(player.t_s + in_s * player.speed());
+        Stop { in_s, plan_pos: pose.plan_pos, eye_m: pose.eye_m }
+    };
+    let stops = tour.map_or_else(Vec::new, |tour| AHEAD_S.iter().map(|&in_s| stop(tour, in_s)).collect());
+    for mut itinerary in itineraries {
+        itinerary.set_if_neq(Itinerary(stops.clone()));
+    }
+}
+
 /// Moves the eye along the tour.
 pub(crate) fn play(
     time: Res<Time>,
@@ -316,8 +333,10 @@ pub(crate) fn play(
     awaited: Res<Awaited>,
     mut clock: ResMut<CityClock>,
     mut viewers: Query<&mut Eye, With<Viewer>>,
+    mut itineraries: Query<&mut Itinerary, With<Viewer>>,
     mut ended: MessageWriter<TourEnded>,
 ) {
+    tell_ahead(&player, &mut itineraries);
     let guided = *steering == Steering::Guided;
     if matches!(player.state, TourState::Playing | TourState::Returning | TourState::Paused) && !guided {
         player.state = TourState::Wandering;
