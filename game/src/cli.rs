@@ -1,6 +1,6 @@
 //! The command line.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anstream::eprintln;
@@ -35,6 +35,9 @@ enum Command {
         /// Tour to begin with.
         #[arg(long)]
         tour: Option<PathBuf>,
+        /// Write down all that streaming does, a line of RON for each event.
+        #[arg(long, value_name = "FILE")]
+        journal: Option<PathBuf>,
     },
     /// Film a tour without a display, frame by frame.
     Film {
@@ -120,7 +123,7 @@ enum Command {
 }
 
 /// Walks in the city that is named, else in the tour's, else in the sample with the sample tour on T.
-fn walk(city: Option<&str>, profile: Option<Profile>, tour: Option<PathBuf>) -> Result<(), Failure> {
+fn walk(city: Option<&str>, profile: Option<Profile>, tour: Option<PathBuf>, journal: Option<&Path>) -> Result<(), Failure> {
     let first = match (city, tour) {
         (_, Some(path)) => Some(FirstTour { path, at_once: true }),
         (None, None) => Some(FirstTour { path: cities::sample_scene().join("royal_route.tour.ron"), at_once: false }),
@@ -130,7 +133,7 @@ fn walk(city: Option<&str>, profile: Option<Profile>, tour: Option<PathBuf>) -> 
         (None, Some(FirstTour { path, at_once: true })) => cities::of_tour(&file::read::<Tour>(path)?, path)?,
         _ => cities::open(city)?,
     };
-    walk::walk(&city, profile, first.as_ref())
+    walk::walk(&city, profile, first.as_ref(), journal)
 }
 
 /// A number within bounds, for a command line.
@@ -158,13 +161,13 @@ pub fn run() -> ExitCode {
 
 fn command(command: Option<Command>) -> Result<(), Failure> {
     match command {
-        None if walk::has_display() => walk(None, None, None),
+        None if walk::has_display() => walk(None, None, None, None),
         None => film::film(&FilmOrder::sample()?),
-        Some(Command::Walk { city, profile, tour }) => {
+        Some(Command::Walk { city, profile, tour, journal }) => {
             if !walk::has_display() {
                 return Err("no display to walk on; `veduta film TOUR --out film.mp4` needs none".into());
             }
-            walk(city.as_deref(), profile, tour)
+            walk(city.as_deref(), profile, tour, journal.as_deref())
         }
         Some(Command::Film { tour, out, size, fps, profile, from, to, json }) => {
             let out = out.unwrap_or_else(|| film::default_out(&tour));

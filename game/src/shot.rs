@@ -106,6 +106,12 @@ pub fn picture(order: &ShotOrder) -> Result<Picture, Failure> {
     if !missing.is_empty() {
         return Err(format!("{}: cells {missing:?} are in sight but could not be loaded", order.city).into());
     }
+    if !studio.untold_in_vain().is_empty() {
+        let regions = studio.untold_in_vain();
+        return Err(
+            format!("{}: regions {regions:?} of the index, which tell what is in sight, could not be read", order.city).into()
+        );
+    }
     studio.warm_up();
     let image = studio.shoot()?;
     let (renderer, is_software) = studio.renderer();

@@ -214,6 +214,12 @@ impl Studio {
         missing
     }
 
+    /// Regions of the index that were waited for in vain: nobody knows what is missing there.
+    #[must_use]
+    pub const fn untold_in_vain(&self) -> &BTreeSet<u32> {
+        &self.regions_given_up
+    }
+
     /// Regions that are to tell what is wanted, and have not come.
     fn untold(&self) -> BTreeSet<u32> {
         self.app.world().resource::<Wanted>().regions.iter().copied().collect()

@@ -6,7 +6,7 @@ use bevy::asset::io::AssetSourceBuilder;
 use bevy::prelude::*;
 use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
-use veduta::streaming::StreamingCache;
+use veduta::streaming::{Journal, StreamingCache};
 
 use crate::camera::camera;
 use crate::profile::Profile;
@@ -24,8 +24,8 @@ pub fn has_display() -> bool {
 /// Opens a window in a city, and stays until it is closed.
 ///
 /// # Errors
-/// If the program ends with a failure.
-pub fn walk(city: &str, chosen: Option<Profile>, first: Option<&FirstTour>) -> Result<(), Failure> {
+/// If the journal's file cannot be made, or the program ends with a failure.
+pub fn walk(city: &str, chosen: Option<Profile>, first: Option<&FirstTour>, journal: Option<&Path>) -> Result<(), Failure> {
     let beside = first.and_then(|f| f.path.parent()).filter(|p| !p.as_os_str().is_empty());
     let tours = beside.unwrap_or(Path::new(".")).to_owned();
     let tours = std::path::absolute(&tours).unwrap_or(tours);
@@ -66,6 +66,10 @@ pub fn walk(city: &str, chosen: Option<Profile>, first: Option<&FirstTour>) -> R
     .insert_resource(OpenCity(city.to_owned()))
     .insert_resource(StreamingCache { dir: Some(cities::streamed_dir()), ..default() })
     .add_systems(Startup, spawn_walker);
+    if let Some(path) = journal {
+        let told = app.world_mut().resource_mut::<Journal>().write_to(path);
+        told.map_err(|error| format!("{}: {error}", path.display()))?;
+    }
     if let Some(first) = first {
         app.insert_resource(first.clone()).add_systems(Update, offer_tour);
     }

@@ -21,7 +21,7 @@ use veduta_tests::{quiet_app, sample_city, update_until};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Fault {
     None,
-    /// Every other byte string is cut in half.
+    /// Each is cut in half.
     Cut,
     /// One byte of each is another.
     WrongBytes,
@@ -105,7 +105,9 @@ impl Visit {
         let mut app = quiet_app("faulty.city", Fetching::Inline, Duration::from_secs_f64(STEP_S));
         app.insert_resource(CityReader(Arc::new(reader)));
         app.insert_resource(Link { latency_s: 0.05, bytes_s: 200_000.0, ..Link::default() });
-        let cap = app.world().resource::<StreamingSettings>().memory_cap_bytes;
+        // Small enough to be met on the way.
+        let cap = 120_000;
+        app.world_mut().resource_mut::<StreamingSettings>().memory_cap_bytes = cap;
         update_until(&mut app, 200, "the city is open", |world| world.contains_resource::<City>());
         let start = app.world().resource::<City>().start;
         let viewer = app.world_mut().spawn((Viewer, Eye::at(start), Transform::default())).id();
@@ -213,6 +215,9 @@ fn survives(fault: Fault, link: Link, fault_s: f64) {
     visit.put(far.expect("cells"));
     visit.is_dark = true;
     walk(&mut visit, fault_s / 2.0, &mut seen);
+    let fails = fault != Fault::None || link.loss > 0.0 || link.is_down;
+    let failures = visit.app.world().resource::<StreamingStats>().failures;
+    assert!(!fails || failures > 0, "the fault was never met");
     visit.set(Fault::None, good);
     let took_s = visit.until(5.0, "all is whole again", |visit| {
         let wanted = visit.app.world().resource::<Wanted>();

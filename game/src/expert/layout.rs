@@ -1,5 +1,7 @@
 //! The plan of cells about the viewer.
 
+use std::collections::BTreeSet;
+
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
@@ -46,7 +48,7 @@ pub(super) fn draw(
     window.anchor(Align2::LEFT_BOTTOM, Vec2::new(10.0, -10.0)).show(context, |ui| {
         let (area, painter) = ui.allocate_painter(Vec2::splat(side), Sense::click());
         if let Some(scrolled) = area.hovered().then(|| ui.input(|input| input.smooth_scroll_delta.y)) {
-            expert.reach_m = (expert.reach_m * (-scrolled * 0.004).exp()).clamp(40.0, 4_000.0);
+            expert.reach_m = (expert.reach_m * (-scrolled * 0.004).exp()).clamp(40.0, 1_500.0);
         }
         let Some((eye, current)) = viewers.iter().next() else { return };
         let here = current.and_then(|current| current.0);
@@ -58,8 +60,9 @@ pub(super) fn draw(
             let (lo, hi) = (DVec2::new(metres(lo.0), metres(lo.1)), DVec2::new(metres(hi.0), metres(hi.1)));
             eye.plan_pos.distance(eye.plan_pos.clamp(lo, hi)) < reach
         };
+        let in_sight: BTreeSet<u32> = wanted.in_sight.iter().copied().collect();
         for (cell, entry) in index.cells().filter(|(_, entry)| is_near(entry.bounds)) {
-            let is_in_sight = wanted.in_sight.contains(&cell);
+            let is_in_sight = in_sight.contains(&cell);
             let ring: Vec<Pos2> = entry.outline.outer.iter().map(|&pos| view.point(pos)).collect();
             let colour = if Some(cell) == here { HERE } else { fill(streamed.level(cell), is_in_sight) };
             paint(&painter, &entry.outline, &view, colour);
@@ -114,6 +117,7 @@ fn because(why: Option<Why>) -> String {
         None => "nobody wants it".to_owned(),
         Some(Why::Seen { from }) => format!("seen from cell {from}"),
         Some(Why::Ahead { from }) => format!("seen from cell {from}, next door"),
+        Some(Why::OnTheWay) => "near a place that the tour leads to".to_owned(),
         Some(Why::Skyline) => "it rises above the roofs".to_owned(),
         Some(Why::Near) => "near who flies or is in no cell".to_owned(),
     }

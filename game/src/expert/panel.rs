@@ -80,8 +80,15 @@ pub(super) fn draw_journal(mut contexts: EguiContexts, journal: Res<Journal>) ->
 }
 
 /// Sliders of the simulated line.
-fn line(ui: &mut egui::Ui, link: &mut ResMut<Link>, settings: &mut StreamingSettings, reconnect: &mut MessageWriter<Reconnect>) {
+fn line(
+    ui: &mut egui::Ui,
+    link: &mut ResMut<Link>,
+    settings: &mut ResMut<StreamingSettings>,
+    reconnect: &mut MessageWriter<Reconnect>,
+) {
     let mut own = **link;
+    // Settings count as changed when they are written to.
+    let mut paused = settings.paused;
     let mut pace = own.bytes_s.min(UNLIMITED);
     ui.add(Slider::new(&mut own.latency_s, 0.0..=3.0).text("latency, s"));
     let words = |n: f64, _: core::ops::RangeInclusive<usize>| if n >= UNLIMITED { "no limit".to_owned() } else { bytes(n as u64) };
@@ -90,12 +97,15 @@ fn line(ui: &mut egui::Ui, link: &mut ResMut<Link>, settings: &mut StreamingSett
     own.bytes_s = if pace >= UNLIMITED { f64::INFINITY } else { pace };
     ui.horizontal(|ui| {
         ui.checkbox(&mut own.is_down, "server gone");
-        ui.checkbox(&mut settings.paused, "pause");
+        ui.checkbox(&mut paused, "pause");
         if ui.button("ask again now").clicked() {
             reconnect.write(Reconnect);
         }
     });
     link.set_if_neq(own);
+    if paused != settings.paused {
+        settings.paused = paused;
+    }
 }
 
 /// A line of the journal in words.

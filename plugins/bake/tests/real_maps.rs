@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use ground_proof::{prove_mesh, prove_partition};
 use veduta_bake::{BakeError, BakeSettings, Baked, Input, bake, cut, plan};
-use veduta_city::{Level, Overview, PlaceKind};
+use veduta_city::{CellShell, GridPos, Level, Overview, PlaceKind};
 use veduta_store::{CellEntry, CityIndex, DirReader, Packet, Reader, decode_overview, decode_packet, decode_styles, read_index};
 
 /// How far one sees in Portland, whose extract spans 70 km²: the test is to stay short. Metres.
@@ -90,8 +90,45 @@ fn files(dir: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     found
 }
 
-/// A city read back through the reader: its index, its overview, and how many named streets that shows.
-fn opened(city: &Path) -> (CityIndex, Overview, usize) {
+/// Least and greatest corner of a box in plan.
+type Box2 = (GridPos, GridPos);
+
+/// A city read back through the reader.
+struct Opened {
+    index: CityIndex,
+    overview: Overview,
+    /// How many named streets it shows.
+    named: usize,
+    /// By cell: boxes of what is drawn with it and may be seen from other cells' space: houses, objects, ways above and below, yards.
+    things: Vec<Vec<Box2>>,
+}
+
+/// How far a crown reaches from its stem, grid steps.
+const CROWN: i32 = 8 * 1024;
+
+fn things(shell: &CellShell) -> Vec<Box2> {
+    let around = |points: &mut dyn Iterator<Item = GridPos>| {
+        let first = points.next()?;
+        Some(
+            points
+                .fold((first, first), |(lo, hi), p| (GridPos(lo.0.min(p.0), lo.1.min(p.1)), GridPos(hi.0.max(p.0), hi.1.max(p.1)))),
+        )
+    };
+    let houses = shell.houses.iter().flat_map(|house| &house.volumes);
+    let houses = houses.filter_map(|volume| around(&mut volume.footprint.outer.iter().copied()));
+    let objects = shell.objects.iter().map(|object| {
+        let reach = GridPos(CROWN, CROWN);
+        (object.pos - reach, object.pos + reach)
+    });
+    let spans =
+        shell.spans.iter().filter_map(|span| around(&mut span.stations.iter().flat_map(|station| [station.left, station.right])));
+    let yards = shell.ground.iter().filter(|patch| !shell.outline.contains(patch.outline.middle()));
+    let yards = yards.filter_map(|patch| around(&mut patch.outline.outer.iter().copied()));
+    let all = houses.chain(objects).chain(spans).chain(yards);
+    all.map(|(lo, hi)| (lo + shell.origin, hi + shell.origin)).collect()
+}
+
+fn opened(city: &Path) -> Opened {
     let reader = DirReader::new(city).unwrap_or_else(|e| panic!("{e}"));
     let read = |path: &str| reader.read(path, 1 << 28).unwrap_or_else(|e| panic!("{e}"));
     let index = read_index(&reader).unwrap_or_else(|e| panic!("{e}"));
@@ -100,13 +137,14 @@ fn opened(city: &Path) -> (CityIndex, Overview, usize) {
     assert!(!styles.0.is_empty());
     let overview = decode_overview(&read(&index.overview.path()), &index.overview).unwrap_or_else(|e| panic!("{e}"));
     let named: BTreeSet<&str> = overview.streets.iter().map(|s| s.name.as_str()).filter(|name| !name.is_empty()).collect();
-    let mut roofs = 0;
+    let (mut roofs, mut all_things) = (0, Vec::new());
     for (i, cell) in index.cells() {
         let mut walls = 0;
         for level in Level::ALL {
             let Some(blob) = cell.packet(level) else { continue };
             match decode_packet(&read(&blob.path()), blob, level).unwrap_or_else(|e| panic!("cell {i}, {level}: {e}")) {
                 Packet::Shell(shell) => {
+                    all_things.push(things(&shell));
                     assert!(!shell.ground.is_empty(), "cell {i} of {} has no ground", index.name);
                     roofs += shell.houses.iter().filter(|h| h.volumes.iter().any(|v| v.has_roof)).count() as u64;
                     walls = shell.houses.iter().flat_map(|h| &h.volumes).map(|v| v.walls.len()).sum();
@@ -119,14 +157,21 @@ fn opened(city: &Path) -> (CityIndex, Overview, usize) {
     }
     assert_eq!(roofs, index.cells().map(|(_, cell)| u64::from(cell.houses)).sum::<u64>());
     let named = named.len();
-    (index, overview, named)
+    Opened { index, overview, named, things: all_things }
 }
 
 /// Of what is seen from cells, so much may be seen from one side alone: walls and roofs that are drawn with a cell round the corner.
 const MOST_ONE_SIDED: f64 = 0.15;
 
-/// Portals belong to both their cells, visible sets hold the cell and its neighbours and mostly see back, nearly all hangs together.
-fn check_index(index: &CityIndex) {
+/// Whether two boxes touch.
+fn touch(a: Box2, b: Box2) -> bool {
+    a.0.0 <= b.1.0 && b.0.0 <= a.1.0 && a.0.1 <= b.1.1 && b.0.1 <= a.1.1
+}
+
+/// Portals belong to both their cells, visible sets hold the cell and its neighbours and see back, but for what stands at the border of
+/// another cell that is seen; nearly all hangs together.
+fn check_index(opened: &Opened) {
+    let index = &opened.index;
     let cells: Vec<&CellEntry> = index.cells().map(|(_, cell)| cell).collect();
     let neighbours = |cell: u32| index.portals(cell).filter_map(move |portal| portal.other(cell)).collect::<Vec<u32>>();
     for cell in 0..index.cell_count() {
@@ -142,7 +187,18 @@ fn check_index(index: &CityIndex) {
         let sees = |to: u32| cell.visible.binary_search(&to).is_ok();
         assert!(sees(i) && neighbours(i).into_iter().all(sees), "{}: cell {i} does not see its neighbours", index.name);
         all_seen += cell.visible.len();
-        one_sided += cell.visible.iter().filter(|&&seen| cells[seen as usize].visible.binary_search(&i).is_err()).count();
+        let is_blind = |&seen: &u32| cells[seen as usize].visible.binary_search(&i).is_err();
+        for seen in cell.visible.iter().copied().filter(is_blind) {
+            one_sided += 1;
+            let others: Vec<Box2> =
+                cell.visible.iter().filter(|&&k| k != seen).filter_map(|&k| cells[k as usize].outline.bounds()).collect();
+            let is_met = opened.things[seen as usize].iter().any(|&thing| others.iter().any(|&other| touch(thing, other)));
+            assert!(
+                is_met,
+                "{}: cell {i} sees cell {seen}, which does not see it and has nothing that stands elsewhere",
+                index.name
+            );
+        }
     }
     println!("{}: {one_sided} of {all_seen} are seen from one side alone", index.name);
     assert!((one_sided as f64) < MOST_ONE_SIDED * all_seen as f64, "{}: {one_sided} of {all_seen} see nobody back", index.name);
@@ -189,8 +245,9 @@ fn every_extract_becomes_a_city() {
         }
         let baked = bake(&data.join(expected.file), &out, &settings, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
         let seconds = began.elapsed().as_secs_f64();
-        let (index, overview, streets) = opened(&out);
-        check_index(&index);
+        let opened = opened(&out);
+        check_index(&opened);
+        let Opened { index, overview, named: streets, .. } = opened;
         let squares = overview.places.iter().filter(|p| p.kind == PlaceKind::Square).count();
         let seen: usize = index.cells().map(|(_, cell)| cell.visible.len()).sum();
         println!(
@@ -252,7 +309,7 @@ fn maps_of_single_buildings_end_in_a_model() {
         let _ = std::fs::remove_dir_all(&out);
         let baked = bake_to(&map, &out).unwrap_or_else(|e| panic!("{}: {e}", map.display()));
         assert!(baked.stats.houses >= 1, "{}: {:?}", map.display(), baked.findings);
-        check_index(&opened(&out).0);
+        check_index(&opened(&out));
     }
 }
 

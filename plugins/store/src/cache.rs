@@ -7,16 +7,17 @@ use std::time::SystemTime;
 
 use crate::blob::name_of;
 use crate::disk::Disk;
+use crate::index::is_whole;
 use crate::reader::check_path;
 use crate::write::lay_whole;
-use crate::{Fresh, ReadError, Reader};
+use crate::{Fresh, INDEX_NAME, ReadError, Reader};
 
 /// A reader that keeps what it has read in a directory, so that a return costs nothing. Blobs are named by their content: one that is
 /// there and answers to its name is not asked for again, whichever city it belongs to. The index is asked for every time, but travels
 /// only if it has changed; where the server cannot be reached, the one from last time is as good as its blobs.
 ///
 /// Over the cap, what was not used for longest goes. What cannot be written is read all the same, and counted. Several programs may
-/// share a directory.
+/// share a directory; each holds to its cap by what it knows of.
 pub struct CacheReader {
     inner: Arc<dyn Reader>,
     dir: PathBuf,
@@ -55,10 +56,12 @@ struct Shelf {
 }
 
 impl Shelf {
-    /// What earlier runs left, by the times of the files.
+    /// What earlier runs left, by the times of the files. What they left half written goes.
     fn of(dir: &Path) -> Self {
+        sweep_parts(&dir.join("named"));
         let mut found = Vec::new();
         for folder in fs::read_dir(dir.join("blobs")).into_iter().flatten().flatten() {
+            sweep_parts(&folder.path());
             for file in fs::read_dir(folder.path()).into_iter().flatten().flatten() {
                 let (path, about) = (file.path(), file.metadata());
                 let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
@@ -94,6 +97,17 @@ impl Shelf {
     }
 }
 
+/// Removes files of a folder that somebody began to write and has not ended for an hour.
+fn sweep_parts(folder: &Path) {
+    for file in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let is_part = file.path().extension().is_some_and(|extension| extension == "part");
+        let age = file.metadata().and_then(|about| about.modified()).ok().and_then(|time| time.elapsed().ok());
+        if is_part && age.is_some_and(|age| age.as_secs() > 3_600) {
+            let _ = fs::remove_file(file.path());
+        }
+    }
+}
+
 impl CacheReader {
     /// Keeps what another reader reads in a directory, which is made when there is something to keep; of blobs no more than a cap, in
     /// bytes.
@@ -122,61 +136,58 @@ impl CacheReader {
         self.dir.join("blobs").join(name.get(..2).unwrap_or_default()).join(format!("{name}.bin"))
     }
 
-    /// Where a file of this city is kept that is not named by its content, and the mark by which its server knows it.
-    fn named_files(&self, path: &str) -> (PathBuf, PathBuf) {
+    /// Where a file of this city is kept that is not named by its content.
+    fn named_file(&self, path: &str) -> PathBuf {
         let name = name_of(format!("{}\n{path}", self.inner.describe()).as_bytes());
-        let file = self.dir.join("named").join(&name);
-        (file.with_extension("bin"), file.with_extension("tag"))
+        self.dir.join("named").join(name).with_extension("kept")
     }
 
-    /// A blob that is kept and answers to its name.
+    /// A blob that is kept and answers to its name, whoever has put it there.
     fn kept(&self, name: &str, limit: u64) -> Option<Vec<u8>> {
-        let size = self.shelf(|shelf| shelf.blobs.get(name).map(|(size, _)| *size))?;
         let file = self.blob_file(name);
-        let bytes = if size <= limit { fs::read(&file).ok() } else { None };
-        match bytes {
-            Some(bytes) if name_of(&bytes) == name => {
-                self.shelf(|shelf| shelf.put(name.to_owned(), size));
-                // For the order in the next run; without it, the file counts as used when it was written.
-                let _ = File::options()
-                    .append(true)
-                    .open(&file)
-                    .and_then(|f| f.set_times(FileTimes::new().set_modified(SystemTime::now())));
-                Some(bytes)
-            }
-            _ => {
-                self.count(|counts| &mut counts.damaged);
-                self.shelf(|shelf| shelf.take(name));
+        let bytes = fs::read(&file).ok()?;
+        if name_of(&bytes) != name {
+            self.count(|counts| &mut counts.damaged);
+            self.shelf(|shelf| {
+                shelf.take(name);
                 let _ = fs::remove_file(&file);
-                None
-            }
+            });
+            return None;
         }
+        let size = bytes.len() as u64;
+        if size > limit {
+            return None;
+        }
+        self.put(name, size);
+        // For the order in the next run; without it, the file counts as used when it was written.
+        let times = FileTimes::new().set_modified(SystemTime::now());
+        let _ = File::options().append(true).open(&file).and_then(|file| file.set_times(times));
+        Some(bytes)
     }
 
     /// Keeps a blob, unless it is not what it is called or larger than all that may be kept.
     fn keep(&self, name: &str, bytes: &[u8]) {
         let size = bytes.len() as u64;
-        if size > self.cap_bytes || name_of(bytes) != name {
-            return;
+        if size <= self.cap_bytes && name_of(bytes) == name && self.write(&self.blob_file(name), bytes) {
+            self.put(name, size);
         }
-        if !self.write(&self.blob_file(name), bytes) {
-            return;
-        }
-        let leaving = self.shelf(|shelf| {
+    }
+
+    /// Notes that a blob was used, and lets go of what was not for longest, as far as the cap asks for it.
+    fn put(&self, name: &str, size: u64) {
+        let evicted = self.shelf(|shelf| {
             shelf.put(name.to_owned(), size);
-            let mut leaving = Vec::new();
+            let mut evicted = 0;
             while shelf.bytes > self.cap_bytes
                 && let Some(oldest) = shelf.oldest()
             {
                 shelf.take(&oldest);
-                leaving.push(oldest);
+                let _ = fs::remove_file(self.blob_file(&oldest));
+                evicted += 1;
             }
-            leaving
+            evicted
         });
-        for name in leaving {
-            self.count(|counts| &mut counts.evicted);
-            let _ = fs::remove_file(self.blob_file(&name));
-        }
+        self.counts.lock().unwrap_or_else(PoisonError::into_inner).evicted += evicted;
     }
 
     fn write(&self, file: &Path, bytes: &[u8]) -> bool {
@@ -191,32 +202,63 @@ impl CacheReader {
 
     /// A file that may change: asked for anew, with the mark of what is kept.
     fn read_named(&self, path: &str, limit: u64) -> Result<Vec<u8>, ReadError> {
-        let (file, mark) = self.named_files(path);
-        let kept = fs::read(&file).ok().filter(|bytes| bytes.len() as u64 <= limit);
-        let tag = kept.as_ref().and_then(|_| fs::read_to_string(&mark).ok());
-        match (self.inner.read_if_changed(path, limit, tag.as_deref()), kept) {
+        let file = self.named_file(path);
+        let kept = fs::read(&file).ok().and_then(|stored| {
+            let named = Named::of(&stored);
+            if named.is_none() {
+                self.count(|counts| &mut counts.damaged);
+                let _ = fs::remove_file(&file);
+            }
+            named.filter(|named| named.bytes.len() as u64 <= limit)
+        });
+        let tag = kept.as_ref().and_then(|named| named.tag.as_deref());
+        match (self.inner.read_if_changed(path, limit, tag), kept) {
             (Ok(Fresh::Changed { bytes, tag }), _) => {
                 self.count(|counts| &mut counts.misses);
-                // A file without its mark is asked for whole; a mark without its file is none.
-                let _ = fs::remove_file(&mark);
-                if self.write(&file, &bytes)
-                    && let Some(tag) = tag
-                {
-                    self.write(&mark, tag.as_bytes());
+                // A page that some gate on the way answers with must not take the place of a city.
+                if path != INDEX_NAME || is_whole(&bytes) {
+                    self.write(&file, &Named { tag, bytes: bytes.clone() }.stored());
                 }
                 Ok(bytes)
             }
-            (Ok(Fresh::Same), Some(bytes)) => {
+            (Ok(Fresh::Same), Some(named)) => {
                 self.count(|counts| &mut counts.hits);
-                Ok(bytes)
+                Ok(named.bytes)
             }
             (Ok(Fresh::Same), None) => self.inner.read(path, limit),
-            (Err(error), Some(bytes)) if error.is_unreachable() => {
+            (Err(error), Some(named)) if error.is_unreachable() => {
                 self.count(|counts| &mut counts.hits);
-                Ok(bytes)
+                Ok(named.bytes)
             }
             (Err(error), _) => Err(error),
         }
+    }
+}
+
+/// A file that may change, as it is kept: a checksum of the rest, how long the mark is, the mark, the bytes.
+struct Named {
+    /// The mark by which its server knows it.
+    tag: Option<String>,
+    bytes: Vec<u8>,
+}
+
+impl Named {
+    fn of(stored: &[u8]) -> Option<Self> {
+        let (sum, rest) = stored.split_first_chunk::<32>()?;
+        if blake3::hash(rest).as_bytes() != sum {
+            return None;
+        }
+        let (length, rest) = rest.split_first_chunk::<4>()?;
+        let (tag, bytes) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+        let tag = (!tag.is_empty()).then(|| String::from_utf8_lossy(tag).into_owned());
+        Some(Self { tag, bytes: bytes.to_vec() })
+    }
+
+    fn stored(&self) -> Vec<u8> {
+        let tag = self.tag.as_deref().unwrap_or_default().as_bytes();
+        let length = u32::try_from(tag.len()).unwrap_or(0);
+        let rest = [&length.to_le_bytes()[..], &tag[..length as usize], &self.bytes].concat();
+        [&blake3::hash(&rest).as_bytes()[..], &rest].concat()
     }
 }
 

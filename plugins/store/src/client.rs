@@ -141,6 +141,7 @@ pub struct Client {
     overview_slot: Slot,
     regions: Vec<RegionSlot>,
     wanted_regions: Vec<u32>,
+    later_regions: Vec<u32>,
     wants_overview: bool,
     wanted: Vec<(u32, Level)>,
     /// So many of the most urgent are here: the search for the next begins behind them.
@@ -162,6 +163,7 @@ impl Client {
             overview_slot: Slot::default(),
             regions: Vec::new(),
             wanted_regions: Vec::new(),
+            later_regions: Vec::new(),
             wants_overview: false,
             wanted: Vec::new(),
             all_here_before: 0,
@@ -192,10 +194,13 @@ impl Client {
         self.all_here_before = 0;
     }
 
-    /// Replaces the list of regions wanted for their own sake, most urgent first: before any packet.
-    pub fn want_regions(&mut self, wanted: impl IntoIterator<Item = u32>) {
+    /// Replaces the lists of regions wanted for their own sake, most urgent first: those that come before any packet, and those that
+    /// come when no packet is due.
+    pub fn want_regions(&mut self, first: impl IntoIterator<Item = u32>, later: impl IntoIterator<Item = u32>) {
         self.wanted_regions.clear();
-        self.wanted_regions.extend(wanted);
+        self.wanted_regions.extend(first);
+        self.later_regions.clear();
+        self.later_regions.extend(later);
     }
 
     /// Says that the overview is wanted too, when nothing else is due.
@@ -215,13 +220,16 @@ impl Client {
         let more = self.wanted[self.all_here_before..].iter().take_while(|&&(cell, level)| self.has(cell, level)).count();
         self.all_here_before += more;
         let region = self.wanted_regions.iter().find_map(|&number| self.region_due(number, now_s));
+        let later = || self.later_regions.iter().find_map(|&number| self.region_due(number, now_s));
         let packet = || self.wanted[self.all_here_before..].iter().find_map(|&(cell, level)| self.packet_due(cell, level, now_s));
         let overview = || {
             let blob = self.index.as_ref()?.overview;
             (self.wants_overview && self.overview_slot.is_due(now_s)).then_some((What::Overview, blob))
         };
-        let (what, blob) = region.or_else(packet).or_else(overview)?;
-        let on_the_way: u64 = self.in_flight.values().map(|(_, bytes)| bytes).sum();
+        let (what, blob) = region.or_else(packet).or_else(later).or_else(overview)?;
+        // The overview is in nobody's way.
+        let counts = |asked: &What| *asked != What::Overview || what == What::Overview;
+        let on_the_way: u64 = self.in_flight.values().filter(|(asked, _)| counts(asked)).map(|(_, bytes)| bytes).sum();
         let has_room = on_the_way == 0 || on_the_way + u64::from(blob.bytes) <= self.settings.max_bytes_in_flight;
         has_room.then(|| self.request(what, Some(blob)))
     }
@@ -315,6 +323,14 @@ impl Client {
             && slot.state == State::Here
         {
             *slot = Slot::default();
+            self.all_here_before = 0;
+        }
+    }
+
+    /// Says that a packet that had arrived is of no use, and another will not be either.
+    pub fn reject(&mut self, cell: u32, level: Level) {
+        if let Some(slot) = self.slot_mut(What::Packet { cell, level }) {
+            *slot = Slot { state: State::Dead, ..Slot::default() };
             self.all_here_before = 0;
         }
     }

@@ -17,9 +17,9 @@ pub struct HttpSettings {
     pub connect_s: f64,
     /// For the answer to begin.
     pub response_s: f64,
-    /// For a file to arrive, besides what its bytes take.
+    /// For more of a file to arrive, each time.
     pub body_s: f64,
-    /// Slowest line that is waited for, bytes a second: a file may take as much longer as its bytes take there.
+    /// Slowest line that is waited for, bytes a second: all of a file may take so much longer than that once.
     pub least_bytes_s: f64,
 }
 
@@ -82,7 +82,9 @@ impl HttpReader {
     /// server closed it meanwhile): it is asked once more over a new one.
     fn get(&self, url: &str, limit: u64, tag: Option<&str>) -> Result<Response<Body>, Error> {
         let body_s = self.settings.body_s + limit as f64 / self.settings.least_bytes_s;
-        let request = || self.agent.get(url).config().timeout_recv_body(Duration::try_from_secs_f64(body_s).ok());
+        let seconds = |s: f64| Duration::try_from_secs_f64(s).ok();
+        let stall_s = self.settings.body_s;
+        let request = || self.agent.get(url).config().timeout_recv_body(seconds(body_s)).timeout_per_read(seconds(stall_s));
         let marked = |request: RequestBuilder<WithoutBody>| match tag {
             Some(tag) => request.header("If-None-Match", tag),
             None => request,

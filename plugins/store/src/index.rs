@@ -93,7 +93,7 @@ impl CityIndex {
 
     /// All cells of the regions that are here, with their numbers, ascending.
     pub fn cells(&self) -> impl Iterator<Item = (u32, &CellEntry)> {
-        self.regions_here().flat_map(|(number, region)| (self.regions[number as usize].first..).zip(&region.cells))
+        self.regions_here().flat_map(|(number, region)| self.regions[number as usize].numbers().zip(&region.cells))
     }
 
     /// Portals on a cell's border, if its region is here.
@@ -122,9 +122,8 @@ impl CityIndex {
     #[must_use]
     pub fn locate(&self, pos: GridPos) -> Option<u32> {
         self.regions_at(pos).find_map(|number| {
-            let first = self.regions[number as usize].first;
-            let cells = &self.region(number)?.cells;
-            (first..).zip(cells).find(|(_, cell)| is_in(cell.bounds, pos) && cell.outline.contains(pos)).map(|(cell, _)| cell)
+            let mut cells = self.regions[number as usize].numbers().zip(&self.region(number)?.cells);
+            cells.find(|(_, cell)| is_in(cell.bounds, pos) && cell.outline.contains(pos)).map(|(cell, _)| cell)
         })
     }
 }
@@ -183,6 +182,13 @@ fn head<'a, const N: usize>(bytes: &mut &'a [u8], stored: usize) -> Result<&'a [
     let (first, rest) = bytes.split_first_chunk().ok_or(short)?;
     *bytes = rest;
     Ok(first)
+}
+
+/// Whether bytes are those of an index, of any version, and whole.
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) fn is_whole(stored: &[u8]) -> bool {
+    let Some((sum, rest)) = stored.get(MAGIC.len() + 5..).and_then(|rest| rest.split_first_chunk::<32>()) else { return false };
+    stored.starts_with(MAGIC) && blake3::hash(rest).as_bytes() == sum
 }
 
 /// The index of stored bytes; none of its regions is here yet.

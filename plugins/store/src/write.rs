@@ -235,8 +235,12 @@ fn failed(doing: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> St
 /// Writes a file so that it is there whole or not at all, by way of another beside it.
 pub(crate) fn lay_whole(disk: &Disk, path: &Path, part: &Path, bytes: &[u8]) -> std::io::Result<()> {
     // A blob that a power cut swallows is found by its checksum and written again; the index must be sound.
-    disk.lay(part, bytes, path.ends_with(INDEX_NAME))?;
-    disk.rename(part, path)
+    let done = disk.lay(part, bytes, path.ends_with(INDEX_NAME)).and_then(|()| disk.rename(part, path));
+    if done.is_err() {
+        // Whatever led here is the error to tell.
+        let _ = disk.remove_file(part);
+    }
+    done
 }
 
 /// Whether a file is named as a blob, or a part of one, is.

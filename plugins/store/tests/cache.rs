@@ -181,16 +181,17 @@ fn the_cap_holds_and_what_was_not_used_for_longest_goes() {
 #[test]
 fn the_last_index_stands_in_for_a_server_that_is_away_but_not_for_a_city_that_is() {
     let (dir, source) = (TempDir::new("cache"), Arc::new(Source::default()));
-    source.put(INDEX_NAME, b"first");
+    let path = "notes.veduta";
+    source.put(path, b"first");
     let reader = cached(&source, &dir, 1 << 20);
-    let read = || reader.read(INDEX_NAME, 100);
+    let read = || reader.read(path, 100);
     assert_eq!(read().as_deref(), Ok(&b"first"[..]));
     *source.away.lock().expect("no panic") = Some(gone());
     assert_eq!(read().as_deref(), Ok(&b"first"[..]));
     *source.away.lock().expect("no panic") = Some(ReadError::Status { place: "x".to_owned(), path: "x".to_owned(), status: 503 });
     assert_eq!(read().as_deref(), Ok(&b"first"[..]));
     *source.away.lock().expect("no panic") = None;
-    source.put(INDEX_NAME, b"second");
+    source.put(path, b"second");
     assert_eq!(read().as_deref(), Ok(&b"second"[..]));
     source.travelled();
     assert_eq!((read().as_deref(), source.travelled()), (Ok(&b"second"[..]), 0));
@@ -202,15 +203,56 @@ fn the_last_index_stands_in_for_a_server_that_is_away_but_not_for_a_city_that_is
 }
 
 #[test]
+fn a_kept_index_that_is_damaged_comes_anew_and_a_gates_page_is_not_kept() {
+    let (dir, baked) = (TempDir::new("cache"), TempDir::new("baked"));
+    city(1, 1).write(&baked.0).expect("written");
+    let index = std::fs::read(baked.join(INDEX_NAME)).expect("an index");
+    let source = Arc::new(Source::default());
+    source.put(INDEX_NAME, &index);
+    let reader = cached(&source, &dir, 1 << 20);
+    let read = || reader.read(INDEX_NAME, 1 << 20);
+    assert_eq!(read().as_ref(), Ok(&index));
+    let (file, whole) = files(&dir.0).into_iter().next().expect("it is kept");
+    for n in [0, 1, whole.len() / 2, whole.len() - 1] {
+        let mut wrong = whole.clone();
+        wrong[n] ^= 4;
+        for stored in [&whole[..n], &wrong] {
+            std::fs::write(&file, stored).expect("our own");
+            source.travelled();
+            assert_eq!(read().as_ref(), Ok(&index), "byte {n}");
+            assert_eq!(source.travelled(), index.len() as u64, "asked for whole");
+        }
+    }
+    source.put(INDEX_NAME, b"<!DOCTYPE html> please log in");
+    assert_ne!(read().as_ref(), Ok(&index));
+    *source.away.lock().expect("no panic") = Some(gone());
+    assert_eq!(read().as_ref(), Ok(&index), "the city stands in, not the page");
+}
+
+#[test]
+fn what_another_program_has_kept_is_found() {
+    let (dir, source) = (TempDir::new("cache"), Arc::new(Source::default()));
+    let path = source.blob(b"a street");
+    let (first, second) = (cached(&source, &dir, 1 << 20), cached(&source, &dir, 1 << 20));
+    assert_eq!(second.stats().bytes, 0, "it has looked already");
+    first.read(&path, 8).expect("there");
+    source.travelled();
+    assert_eq!(second.read(&path, 8).as_deref(), Ok(&b"a street"[..]));
+    assert_eq!((source.travelled(), second.stats().hits, second.stats().bytes), (0, 1, 8));
+    assert!(second.read(&path, 7).is_ok(), "whoever sends more than is allowed is the line's concern");
+    assert_eq!(second.stats().damaged, 0);
+}
+
+#[test]
 fn a_directory_that_cannot_be_written_hinders_nobody() {
     let (dir, source) = (TempDir::new("cache"), Arc::new(Source::default()));
     let path = source.blob(b"a street");
-    source.put(INDEX_NAME, b"index");
+    source.put("notes.veduta", b"index");
     std::fs::write(dir.join("taken"), "a file").expect("our own");
     let reader = CacheReader::new(Arc::new(Line(Arc::clone(&source))), dir.join("taken"), 1 << 20);
     for _ in 0..2 {
         assert_eq!(reader.read(&path, 8).as_deref(), Ok(&b"a street"[..]));
-        assert_eq!(reader.read(INDEX_NAME, 8).as_deref(), Ok(&b"index"[..]));
+        assert_eq!(reader.read("notes.veduta", 8).as_deref(), Ok(&b"index"[..]));
     }
     assert_eq!((reader.stats().hits, reader.stats().unwritten), (0, 4));
     assert_eq!(std::fs::read_to_string(dir.join("taken")).ok().as_deref(), Some("a file"));

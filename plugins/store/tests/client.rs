@@ -25,7 +25,7 @@ impl Walk {
     /// A walk whose index is there, with its only region, and the overview.
     fn open(cells: usize, settings: ClientSettings) -> Self {
         let mut walk = Self::new(cells, settings);
-        walk.client.want_regions([0]);
+        walk.client.want_regions([0], []);
         walk.client.want_overview();
         for expected in [What::Index, What::Region(0), What::Overview] {
             let request = walk.next().expect("a request");
@@ -132,7 +132,7 @@ fn a_region_is_forgotten_when_nothing_of_it_is_here() {
     walk.client.forget_region(0);
     assert!(walk.client.has(1, One), "a packet is here");
     walk.client.forget(1, One);
-    walk.client.want_regions([]);
+    walk.client.want_regions([], []);
     walk.client.want([]);
     walk.client.forget_region(0);
     walk.client.forget_region(7);
@@ -186,6 +186,36 @@ fn no_more_bytes_than_the_cap_are_on_their_way() {
     walk = Walk::open(6, ClientSettings { max_bytes_in_flight: cap, ..ClientSettings::default() });
     walk.client.want((0..6).map(|cell| (cell, One)));
     assert_eq!(packets(&walk.burst()), [(0, One), (1, One), (2, One)]);
+}
+
+#[test]
+fn an_overview_on_its_way_is_in_nobodys_way_and_later_regions_come_after_packets() {
+    let mut walk = Walk::new(3, ClientSettings { max_bytes_in_flight: 1, ..ClientSettings::default() });
+    walk.client.want_regions([], [0]);
+    walk.client.want_overview();
+    let index = walk.next().expect("the index");
+    walk.answer(&index);
+    let region = walk.next().expect("nothing else is due");
+    assert_eq!(region.what, What::Region(0));
+    walk.answer(&region);
+    let overview = walk.next().expect("nothing else is due");
+    assert_eq!(overview.what, What::Overview);
+    walk.client.want([(0, One)]);
+    assert_eq!(packets(&walk.burst()), [(0, One)], "it is asked for although the overview fills the line");
+}
+
+#[test]
+fn what_is_of_no_use_is_not_asked_for_again() {
+    let mut walk = Walk::open(1, ClientSettings::default());
+    walk.client.want([(0, One)]);
+    let request = walk.next().expect("a request");
+    walk.answer(&request);
+    walk.client.reject(0, One);
+    assert_eq!((walk.next(), walk.client.has(0, One), walk.client.gave_up(0, One, 0.0)), (None, false, true));
+    walk.client.want([]);
+    walk.client.want_regions([], []);
+    walk.client.forget_region(0);
+    assert_eq!(walk.client.index().expect("open").cells().count(), 0, "it holds nothing");
 }
 
 #[test]

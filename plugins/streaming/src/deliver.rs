@@ -89,7 +89,8 @@ pub(crate) fn deliver(world: &mut World) {
     if store.told != Some(wanted.generation) {
         store.told = Some(wanted.generation);
         store.client.want(wanted.order.iter().copied());
-        store.client.want_regions(wanted.regions.iter().copied());
+        let (first, later) = wanted.regions.split_at(wanted.regions_in_sight);
+        store.client.want_regions(first.iter().copied(), later.iter().copied());
         forget_regions(&mut store.client, wanted);
         let cancelled = store.cancel_unwanted();
         for what in cancelled {
@@ -226,6 +227,7 @@ fn arrive(world: &mut World, store: &mut Store, cell: u32, level: Level, packet:
             if !sheet_fits(&content.shell, &sheet) {
                 let message = format!("cell {cell}: its level 2 does not fit its level 1; bake the city again");
                 error!("{message}");
+                store.client.reject(cell, level);
                 world.write_message(CityFailed { message, will_retry: false });
                 return;
             }

@@ -40,6 +40,8 @@ pub(crate) struct Store {
     pub now_s: f64,
     pub link: Link,
     line: Line,
+    /// What has come over the line and was not taken yet.
+    arrived: VecDeque<Fetched>,
     fetcher: Fetcher,
 }
 
@@ -90,7 +92,7 @@ impl Store {
             Fetching::Inline => Fetcher::Inline { reader, answers: VecDeque::new() },
             Fetching::Threads(_) => spawn_threads(&reader, threads),
         };
-        Self { client, told: None, now_s: 0.0, link: Link::default(), line: Line::default(), fetcher }
+        Self { client, told: None, now_s: 0.0, link: Link::default(), line: Line::default(), arrived: VecDeque::new(), fetcher }
     }
 
     /// Whether level 1 of a cell cannot be had.
@@ -144,7 +146,8 @@ impl Store {
             let Some(fetched) = read else { break };
             self.line.take(fetched, &self.link, self.now_s);
         }
-        self.line.next(self.now_s)
+        self.arrived.extend(self.line.arrived(&self.link, self.now_s));
+        self.arrived.pop_front()
     }
 }
 

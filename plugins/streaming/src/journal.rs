@@ -16,7 +16,24 @@ pub struct Journal {
     entries: VecDeque<Entry>,
     noted: u64,
     #[cfg(not(target_arch = "wasm32"))]
-    file: Option<std::sync::mpsc::Sender<Entry>>,
+    file: Option<JournalFile>,
+}
+
+/// A thread that writes entries to a file; all that it was given is there when this is gone.
+#[cfg(not(target_arch = "wasm32"))]
+#[derive(Debug)]
+struct JournalFile {
+    entries: Option<std::sync::mpsc::Sender<Entry>>,
+    writer: Option<std::thread::JoinHandle<()>>,
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl Drop for JournalFile {
+    fn drop(&mut self) {
+        self.entries = None;
+        // A writer that panicked has said so.
+        let _ = self.writer.take().map(std::thread::JoinHandle::join);
+    }
 }
 
 impl Default for Journal {
@@ -183,7 +200,7 @@ impl Journal {
         let entry = Entry { at_s, event };
         #[cfg(not(target_arch = "wasm32"))]
         if let Some(file) = &self.file
-            && file.send(entry.clone()).is_err()
+            && file.entries.as_ref().is_none_or(|entries| entries.send(entry.clone()).is_err())
         {
             warn!("the journal's file cannot be written any more");
             self.file = None;
@@ -203,7 +220,7 @@ impl Journal {
         use std::io::Write;
         let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
         let (send, entries) = std::sync::mpsc::channel::<Entry>();
-        std::thread::spawn(move || {
+        let writer = std::thread::spawn(move || {
             while let Ok(entry) = entries.recv() {
                 // As many as have gathered, then all of them to the disk.
                 let more: Vec<Entry> = entries.try_iter().collect();
@@ -213,7 +230,7 @@ impl Journal {
                 }
             }
         });
-        self.file = Some(send);
+        self.file = Some(JournalFile { entries: Some(send), writer: Some(writer) });
         Ok(())
     }
 }
@@ -317,14 +334,8 @@ mod tests {
         let mut journal = Journal { keep: 1, ..Journal::default() };
         journal.write_to(&path).expect("a file");
         all().into_iter().for_each(|entry| journal.note(entry.at_s, entry.event));
-        let is_whole = || std::fs::read_to_string(&path).is_ok_and(|text| read_journal(&text).as_ref() == Ok(&all()));
-        for _ in 0..1_000 {
-            if is_whole() {
-                break;
-            }
-            std::thread::sleep(std::time::Duration::from_millis(10));
-        }
-        assert!(is_whole(), "{:?}", std::fs::read_to_string(&path));
+        drop(journal);
+        assert_eq!(read_journal(&std::fs::read_to_string(&path).expect("written")), Ok(all()));
         std::fs::remove_file(&path).expect("our own");
         assert!(Journal::default().write_to(std::path::Path::new("/nowhere/at/all")).is_err());
     }

@@ -17,7 +17,7 @@ pub struct Link {
     pub bytes_s: f64,
     /// Share of requests that are never answered: they fail after [`Link::LOST_S`].
     pub loss: f64,
-    /// Nobody answers: every request fails at once.
+    /// Nobody answers: every request fails as soon as that is known.
     pub is_down: bool,
 }
 
@@ -42,9 +42,11 @@ impl Link {
 pub(crate) struct Line {
     /// What was asked for: bytes, when, and whether it is lost.
     asked: BTreeMap<RequestId, (u64, f64, Option<ReadError>)>,
-    /// By when they are due.
-    due: VecDeque<(f64, Fetched)>,
-    busy_until_s: f64,
+    /// What has been read, one after another: when its first byte may arrive, and bytes that are still to come.
+    coming: VecDeque<(f64, f64, Fetched)>,
+    /// What will not arrive, by when that is told.
+    lost: Vec<(f64, Fetched)>,
+    last_s: f64,
 }
 
 impl Line {
@@ -69,26 +71,34 @@ impl Line {
 
     /// What was read begins its way over the line.
     pub fn take(&mut self, (id, result): Fetched, link: &Link, now_s: f64) {
-        let (due_s, result) = match self.asked.remove(&id) {
-            None => (now_s, result),
+        match self.asked.remove(&id) {
+            None => self.coming.push_back((now_s, 0.0, (id, result))),
             Some((_, asked_s, Some(fault))) => {
                 let wait_s = if matches!(fault, ReadError::Timeout { .. }) { Link::LOST_S } else { link.latency_s };
-                (asked_s + wait_s, Err(StoreError::from(fault)))
+                self.lost.push((asked_s + wait_s, (id, Err(StoreError::from(fault)))));
             }
-            Some((bytes, asked_s, None)) => {
-                let begins_s = (asked_s + link.latency_s).max(self.busy_until_s);
-                self.busy_until_s = begins_s + bytes as f64 / link.bytes_s;
-                (self.busy_until_s, result)
-            }
-        };
-        let at = self.due.partition_point(|(other_s, _)| *other_s <= due_s);
-        self.due.insert(at, (due_s, (id, result)));
+            Some((bytes, asked_s, None)) => self.coming.push_back((asked_s + link.latency_s, bytes as f64, (id, result))),
+        }
     }
 
-    /// The next answer that has arrived.
-    pub fn next(&mut self, now_s: f64) -> Option<Fetched> {
-        let is_here = self.due.front().is_some_and(|(due_s, _)| *due_s <= now_s);
-        if is_here { self.due.pop_front().map(|(_, fetched)| fetched) } else { None }
+    /// The answers that have arrived by now.
+    pub fn arrived(&mut self, link: &Link, now_s: f64) -> Vec<Fetched> {
+        let passed_s = (now_s - self.last_s).max(0.0);
+        self.last_s = now_s;
+        let mut bytes = if link.bytes_s.is_finite() { link.bytes_s.max(0.0) * passed_s } else { f64::INFINITY };
+        let mut arrived: Vec<Fetched> = Vec::new();
+        while let Some((from_s, left, _)) = self.coming.front_mut()
+            && *from_s <= now_s
+        {
+            if *left > bytes {
+                *left -= bytes;
+                break;
+            }
+            bytes -= *left;
+            arrived.extend(self.coming.pop_front().map(|(.., fetched)| fetched));
+        }
+        arrived.extend(self.lost.extract_if(.., |(due_s, _)| *due_s <= now_s).map(|(_, fetched)| fetched));
+        arrived
     }
 }
 
@@ -102,25 +112,42 @@ mod tests {
         Client::new(ClientSettings::default()).next_request(0.0).expect("the index")
     }
 
-    /// When an answer to a request made at 10 s and read at once arrives, in tenths of a second.
-    fn arrives(line: &mut Line, link: &Link) -> (u32, bool) {
-        let request = request();
+    fn fetched(request: &Request) -> Fetched {
+        (request.id, Err(StoreError::NotACity))
+    }
+
+    /// When an answer to a request made at 10 s and read at once arrives, in tenths of a second, and whether it is the one.
+    fn arrives(link: &Link) -> (u32, bool) {
+        let (mut line, request) = (Line { last_s: 10.0, ..Line::default() }, request());
         line.ask(&request, link, 10.0);
-        line.take((request.id, Err(StoreError::NotACity)), link, 10.0);
-        let tenth = (100..1000).find_map(|tenth| Some((tenth, line.next(f64::from(tenth) / 10.0 + 1e-9)?)));
-        let (tenth, (_, result)) = tenth.expect("it arrives");
+        line.take(fetched(&request), link, 10.0);
+        let come = (100..1000).find_map(|tenth| Some((tenth, line.arrived(link, f64::from(tenth) / 10.0 + 1e-9).pop()?)));
+        let (tenth, (_, result)) = come.expect("it arrives");
         (tenth, result == Err(StoreError::NotACity))
     }
 
     #[test]
     fn a_line_is_as_late_as_it_is_told_to_be() {
         let plain = Link::default();
-        assert_eq!(arrives(&mut Line::default(), &plain), (100, true));
-        assert_eq!(arrives(&mut Line::default(), &Link { latency_s: 2.0, ..plain }), (120, true));
-        assert_eq!(arrives(&mut Line::default(), &Link { loss: 1.0, latency_s: 2.0, ..plain }), (140, false));
-        assert_eq!(arrives(&mut Line::default(), &Link { is_down: true, latency_s: 0.5, ..plain }), (105, false));
-        // What is on the line before is waited for.
-        let mut line = Line { busy_until_s: 13.0, ..Line::default() };
-        assert_eq!(arrives(&mut line, &Link { latency_s: 2.0, bytes_s: 1000.0, ..plain }), (130, true));
+        assert_eq!(arrives(&plain), (100, true));
+        assert_eq!(arrives(&Link { latency_s: 2.0, ..plain }), (120, true));
+        assert_eq!(arrives(&Link { loss: 1.0, latency_s: 2.0, ..plain }), (140, false));
+        assert_eq!(arrives(&Link { is_down: true, latency_s: 0.5, ..plain }), (105, false));
+    }
+
+    #[test]
+    fn a_slow_line_is_slow_only_as_long_as_it_is() {
+        let slow = Link { bytes_s: 100.0, ..Link::default() };
+        let request = request();
+        let mut line = Line::default();
+        for _ in 0..3 {
+            line.coming.push_back((0.0, 1_000.0, fetched(&request)));
+        }
+        let mut count = |link: &Link, now_s: f64| line.arrived(link, now_s).len();
+        assert_eq!([5.0, 9.9, 10.1, 19.0].map(|s| count(&slow, s)), [0, 0, 1, 0], "a thousand bytes take ten seconds");
+        let stopped = Link { bytes_s: 0.0, ..slow };
+        assert_eq!(count(&stopped, 100.0), 0);
+        assert_eq!(count(&slow, 101.1), 1, "it goes on where it stopped");
+        assert_eq!(count(&Link::default(), 101.2), 1);
     }
 }

@@ -40,7 +40,7 @@ impl Wanted {
         self.set.range((cell, Level::One)..).next().is_some_and(|&(c, _)| c == cell)
     }
 
-    /// Why a cell is wanted; `None` if it is not.
+    /// Why a cell is wanted; `None` if it is not. The memory cap may leave it out all the same.
     #[must_use]
     pub fn why(&self, cell: u32) -> Option<Why> {
         self.why.get(&cell).copied()
@@ -72,6 +72,8 @@ pub enum Why {
         /// That cell.
         from: u32,
     },
+    /// It is near a place above the roofs, or outside of every cell, to which a tour leads.
+    OnTheWay,
     /// It rises above the roofs.
     Skyline,
     /// It is near a viewer who is above the roofs or outside of every cell.
@@ -91,9 +93,10 @@ pub(crate) fn count_awaited(
     let is_told_of = |&&region: &&u32| store.as_ref().is_some_and(|store| !store.gave_up_region(region));
     let regions = wanted.regions.iter().take(wanted.regions_in_sight).filter(is_told_of).count();
     let gave_up = |cell| store.as_ref().is_some_and(|store| store.gave_up(cell));
-    // Level 1 of what is in sight leads the order; what the memory cap leaves out is not in it.
-    let lead = wanted.order.iter().take(wanted.in_sight.len()).filter(|&&(_, level)| level == Level::One);
-    let cells = lead.filter(|&&(cell, _)| !standing.levels(cell).has(Level::One) && !gave_up(cell)).count();
+    // What the memory cap leaves out will not come.
+    let is_awaited =
+        |&&cell: &&u32| wanted.wants_level(cell, Level::One) && !standing.levels(cell).has(Level::One) && !gave_up(cell);
+    let cells = wanted.in_sight.iter().filter(is_awaited).count();
     awaited.set_if_neq(Awaited { cells: cells + regions });
 }
 
@@ -119,6 +122,9 @@ struct Needs<'a> {
     missing: [Vec<u32>; 2],
 }
 
+/// Cells of the skyline are in sight, and so are asked for first; a region that has not told of its own does not keep anybody in the dark.
+const SKYLINE_RANK: u8 = 1;
+
 impl Needs<'_> {
     /// Whether a region is here to tell of cells of a rank.
     fn has(&mut self, region: u32, rank: u8) -> bool {
@@ -135,7 +141,7 @@ impl Needs<'_> {
     }
 
     fn need(&mut self, cell: u32, why: Why, way_m: f64, eye: &Eye) {
-        let rank = u8::from(matches!(why, Why::Ahead { .. }));
+        let rank = u8::from(matches!(why, Why::Ahead { .. } | Why::OnTheWay));
         let Some(region) = self.index.region_of(cell) else { return };
         if !self.has(region, rank) {
             return;
@@ -194,7 +200,7 @@ impl Needs<'_> {
                     self.cell(cell, Why::Near, eye);
                 }
             }
-            if region.skyline > 0 && distance_m <= settings.skyline_m && self.has(number, 1) {
+            if region.skyline > 0 && distance_m <= settings.skyline_m && self.has(number, SKYLINE_RANK) {
                 let page = index.region(number).map_or(&[][..], |page| &page.skyline);
                 for &tall in page {
                     let is_near = |entry: &CellEntry| distance_to(entry.bounds, eye.plan_pos) <= settings.skyline_m;
@@ -231,8 +237,8 @@ impl Needs<'_> {
             }
             let page = index.region(number).map_or(&[][..], |page| &page.cells);
             for (cell, entry) in region.numbers().zip(page) {
-                if distance_to(entry.bounds, stop.plan_pos) <= settings.flying_m {
-                    self.need(cell, Why::Ahead { from }, way_m, eye);
+                if distance_to(entry.bounds, stop.plan_pos) <= around_m {
+                    self.need(cell, Why::OnTheWay, way_m, eye);
                 }
             }
         }

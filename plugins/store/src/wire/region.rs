@@ -109,9 +109,14 @@ impl Foreign {
         let mut all = Vec::new();
         for key in self.keys {
             let code = RegionKey(key);
-            let found = code.is_sound().then(|| regions.iter().find(|entry| entry.key == code)).flatten();
+            let by_place = || regions.binary_search_by_key(&code.first_code(), |entry| entry.key.first_code()).ok();
+            let found = code.is_sound().then(by_place).flatten().map(|n| &regions[n]).filter(|entry| entry.key == code);
             let entry = found.ok_or(Malformed::Reason("a region is named that is not there"))?;
-            for cell in lists.take()? {
+            let cells = lists.take()?;
+            if cells.is_empty() {
+                return Err(Malformed::Reason("a region is named for no cell"));
+            }
+            for cell in cells {
                 if cell >= entry.cells {
                     return Err(Malformed::Reason("a cell is named that its region does not have"));
                 }
