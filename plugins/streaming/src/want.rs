@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 use veduta_city::{GridPos, Level, Portal, metres};
 use veduta_ecs::{Awaited, Eye, Itinerary, OpenCells, StandingCells, Stop, Viewer};
-use veduta_store::{CellEntry, CityIndex};
+use veduta_store::{CellEntry, CityIndex, RegionEntry};
 
 use crate::fetch::Store;
 use crate::{CurrentCell, StreamingSettings};
@@ -122,7 +122,7 @@ struct Needs<'a> {
     missing: [Vec<u32>; 2],
 }
 
-/// Cells of the skyline are in sight, and so are asked for first; a region that has not told of its own does not keep anybody in the dark.
+/// Cells of the skyline are in sight; a region that has not told of its own keeps nobody in the dark.
 const SKYLINE_RANK: u8 = 1;
 
 impl Needs<'_> {
@@ -222,15 +222,18 @@ impl Needs<'_> {
         if index.regions_at(pos).filter(|&region| !self.has(region, 1)).count() > 0 {
             return;
         }
-        let Some(from) = index.locate(pos) else { return };
-        if stop.eye_m < settings.flying_from_m {
-            for &seen in visible(index, from) {
-                self.need(seen, Why::Ahead { from }, way_m, eye);
+        let around_m = match index.locate(pos) {
+            _ if stop.eye_m >= settings.flying_from_m => settings.flying_m,
+            None => settings.level_2_m,
+            Some(from) => {
+                for &seen in visible(index, from) {
+                    self.need(seen, Why::Ahead { from }, way_m, eye);
+                }
+                return;
             }
-            return;
-        }
-        let regions =
-            (0..).zip(&*index.regions).filter(|(_, region)| distance_to(region.bounds, stop.plan_pos) <= settings.flying_m);
+        };
+        let near = |region: &RegionEntry| distance_to(region.bounds, stop.plan_pos) <= around_m;
+        let regions = (0..).zip(&*index.regions).filter(|(_, region)| near(region));
         for (number, region) in regions {
             if !self.has(number, 1) {
                 continue;
