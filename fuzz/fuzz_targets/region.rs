@@ -1,7 +1,5 @@
 #![no_main]
 
-use std::sync::Arc;
-
 use libfuzzer_sys::fuzz_target;
 use veduta_city::GridPos;
 use veduta_fuzz::{Bounded, blob, bounded};
@@ -10,30 +8,26 @@ use veduta_store::{BlobRef, RegionEntry, RegionKey, decode_region};
 #[global_allocator]
 static ALLOCATOR: Bounded = Bounded;
 
-fuzz_target!(|content: &[u8]| {
+fuzz_target!(|bytes: &[u8]| {
+    // What the index says of the region, so that something fits: its cells, its skyline, whether it is the first or the second.
+    let Some((&told, content)) = bytes.split_first() else { return };
+    let (cells, skyline, number) = (u32::from(told % 4), u32::from(told >> 2 & 1), usize::from(told >> 3 & 1));
     let stored = blob(18, content);
-    let entry = |key, first, cells, blob| RegionEntry {
-        key: RegionKey(key),
-        first,
-        cells,
-        skyline: 0,
-        bounds: (GridPos(-1024, -1024), GridPos(1024, 1024)),
-        blob,
+    let bounds = (GridPos(-1024, -1024), GridPos(1024, 1024));
+    let entry = |key, first, cells| RegionEntry { key: RegionKey(key), first, cells, skyline: 0, bounds, blob: BlobRef::default() };
+    let mut regions = if number == 0 {
+        [entry(0b1_11_00, 0, cells), entry(0b1_11_01, cells, 3)]
+    } else {
+        [entry(0b1_11_00, 0, 3), entry(0b1_11_01, 3, cells)]
     };
-    // As many cells as the content says at its beginning, so that some fit.
-    let cells = u32::from(content.first().copied().unwrap_or(0) % 4);
-    let regions: Arc<[RegionEntry]> =
-        [entry(0b1_11_00, 0, cells, BlobRef::of(&stored)), entry(0b1_11_01, cells, 3, BlobRef::default())].into();
-    let content = content.get(1..).unwrap_or_default();
-    let stored = blob(18, content);
-    let mut regions = regions.to_vec();
-    regions[0].blob = BlobRef::of(&stored);
-    let Ok(region) = bounded(content.len(), || decode_region(&stored, 0, &regions)) else { return };
+    (regions[number].skyline, regions[number].blob) = (skyline, BlobRef::of(&stored));
+    let Ok(region) = bounded(content.len(), || decode_region(&stored, number as u32, &regions)) else { return };
     let most = cells + 3;
     for cell in &region.cells {
         assert!(cell.visible.iter().all(|&cell| cell < most));
         assert!(cell.portals.iter().all(|&portal| (portal as usize) < region.portals.len()));
         let _anywhere = cell.outline.contains(GridPos(5, 5));
     }
+    assert!(region.skyline.iter().all(|cell| regions[number].numbers().contains(cell)));
     assert!(region.portals.iter().all(|portal| portal.cell < most && portal.other(portal.cell).is_none_or(|cell| cell < most)));
 });

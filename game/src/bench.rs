@@ -51,6 +51,7 @@ const FPS: f64 = 30.0;
 pub fn bench(what: Bench, city: Option<&str>, json: bool) -> Result<(), Failure> {
     let scene = city.map_or_else(cities::sample_scene, PathBuf::from);
     match what {
+        _ if json && what != Bench::Stream => Err("--json goes with `stream`; the others print lines of JSON as they are".into()),
         Bench::Bake => bench_bake(&scene),
         Bench::Walk => bench_walk(&scene),
         Bench::Stream => stream::stream(&scene, json),
@@ -220,8 +221,8 @@ impl Walk {
         // What came twice would have been kept, on the way from a web server.
         let mut came = std::collections::BTreeMap::new();
         for entry in app.world().resource::<Journal>().entries() {
-            if let Event::Arrived { item, bytes } = entry.event {
-                came.insert(item, bytes);
+            if let Event::Arrived { what, bytes } = entry.event {
+                came.insert(what, bytes);
             }
         }
         walk.bytes = came.values().sum();

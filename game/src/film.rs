@@ -92,7 +92,7 @@ pub fn film(order: &FilmOrder) -> Result<(), Failure> {
         let missing = studio.settle();
         if !missing.is_empty() {
             holes += 1;
-            eprintln!("frame {n}: missing cells {missing:?}");
+            eprintln!("frame {n}: missing {missing}");
         }
         encoder.add(n, &studio.shoot()?)?;
         bar.inc(1);
@@ -106,7 +106,7 @@ pub fn film(order: &FilmOrder) -> Result<(), Failure> {
             let eye = studio.eye();
             println!(
                 "{}",
-                serde_json::json!({ "frame": n, "missing": missing, "x": eye.plan_pos.x, "y": eye.plan_pos.y, "eye_m": eye.eye_m,
+                serde_json::json!({ "frame": n, "missing": missing.cells, "x": eye.plan_pos.x, "y": eye.plan_pos.y, "eye_m": eye.eye_m,
                     "heading_deg": eye.heading_deg, "pitch_deg": eye.pitch_deg, "fade": eye.fade })
             );
         }

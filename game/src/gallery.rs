@@ -115,7 +115,7 @@ fn take(graph: &Path, specimens: &[Specimen], folder: &Path, order: &GalleryOrde
         studio.advance(core::time::Duration::ZERO);
         let missing = studio.settle();
         if !missing.is_empty() {
-            return Err(format!("{}: cells {missing:?} are in sight but could not be loaded", specimen.name).into());
+            return Err(format!("{}: {missing} are in sight but could not be loaded", specimen.name).into());
         }
         if pictures.is_empty() {
             studio.warm_up();

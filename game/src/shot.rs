@@ -104,13 +104,7 @@ pub fn picture(order: &ShotOrder) -> Result<Picture, Failure> {
     studio.advance(core::time::Duration::ZERO);
     let missing = studio.settle();
     if !missing.is_empty() {
-        return Err(format!("{}: cells {missing:?} are in sight but could not be loaded", order.city).into());
-    }
-    if !studio.untold_in_vain().is_empty() {
-        let regions = studio.untold_in_vain();
-        return Err(
-            format!("{}: regions {regions:?} of the index, which tell what is in sight, could not be read", order.city).into()
-        );
+        return Err(format!("{}: {missing} are in sight but could not be loaded", order.city).into());
     }
     studio.warm_up();
     let image = studio.shoot()?;

@@ -67,6 +67,33 @@ pub struct Studio {
     regions_given_up: BTreeSet<u32>,
 }
 
+/// What is wanted of a city and could not be had.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Missing {
+    /// Cells that do not stand at some level.
+    pub cells: BTreeSet<u32>,
+    /// Regions of the index: nobody knows what is missing there.
+    pub regions: BTreeSet<u32>,
+}
+
+impl Missing {
+    /// Whether there is all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.cells.is_empty() && self.regions.is_empty()
+    }
+}
+
+impl core::fmt::Display for Missing {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match (self.cells.is_empty(), self.regions.is_empty()) {
+            (_, true) => write!(f, "cells {:?}", self.cells),
+            (true, false) => write!(f, "regions {:?} of the index", self.regions),
+            (false, false) => write!(f, "cells {:?} and regions {:?} of the index", self.cells, self.regions),
+        }
+    }
+}
+
 impl Studio {
     /// Opens a city (directory or URL) for pictures of a size.
     ///
@@ -191,7 +218,7 @@ impl Studio {
 
     /// Waits, without letting the app's time pass, until all that is wanted stands; gives back what does not even then. What
     /// was waited for in vain once is not waited for again.
-    pub fn settle(&mut self) -> BTreeSet<u32> {
+    pub fn settle(&mut self) -> Missing {
         // Where the camera was put meanwhile, nothing is planned yet.
         self.update_waiting(false);
         let mut came = Instant::now();
@@ -199,7 +226,7 @@ impl Studio {
         while came.elapsed() < PATIENCE {
             let (missing, untold) = (self.missing(), self.untold());
             if missing.is_subset(&self.given_up) && untold.is_subset(&self.regions_given_up) {
-                return missing;
+                return Missing { cells: missing, regions: untold };
             }
             let left = missing.len() + untold.len();
             let idle = left == before;
@@ -208,16 +235,10 @@ impl Studio {
             }
             self.update_waiting(idle);
         }
-        let missing = self.missing();
-        self.given_up.extend(&missing);
-        self.regions_given_up.extend(self.untold());
+        let missing = Missing { cells: self.missing(), regions: self.untold() };
+        self.given_up.extend(&missing.cells);
+        self.regions_given_up.extend(&missing.regions);
         missing
-    }
-
-    /// Regions of the index that were waited for in vain: nobody knows what is missing there.
-    #[must_use]
-    pub const fn untold_in_vain(&self) -> &BTreeSet<u32> {
-        &self.regions_given_up
     }
 
     /// Regions that are to tell what is wanted, and have not come.

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use std::time::Duration;
 
 use bevy::asset::AssetPlugin;
+use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use veduta::buildings::{Building, BuildingsPlugin};
@@ -12,7 +13,7 @@ use veduta::prelude::*;
 use veduta::streaming::Fetching;
 use veduta::walker::{Jump, SolidCells};
 use veduta_bake::{BakeSettings, Input, bake, plan};
-use veduta_city::CityPlan;
+use veduta_city::{CityPlan, GridPolygon, GridPos};
 
 /// The project's folder. Tests run in their package's; a path from build time may be that of another clone that was built in the
 /// same target directory.
@@ -131,6 +132,16 @@ pub fn walker_in(city: &Path) -> (App, Entity) {
         !world.resource::<SolidCells>().is_empty() && *world.resource::<Jump>() == Jump::None
     });
     (app, walker)
+}
+
+/// A place well within a cell's outline, plan metres.
+#[must_use]
+pub fn inner_point(outline: &GridPolygon) -> DVec2 {
+    let is_inside = |p: &DVec2| outline.contains(GridPos::from_metres(*p));
+    let ring: Vec<DVec2> = outline.outer.iter().map(|p| p.to_metres()).collect();
+    let corner = |n: usize| (ring[n] + ring[(n + 1) % ring.len()] * 2.0 + ring[(n + 2) % ring.len()]) / 4.0;
+    let middle = outline.centroid();
+    core::iter::once(middle).chain((0..ring.len()).map(corner)).find(is_inside).unwrap_or(middle)
 }
 
 /// Updates until a condition holds.

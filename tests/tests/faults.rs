@@ -15,7 +15,7 @@ use veduta::streaming::{
 };
 use veduta_city::{CellShell, Level};
 use veduta_store::{CityIndex, DirReader, Fresh, INDEX_NAME, Packet, ReadError, Reader, decode_packet, read_index};
-use veduta_tests::{quiet_app, sample_city, update_until};
+use veduta_tests::{inner_point, quiet_app, sample_city, update_until};
 
 /// What a server does to what it is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,6 +86,8 @@ struct Visit {
 }
 
 const STEP_S: f64 = 0.05;
+/// A good line.
+const WELL: Link = Link { latency_s: 0.05, bytes_s: 200_000.0, loss: 0.0, is_down: false };
 
 impl Visit {
     /// A visit that has arrived at the start.
@@ -104,7 +106,7 @@ impl Visit {
         let reader = Faulty { inner, fault: Arc::clone(&fault), count: AtomicU32::new(0) };
         let mut app = quiet_app("faulty.city", Fetching::Inline, Duration::from_secs_f64(STEP_S));
         app.insert_resource(CityReader(Arc::new(reader)));
-        app.insert_resource(Link { latency_s: 0.05, bytes_s: 200_000.0, ..Link::default() });
+        app.insert_resource(WELL);
         // Small enough to be met on the way.
         let cap = 120_000;
         app.world_mut().resource_mut::<StreamingSettings>().memory_cap_bytes = cap;
@@ -165,33 +167,16 @@ impl Visit {
         let beyond: Vec<u32> = self.index.portals(here).filter_map(|portal| portal.other(here)).collect();
         let doors: Vec<u32> = beyond.iter().copied().filter(|&next| open.lead(here, next)).collect();
         let Some(&next) = doors.get(n % doors.len().max(1)) else { return false };
-        let outline = &self.index.cell(next).expect("told").outline;
-        let inside = inner_point(outline);
+        let inside = inner_point(&self.index.cell(next).expect("told").outline);
         self.put(inside);
         true
     }
 }
 
-/// A place in a cell, well within.
-fn inner_point(outline: &veduta_city::GridPolygon) -> DVec2 {
-    let middle = outline.centroid();
-    if outline.contains(veduta_city::GridPos::from_metres(middle)) {
-        return middle;
-    }
-    let ring: Vec<DVec2> = outline.outer.iter().map(|p| p.to_metres()).collect();
-    let near = |n: usize| {
-        let (a, b, c) = (ring[n], ring[(n + 1) % ring.len()], ring[(n + 2) % ring.len()]);
-        (a + b * 2.0 + c) / 4.0
-    };
-    let inside = |p: &DVec2| outline.contains(veduta_city::GridPos::from_metres(*p));
-    (0..ring.len()).map(near).find(inside).unwrap_or(middle)
-}
-
-/// A minute of walking from cell to cell, then a fault for a while, walking on where it is open, then a jump in the middle of it;
+/// Ten seconds of walking from cell to cell, then a fault for a while, walking on where it is open, then a jump in the middle of it;
 /// then all is well again.
 fn survives(fault: Fault, link: Link, fault_s: f64) {
     let mut visit = Visit::begin();
-    let good = Link { latency_s: 0.05, bytes_s: 200_000.0, ..Link::default() };
     let mut seen = BTreeSet::new();
     let walk = |visit: &mut Visit, for_s: f64, seen: &mut BTreeSet<u32>| {
         let until_s = visit.now_s + for_s;
@@ -218,7 +203,7 @@ fn survives(fault: Fault, link: Link, fault_s: f64) {
     let fails = fault != Fault::None || link.loss > 0.0 || link.is_down;
     let failures = visit.app.world().resource::<StreamingStats>().failures;
     assert!(!fails || failures > 0, "the fault was never met");
-    visit.set(Fault::None, good);
+    visit.set(Fault::None, WELL);
     let took_s = visit.until(5.0, "all is whole again", |visit| {
         let wanted = visit.app.world().resource::<Wanted>();
         let standing = visit.app.world().resource::<StandingCells>();
@@ -242,8 +227,6 @@ fn survives(fault: Fault, link: Link, fault_s: f64) {
         .collect();
     assert_eq!(told, loaded);
 }
-
-const WELL: Link = Link { latency_s: 0.05, bytes_s: 200_000.0, loss: 0.0, is_down: false };
 
 #[test]
 fn a_third_of_all_answers_lost() {

@@ -7,8 +7,8 @@ use veduta::ecs::{Cell, CellMesh, StandingCells};
 use veduta::prelude::*;
 use veduta::streaming::{CurrentCell, Fetching, Journal, StreamingStats, Wanted};
 use veduta_city::{GridPos, Level, draw::Draw};
-use veduta_store::{CityIndex, DirReader, read_index};
-use veduta_tests::{quiet_app, sample_city, update_until};
+use veduta_store::{DirReader, read_index};
+use veduta_tests::{inner_point, quiet_app, sample_city, update_until};
 
 /// Crossings of the whole walk, and how many of them until everything has been seen that caches keep.
 const CROSSINGS: u64 = 10_000;
@@ -40,18 +40,6 @@ fn held(app: &mut App) -> Held {
 fn resident() -> Option<u64> {
     let told = std::fs::read_to_string("/proc/self/statm").ok()?;
     Some(told.split(' ').nth(1)?.parse::<u64>().ok()? * 4096)
-}
-
-/// A place in a cell.
-fn inside(index: &CityIndex, cell: u32) -> Vec2 {
-    let outline = &index.cell(cell).expect("told").outline;
-    let middle = outline.centroid();
-    if outline.contains(GridPos::from_metres(middle)) {
-        return middle.as_vec2();
-    }
-    let ring: Vec<_> = outline.outer.iter().map(|p| p.to_metres()).collect();
-    let near = |n: usize| (ring[n] + ring[(n + 1) % ring.len()] * 2.0 + ring[(n + 2) % ring.len()]) / 4.0;
-    (0..ring.len()).map(near).find(|p| outline.contains(GridPos::from_metres(*p))).unwrap_or(middle).as_vec2()
 }
 
 /// Stays at the start until nothing comes or goes any more.
@@ -87,7 +75,7 @@ fn ten_thousand_crossings_leave_nothing_behind() {
     for crossing in 0..CROSSINGS {
         let beyond: Vec<u32> = index.portals(cell).filter_map(|portal| portal.other(cell)).collect();
         cell = *Draw::new(5, veduta_city::Id(crossing), "way").pick("portal", &beyond).expect("no cell is alone");
-        app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos = inside(&index, cell).as_dvec2();
+        app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos = inner_point(&index.cell(cell).expect("told").outline);
         for _ in 0..3 {
             app.update();
             let loaded = app.world().resource::<StreamingStats>().bytes_loaded;
@@ -99,7 +87,8 @@ fn ten_thousand_crossings_leave_nothing_behind() {
         holes += wanted.in_sight.iter().filter(|cell| !left_out(cell) && !standing.levels(**cell).has(Level::One)).count();
         if crossing == WARM_UP {
             baseline = Some(rest(&mut app, viewer));
-            app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos = inside(&index, cell).as_dvec2();
+            app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos =
+                inner_point(&index.cell(cell).expect("told").outline);
             warm = resident();
         }
     }

@@ -114,11 +114,11 @@ fn words(event: &Event) -> (String, egui::Color32) {
         Event::Opened { place } => (format!("opened {place}"), INK),
         Event::Entered { cell: Some(cell), .. } => (format!("entered cell {cell}"), INK),
         Event::Entered { cell: None, .. } => ("left all cells".to_owned(), INK),
-        Event::Asked { item, bytes: size, .. } => (format!("asked for {item}, {}", bytes(*size)), FAINT),
-        Event::Arrived { item, bytes: size } => (format!("arrived {item}, {}", bytes(*size)), PENDING),
-        Event::Failed { item, again_in_s: Some(s), .. } => (format!("failed {item}, again in {s:.1} s"), SHUT),
-        Event::Failed { item, again_in_s: None, .. } => (format!("failed {item} for good"), SHUT),
-        Event::Cancelled { item } => (format!("taken back {item}"), FAINT),
+        Event::Asked { what, bytes: size, .. } => (format!("asked for {what}, {}", bytes(*size)), FAINT),
+        Event::Arrived { what, bytes: size } => (format!("arrived {what}, {}", bytes(*size)), PENDING),
+        Event::Failed { what, again_in_s: Some(s), .. } => (format!("failed {what}, again in {s:.1} s"), SHUT),
+        Event::Failed { what, again_in_s: None, .. } => (format!("failed {what} for good"), SHUT),
+        Event::Cancelled { what } => (format!("taken back {what}"), FAINT),
         Event::Released { cell, from, why } => (format!("released cell {cell} from {from}, {why}"), FAINT),
     }
 }

@@ -64,7 +64,7 @@
 //! points at something, but for bays and storeys of ornaments and doors: whoever draws them leaves out what a wall does not have.
 //!
 //! # Limits
-//! The list of regions (some 25 bytes each) and the overview (some 35 bytes a house) are read whole. A walk that goes on while its
+//! The list of regions (some 23 bytes each) and the overview (some 35 bytes a house) are read whole. A walk that goes on while its
 //! city is baked again sees packets missing until it is opened anew. A power cut right after writing may lose blobs; writing
 //! again mends them. Two programs must not write to one directory at a time. Deflate's bytes depend on the version of its
 //! crate: a new one changes the names of blobs, not what they say.

@@ -1,6 +1,7 @@
 use core::fmt;
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
 use veduta_city::{Level, Overview};
 
 use crate::{
@@ -13,7 +14,8 @@ use crate::{
 pub struct RequestId(pub u64);
 
 /// What a request asks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum What {
     /// The city's index.
     Index,

@@ -10,7 +10,7 @@ use veduta_ecs::{
 use veduta_store::{CityIndex, Client, ClientEvent, Packet, What, sheet_fits};
 
 use crate::fetch::Store;
-use crate::journal::{Event, Item, Journal, Reason};
+use crate::journal::{Event, Journal, Reason};
 use crate::link::Link;
 use crate::{StreamingSettings, Wanted};
 
@@ -94,7 +94,7 @@ pub(crate) fn deliver(world: &mut World) {
         forget_regions(&mut store.client, wanted);
         let cancelled = store.cancel_unwanted();
         for what in cancelled {
-            note(world, Event::Cancelled { item: item_of(what) });
+            note(world, Event::Cancelled { what });
         }
     }
     // Maps can wait until what is in sight stands.
@@ -110,7 +110,7 @@ pub(crate) fn deliver(world: &mut World) {
         {
             let (what, bytes) = (request.what, request.blob.map_or(0, |blob| blob.bytes.into()));
             let why = if let What::Packet { cell, .. } = what { world.resource::<Wanted>().why(cell) } else { None };
-            note(world, Event::Asked { item: item_of(what), bytes, why });
+            note(world, Event::Asked { what, bytes, why });
             store.ask(request);
         }
         // One answer is taken however large it is.
@@ -151,30 +151,21 @@ fn note(world: &mut World, event: Event) {
     world.resource_mut::<Journal>().note(at_s, event);
 }
 
-const fn item_of(what: What) -> Item {
-    match what {
-        What::Index => Item::Index,
-        What::Region(number) => Item::Region(number),
-        What::Overview => Item::Overview,
-        What::Packet { cell, level } => Item::Packet(cell, level),
-    }
-}
-
 /// Takes what came of a request, and how many bytes came.
 fn on_event(world: &mut World, store: &mut Store, event: ClientEvent, bytes: u64) {
     match event {
         ClientEvent::RegionReady(number) => {
-            note(world, Event::Arrived { item: Item::Region(number), bytes });
+            note(world, Event::Arrived { what: What::Region(number), bytes });
             world.resource_mut::<Wanted>().plan_anew();
         }
         ClientEvent::Opened => {
-            note(world, Event::Arrived { item: Item::Index, bytes });
+            note(world, Event::Arrived { what: What::Index, bytes });
             if let Some(index) = store.client.index() {
                 open(world, index);
             }
         }
         ClientEvent::OverviewReady => {
-            note(world, Event::Arrived { item: Item::Overview, bytes });
+            note(world, Event::Arrived { what: What::Overview, bytes });
             if let (Some(overview), Some(mut city)) = (store.client.overview().cloned(), world.get_resource_mut::<City>()) {
                 city.places = Arc::new(overview.places.clone());
                 city.overview = Some(overview);
@@ -187,7 +178,7 @@ fn on_event(world: &mut World, store: &mut Store, event: ClientEvent, bytes: u64
                 None => format!("{what}: {error}"),
             };
             warn!("{message}");
-            note(world, Event::Failed { item: item_of(what), error: error.to_string(), again_in_s });
+            note(world, Event::Failed { what, error: error.to_string(), again_in_s });
             world.write_message(CityFailed { message, will_retry: again_in_s.is_some() });
         }
     }
@@ -242,7 +233,7 @@ fn arrive(world: &mut World, store: &mut Store, cell: u32, level: Level, packet:
     let mut loaded = world.resource_mut::<LoadedCells>();
     let entry = loaded.cells.entry(cell).or_insert(LoadedCell { entity, levels: Vec::new(), wanted_at_s: now_s });
     entry.levels.push((level, bytes));
-    note(world, Event::Arrived { item: Item::Packet(cell, level), bytes });
+    note(world, Event::Arrived { what: What::Packet { cell, level }, bytes });
     let mut stats = world.resource_mut::<StreamingStats>();
     stats.bytes_received[level.index()] += bytes;
     stats.bytes_loaded += bytes;

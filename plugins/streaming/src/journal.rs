@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 use veduta_city::Level;
+use veduta_store::What;
 
 use crate::Why;
 
@@ -58,31 +59,6 @@ pub struct Entry {
     pub event: Event,
 }
 
-/// What a request asks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Item {
-    /// The city's index.
-    Index,
-    /// What the index tells of the cells of a region.
-    Region(u32),
-    /// The overview.
-    Overview,
-    /// A cell at a level.
-    Packet(u32, Level),
-}
-
-impl fmt::Display for Item {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Index => f.write_str("the index"),
-            Self::Region(number) => write!(f, "region {number}"),
-            Self::Overview => f.write_str("the overview"),
-            Self::Packet(cell, level) => write!(f, "cell {cell} {level}"),
-        }
-    }
-}
-
 /// What happened.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -102,7 +78,7 @@ pub enum Event {
     /// Something was asked for.
     Asked {
         /// What.
-        item: Item,
+        what: What,
         /// Bytes that are to come; 0 if nobody knows.
         bytes: u64,
         /// Why a cell is wanted.
@@ -112,14 +88,14 @@ pub enum Event {
     /// It came.
     Arrived {
         /// What.
-        item: Item,
+        what: What,
         /// Bytes that came.
         bytes: u64,
     },
     /// It did not come.
     Failed {
         /// What.
-        item: Item,
+        what: What,
         /// In words.
         error: String,
         /// Seconds until it is tried again; `None` if never.
@@ -128,7 +104,7 @@ pub enum Event {
     /// It is no longer wanted, and had not been sent for yet.
     Cancelled {
         /// What.
-        item: Item,
+        what: What,
     },
     /// A cell was let go of, or its finer levels were.
     Released {
@@ -264,7 +240,7 @@ pub fn replay<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> BTreeMap<u32,
     for entry in entries {
         match entry.event {
             Event::Opened { .. } => loaded.clear(),
-            Event::Arrived { item: Item::Packet(cell, level), .. } => loaded.entry(cell).or_default().push(level),
+            Event::Arrived { what: What::Packet { cell, level }, .. } => loaded.entry(cell).or_default().push(level),
             Event::Released { cell, from, .. } => {
                 if let Some(levels) = loaded.get_mut(&cell) {
                     levels.retain(|level| *level < from);
@@ -284,21 +260,21 @@ mod tests {
     use super::*;
 
     fn all() -> Vec<Entry> {
-        let packet = |cell, level| Item::Packet(cell, level);
+        let packet = |cell, level| What::Packet { cell, level };
         let events = [
             Event::Opened { place: "http://h/\"x\"\n.city".to_owned() },
             Event::Entered { viewer: 7, cell: Some(3) },
             Event::Entered { viewer: 7, cell: None },
-            Event::Asked { item: Item::Index, bytes: 0, why: None },
-            Event::Asked { item: packet(3, Level::One), bytes: 900, why: Some(Why::Seen { from: 4 }) },
-            Event::Arrived { item: packet(3, Level::One), bytes: 900 },
-            Event::Arrived { item: packet(3, Level::Two), bytes: 90 },
-            Event::Arrived { item: packet(5, Level::One), bytes: 9 },
-            Event::Failed { item: Item::Region(2), error: "it is gone".to_owned(), again_in_s: Some(0.5) },
-            Event::Cancelled { item: packet(9, Level::One) },
+            Event::Asked { what: What::Index, bytes: 0, why: None },
+            Event::Asked { what: packet(3, Level::One), bytes: 900, why: Some(Why::Seen { from: 4 }) },
+            Event::Arrived { what: packet(3, Level::One), bytes: 900 },
+            Event::Arrived { what: packet(3, Level::Two), bytes: 90 },
+            Event::Arrived { what: packet(5, Level::One), bytes: 9 },
+            Event::Failed { what: What::Region(2), error: "it is gone".to_owned(), again_in_s: Some(0.5) },
+            Event::Cancelled { what: packet(9, Level::One) },
             Event::Released { cell: 3, from: Level::Two, why: Reason::OverTheCap },
             Event::Released { cell: 5, from: Level::One, why: Reason::Idle },
-            Event::Arrived { item: Item::Overview, bytes: 5 },
+            Event::Arrived { what: What::Overview, bytes: 5 },
         ];
         events.into_iter().enumerate().map(|(i, event)| Entry { at_s: i as f64 / 3.0, event }).collect()
     }

@@ -8,7 +8,8 @@
 //! The current cell is followed by portal crossing. What the index tells of cells comes region by region, those about the viewer and of
 //! what is in sight first; the overview, for maps and tours, when all in sight stands. Wanted are the cells of its
 //! visible set at level 1, nearest first, then their finer levels within [`StreamingSettings::level_2_m`], then level 1 of all that is seen
-//! from the cells next to it: a cell opens ([`OpenCells`](veduta_ecs::OpenCells)) when nothing would be missing from there. A viewer
+//! from the cells next to it and from where an [`Itinerary`](veduta_ecs::Itinerary) leads: a cell opens
+//! ([`OpenCells`](veduta_ecs::OpenCells)) when nothing would be missing from there. A viewer
 //! above the roofs wants everything within [`StreamingSettings::flying_m`]. Levels of a cell arrive strictly in order. Nothing is read
 //! or decoded on the main thread.
 //!
@@ -48,9 +49,10 @@ use veduta_ecs::VedutaSystems;
 pub use deliver::{RetryTime, StreamingStats};
 pub use fetch::{CityReader, Fetching, Reconnect, StreamingCache};
 pub use follow::CurrentCell;
-pub use journal::{Entry, Event, Item, Journal, JournalError, Reason, read_journal, replay, write_journal};
+pub use journal::{Entry, Event, Journal, JournalError, Reason, read_journal, replay, write_journal};
 pub use link::Link;
 pub use look::Streamed;
+pub use veduta_store::What;
 pub use want::{Wanted, Why};
 
 /// Streams the city that [`OpenCity`](veduta_ecs::OpenCity) names.

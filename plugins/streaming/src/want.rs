@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 use veduta_city::{GridPos, Level, Portal, metres};
 use veduta_ecs::{Awaited, Eye, Itinerary, OpenCells, StandingCells, Stop, Viewer};
-use veduta_store::{CellEntry, CityIndex, RegionEntry};
+use veduta_store::{CellEntry, CityIndex};
 
 use crate::fetch::Store;
 use crate::{CurrentCell, StreamingSettings};
@@ -136,12 +136,8 @@ impl Needs<'_> {
         is_here
     }
 
-    fn cell(&mut self, cell: u32, why: Why, eye: &Eye) {
-        self.need(cell, why, 0.0, eye);
-    }
-
     fn need(&mut self, cell: u32, why: Why, way_m: f64, eye: &Eye) {
-        let rank = u8::from(matches!(why, Why::Ahead { .. } | Why::OnTheWay));
+        let rank = rank(why);
         let Some(region) = self.index.region_of(cell) else { return };
         if !self.has(region, rank) {
             return;
@@ -174,7 +170,7 @@ impl Needs<'_> {
             && !is_flying
         {
             for &seen in visible(index, cell) {
-                self.cell(seen, Why::Seen { from: cell }, eye);
+                self.need(seen, Why::Seen { from: cell }, 0.0, eye);
             }
             // Cells open when all that is seen from them stands: the nearest ahead first.
             let mut ahead: Vec<(f64, u32)> =
@@ -192,28 +188,23 @@ impl Needs<'_> {
             None => settings.level_2_m,
             Some(_) => 0.0,
         };
+        if around_m > 0.0 {
+            self.near(eye.plan_pos, around_m, Why::Near, 0.0, eye);
+        }
         for (number, region) in (0..).zip(&*index.regions) {
             let distance_m = distance_to(region.bounds, eye.plan_pos);
-            if around_m > 0.0 && distance_m <= around_m && self.has(number, 0) {
-                let page = index.region(number).map_or(&[][..], |page| &page.cells);
-                for (cell, _) in region.numbers().zip(page).filter(|(_, cell)| distance_to(cell.bounds, eye.plan_pos) <= around_m) {
-                    self.cell(cell, Why::Near, eye);
-                }
-            }
             if region.skyline > 0 && distance_m <= settings.skyline_m && self.has(number, SKYLINE_RANK) {
                 let page = index.region(number).map_or(&[][..], |page| &page.skyline);
                 for &tall in page {
                     let is_near = |entry: &CellEntry| distance_to(entry.bounds, eye.plan_pos) <= settings.skyline_m;
                     if index.cell(tall).is_some_and(is_near) {
-                        self.cell(tall, Why::Skyline, eye);
+                        self.need(tall, Why::Skyline, 0.0, eye);
                     }
                 }
             }
         }
     }
-}
 
-impl Needs<'_> {
     /// Adds what is seen from where a viewer will be.
     fn add_stop(&mut self, stop: &Stop, eye: &Eye) {
         let way_m = stop.in_s * PACE_M_S;
@@ -232,20 +223,29 @@ impl Needs<'_> {
                 return;
             }
         };
-        let near = |region: &RegionEntry| distance_to(region.bounds, stop.plan_pos) <= around_m;
-        let regions = (0..).zip(&*index.regions).filter(|(_, region)| near(region));
-        for (number, region) in regions {
-            if !self.has(number, 1) {
+        self.near(stop.plan_pos, around_m, Why::OnTheWay, way_m, eye);
+    }
+
+    /// Adds all that is so near to a place, whatever stands between.
+    fn near(&mut self, plan_pos: DVec2, around_m: f64, why: Why, way_m: f64, eye: &Eye) {
+        let index = self.index;
+        for (number, region) in (0..).zip(&*index.regions) {
+            if distance_to(region.bounds, plan_pos) > around_m || !self.has(number, rank(why)) {
                 continue;
             }
             let page = index.region(number).map_or(&[][..], |page| &page.cells);
             for (cell, entry) in region.numbers().zip(page) {
-                if distance_to(entry.bounds, stop.plan_pos) <= around_m {
-                    self.need(cell, Why::OnTheWay, way_m, eye);
+                if distance_to(entry.bounds, plan_pos) <= around_m {
+                    self.need(cell, why, way_m, eye);
                 }
             }
         }
     }
+}
+
+/// 0 for what is in sight, 1 for what may come into it.
+fn rank(why: Why) -> u8 {
+    u8::from(matches!(why, Why::Ahead { .. } | Why::OnTheWay))
 }
 
 /// Metres a second at which a walker comes to a portal: by that, what is to be seen in so many seconds is compared with it.
