@@ -169,7 +169,7 @@ fn opened(city: &Path) -> Opened {
 
 /// Of what is seen from cells, so much may be seen from one side alone: walls and roofs that are drawn with a cell round the corner.
 const MOST_ONE_SIDED: f64 = 0.15;
-/// So many may be for no reason that can be told from the packets: a yard that was looked into through a cell which was dropped again.
+/// So many may be for no reason that the packets tell.
 const MOST_UNMET: f64 = 0.0001;
 
 /// Whether two boxes touch.
