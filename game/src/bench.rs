@@ -16,6 +16,7 @@ use veduta::ecs::{CellEntered, StandingCells};
 use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
 use veduta::streaming::{Event, Fetching, Journal};
+use veduta::tour::TourState;
 use veduta_bake::{BakeSettings, Input, bake, enlarged, overrides_beside, survey};
 use veduta_store::CityStats;
 
@@ -171,7 +172,7 @@ impl Walk {
         let mut app = quiet_app(city, way);
         app.world_mut().spawn((Viewer, Transform::default(), Projection::default()));
         let began = Instant::now();
-        while app.world().get_resource::<City>().is_none_or(|c| c.overview.is_none()) {
+        while app.world().get_resource::<City>().is_none_or(|c| c.overviews.iter().next().is_none()) {
             if began.elapsed() > PATIENCE {
                 return Err(format!("{}: the city did not open in {} s", city.display(), PATIENCE.as_secs()).into());
             }
@@ -180,7 +181,11 @@ impl Walk {
         }
         app.world_mut().write_message(TourCommand::Give(Box::new(tour.clone())));
         app.update();
-        app.update();
+        let began = Instant::now();
+        while app.world().resource::<TourPlayer>().state() == TourState::Waiting && began.elapsed() < PATIENCE {
+            app.update();
+            std::thread::sleep(Duration::from_millis(1));
+        }
         let player = app.world().resource::<TourPlayer>();
         let Some(duration_s) = player.tour().map(|t| t.duration_s()) else {
             return Err(player.error().unwrap_or("the tour did not start").to_owned().into());

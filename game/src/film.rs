@@ -123,7 +123,7 @@ fn begin(studio: &mut Studio, tour: Tour, order: &FilmOrder) -> Result<f64, Fail
     let fading = core::mem::replace(&mut studio.world().resource_mut::<FadeSettings>().seconds, 0.0);
     studio.world().write_message(TourCommand::Give(Box::new(tour)));
     studio.advance(Duration::ZERO);
-    studio.advance(Duration::ZERO);
+    studio.await_tour();
     let player = studio.world().resource::<TourPlayer>();
     let Some(duration_s) = player.tour().map(|t| t.duration_s()) else {
         let why = player.error().unwrap_or("the tour did not start");

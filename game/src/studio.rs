@@ -22,6 +22,7 @@ use veduta::ecs::StandingCells;
 use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
 use veduta::streaming::{Fetching, RetryTime, Wanted};
+use veduta::tour::TourState;
 
 use crate::Failure;
 use crate::camera::camera;
@@ -152,7 +153,7 @@ impl Studio {
         let (began, mut why) = (Instant::now(), String::new());
         while began.elapsed() < PATIENCE {
             self.update_waiting(true);
-            if self.app.world().get_resource::<City>().is_some_and(|c| c.overview.is_some()) {
+            if self.app.world().get_resource::<City>().is_some_and(|c| c.overviews.iter().next().is_some()) {
                 return Ok(());
             }
             let failures = self.app.world().resource::<Messages<CityFailed>>();
@@ -164,6 +165,14 @@ impl Studio {
             }
         }
         Err(format!("{city}: the city did not open in {} s: {why}", PATIENCE.as_secs()).into())
+    }
+
+    /// Waits until the tour that was given can be played, or cannot: its streets come from the city.
+    pub fn await_tour(&mut self) {
+        let began = Instant::now();
+        while began.elapsed() < PATIENCE && self.app.world().resource::<TourPlayer>().state() == TourState::Waiting {
+            self.update_waiting(true);
+        }
     }
 
     /// An update in which the app's time stands, but that of requests to be tried again goes on.

@@ -6,7 +6,7 @@ use anstream::{eprintln, println};
 use bevy::math::DVec2;
 use veduta::city::{GridPos, Level, Step, Tour, Where, file};
 use veduta_bake::{BakeSettings, bake};
-use veduta_store::{DirReader, Reader, decode_overview, read_index};
+use veduta_store::{DirReader, read_index, read_overview};
 
 use super::{Walk, Way, large, line, median, workplace};
 use crate::{Failure, cities};
@@ -101,8 +101,7 @@ fn fast_run(dir: &Path, sample: &Tour) -> Result<(PathBuf, Tour, u64), Failure> 
     let houses = stats.houses;
     let reader = DirReader::new(&city)?;
     let index = read_index(&reader)?;
-    let stored = reader.read(&index.overview.path(), index.overview.bytes.into())?;
-    let overview = decode_overview(&stored, &index.overview)?;
+    let overview = read_overview(&reader, &index)?;
     let start = index.start.pos;
     // The street's end that lies nearest to as far away as the run is to lead.
     let ends = overview.streets.iter().filter(|street| street.walkable).filter_map(|street| street.line.last());

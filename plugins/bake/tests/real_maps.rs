@@ -12,7 +12,7 @@ use std::time::Instant;
 use ground_proof::{prove_mesh, prove_partition};
 use veduta_bake::{BakeError, BakeSettings, Baked, Input, bake, cut, plan};
 use veduta_city::{CellShell, GridPos, Level, Overview, PlaceKind};
-use veduta_store::{CellEntry, CityIndex, DirReader, Packet, Reader, decode_overview, decode_packet, decode_styles, read_index};
+use veduta_store::{CellEntry, CityIndex, DirReader, Packet, Reader, decode_packet, decode_styles, read_index, read_overview};
 
 /// How far one sees in Portland, whose extract spans 70 km²: the test is to stay short. Metres.
 const PORTLAND_SIGHT_M: f64 = 120.0;
@@ -139,7 +139,7 @@ fn opened(city: &Path) -> Opened {
     let styles = index.styles.unwrap_or_else(|| panic!("a city carries its styles"));
     let styles = decode_styles(&read(&styles.path()), &styles).unwrap_or_else(|e| panic!("{e}"));
     assert!(!styles.0.is_empty());
-    let overview = decode_overview(&read(&index.overview.path()), &index.overview).unwrap_or_else(|e| panic!("{e}"));
+    let overview = read_overview(&reader, &index).unwrap_or_else(|e| panic!("{e}"));
     let named: BTreeSet<&str> = overview.streets.iter().map(|s| s.name.as_str()).filter(|name| !name.is_empty()).collect();
     let (mut roofs, mut things, mut yards, mut has_tunnel) = (0, Vec::new(), Vec::new(), Vec::new());
     for (i, cell) in index.cells() {

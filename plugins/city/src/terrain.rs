@@ -253,6 +253,49 @@ impl PlanTerrain {
         }
     }
 
+    /// Whether a plan position lies between its posts.
+    #[must_use]
+    pub fn covers(&self, plan_pos: DVec2) -> bool {
+        let Some(rows) = self.heights.len().checked_div(self.columns as usize).filter(|_| !self.is_level()) else { return false };
+        let place = (plan_pos - self.origin.to_metres()) / metres(self.step);
+        place.min_element() >= 0.0 && place.x <= f64::from(self.columns) - 1.0 && place.y <= rows as f64 - 1.0
+    }
+
+    /// Parts of a terrain, which were cropped from it, as one. Ground of which none of them tells lies on the city's zero.
+    #[must_use]
+    pub fn joined(parts: &[&Self]) -> Self {
+        let parts = || parts.iter().filter(|part| !part.is_level() && part.columns > 0 && part.step > 0);
+        let Some(first) = parts().next() else { return Self::default() };
+        let step = first.step;
+        let rows = |part: &Self| (part.heights.len() / part.columns as usize) as i64;
+        let corner = |part: &Self| {
+            let off = |a: i32, b: i32| (i64::from(a) - i64::from(b)).div_euclid(i64::from(step));
+            (off(part.origin.0, first.origin.0), off(part.origin.1, first.origin.1))
+        };
+        let (mut low, mut high) = ((0_i64, 0_i64), (0_i64, 0_i64));
+        for part in parts() {
+            let (x, y) = corner(part);
+            low = (x.min(low.0), y.min(low.1));
+            high = (high.0.max(x + i64::from(part.columns)), high.1.max(y + rows(part)));
+        }
+        let (columns, rows) = ((high.0 - low.0) as usize, (high.1 - low.1) as usize);
+        if columns.saturating_mul(rows) > MOST_POSTS {
+            // They are parts of nothing that may be.
+            return (*first).clone();
+        }
+        let mut heights = vec![0; columns * rows];
+        for part in parts() {
+            let (x, y) = corner(part);
+            for (row, posts) in part.heights.chunks(part.columns as usize).enumerate() {
+                let at = ((y - low.1) as usize + row) * columns + (x - low.0) as usize;
+                heights[at..at + posts.len()].copy_from_slice(posts);
+            }
+        }
+        let from = |origin: i32, posts: i64| (i64::from(origin) + posts * i64::from(step)) as i32;
+        let origin = GridPos(from(first.origin.0, low.0), from(first.origin.1, low.1));
+        Self { origin, step, columns: columns as u32, heights }
+    }
+
     /// Where the straight way from one plan position to another crosses the lines between posts: the shares of it, ascending, without
     /// its ends. Between two of them the ground is straight.
     #[must_use]
@@ -323,6 +366,20 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+
+    #[test]
+    fn parts_of_a_terrain_make_it_again() {
+        let step = 4 * GRID_PER_METRE;
+        let heights = (0..20 * 30).map(|i| (i * 37) % 1000).collect();
+        let whole = PlanTerrain { origin: GridPos(-7 * step, 5), step, columns: 20, heights };
+        let at = |x: i32, y: i32| GridPos(whole.origin.0 + x * step, whole.origin.1 + y * step);
+        let halves = [(at(9, 0), at(19, 29)), (at(0, 0), at(9, 29))].map(|bounds| whole.crop(bounds, GridPos(0, 0)));
+        assert_eq!(PlanTerrain::joined(&[&halves[0], &PlanTerrain::default(), &halves[1]]), whole);
+        assert_eq!(PlanTerrain::joined(&[]), PlanTerrain::default());
+        let far = PlanTerrain { origin: GridPos(1 << 30, 1 << 30), ..halves[0].clone() };
+        assert_eq!(PlanTerrain::joined(&[&halves[0], &far]), halves[0]);
+        assert!(halves[1].covers(at(3, 3).to_metres()) && !halves[1].covers(at(15, 3).to_metres()));
+    }
 
     fn slanted() -> PlanTerrain {
         // Four by three posts of 4 m about the anchor, rising a metre a post eastwards and two northwards.

@@ -4,9 +4,9 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::{GridPos, WaySpan};
 
-use crate::{City, Eye, StandingCells, Viewer};
+use crate::{Around, City, Eye, StandingCells, Viewer};
 
-/// How high the ground of the open city is: by its overview, before that has come by the cells that stand.
+/// How high the ground of the open city is: by its overview, where that has not come by the cells that stand.
 #[derive(SystemParam)]
 pub struct Ground<'w> {
     city: Option<Res<'w, City>>,
@@ -42,8 +42,13 @@ impl Ground<'_> {
     }
 
     fn floor(&self, plan_pos: DVec2, near_m: f64) -> Option<Floor> {
-        if let Some(overview) = self.city.as_ref().and_then(|city| city.overview.as_ref()) {
-            return Some(floor(&overview.spans, overview.terrain.height_m(plan_pos), plan_pos, near_m));
+        let overviews = self.city.as_ref().map(|city| &city.overviews);
+        let around = Around { middle: plan_pos, radius_m: LONGEST_SPAN_M };
+        let near = || overviews.into_iter().flat_map(|all| all.within(around).filter_map(|part| all.get(part)));
+        let known = near().find(|part| part.terrain.covers(plan_pos)).or_else(|| near().find(|part| part.terrain.is_level()));
+        if let Some(known) = known {
+            let spans = near().flat_map(|part| &part.spans);
+            return Some(floor(spans, known.terrain.height_m(plan_pos), plan_pos, near_m));
         }
         let pos = GridPos::from_metres(plan_pos);
         let (_, _, shell) = self.standing.iter().find(|(_, _, shell)| shell.outline.contains(pos - shell.origin))?;
@@ -67,8 +72,8 @@ impl Ground<'_> {
 }
 
 /// What one stands on who is at a height over ground of another.
-fn floor(spans: &[WaySpan], ground_m: f64, p: DVec2, near_m: f64) -> Floor {
-    let near = spans.iter().filter(|span| {
+fn floor<'a>(spans: impl IntoIterator<Item = &'a WaySpan>, ground_m: f64, p: DVec2, near_m: f64) -> Floor {
+    let near = spans.into_iter().filter(|span| {
         let first = span.stations.first().map(|station| station.left.to_metres());
         first.is_some_and(|first| first.distance_squared(p) < LONGEST_SPAN_M * LONGEST_SPAN_M)
     });
@@ -133,7 +138,7 @@ mod tests {
     use veduta_city::{BoreEnd, CellShell, GridPolygon, Id, Level, Overview, PlanTerrain, SpanForm, SpanStation, SurfaceKind};
 
     use super::*;
-    use crate::EcsPlugin;
+    use crate::{EcsPlugin, Overviews};
 
     /// A slope that rises a quarter metre a metre eastwards.
     fn slope(high: i32) -> PlanTerrain {
@@ -190,8 +195,8 @@ mod tests {
         app.world_mut().resource_mut::<StandingCells>().add(0, Level::One, &shell);
         app.update();
         assert!((z(&app)[0] - 5.0).abs() < 1e-9 && z(&app)[1] == 0.0, "{:?}", z(&app));
-        let overview = Some(Arc::new(Overview { terrain: slope(10 * 1024), ..Overview::default() }));
-        app.insert_resource(City { overview, ..City::default() });
+        let overviews = Overviews::whole(Overview { terrain: slope(10 * 1024), ..Overview::default() });
+        app.insert_resource(City { overviews, ..City::default() });
         app.update();
         assert!((z(&app)[0] - 15.0).abs() < 1e-9 && z(&app)[1] == 0.0, "{:?}", z(&app));
     }

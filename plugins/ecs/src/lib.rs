@@ -18,6 +18,7 @@ mod cell;
 mod clock;
 mod eye;
 mod ground;
+mod overview;
 mod place;
 mod sets;
 mod space;
@@ -31,6 +32,7 @@ pub use cell::{
 pub use clock::CityClock;
 pub use eye::{Eye, Itinerary, Steering, Stop, Viewer};
 pub use ground::{Footing, Ground};
+pub use overview::{Around, OverviewWants, Overviews};
 pub use place::{City, CityFailed, CityOpened, JumpTo, OpenCity};
 pub use sets::VedutaSystems;
 pub use space::WorldOrigin;
@@ -45,6 +47,7 @@ impl Plugin for EcsPlugin {
             .init_resource::<StandingCells>()
             .init_resource::<Awaited>()
             .init_resource::<OpenCells>()
+            .init_resource::<OverviewWants>()
             .init_resource::<Steering>()
             .init_resource::<CityClock>()
             .register_type::<Eye>()

@@ -1,7 +1,7 @@
-use std::sync::Arc;
-
 use bevy::prelude::*;
-use veduta_city::{Anchor, GridPolygon, Overview, Place, Viewpoint};
+use veduta_city::{Anchor, GridPolygon, Viewpoint};
+
+use crate::Overviews;
 
 /// The open city, as maps, guides and tours need it. Streaming inserts it; a game without streaming may insert its own.
 #[derive(Resource, Debug, Clone, Default)]
@@ -16,10 +16,8 @@ pub struct City {
     pub start: Viewpoint,
     /// Edge of the modelled city.
     pub extent: GridPolygon,
-    /// Things with a name; none until the overview has arrived.
-    pub places: Arc<Vec<Place>>,
-    /// Streets, areas and houses in outline; `None` until it has arrived.
-    pub overview: Option<Arc<Overview>>,
+    /// Streets, areas, houses in outline and places, in parts that come and go.
+    pub overviews: Overviews,
 }
 
 /// Asks for a city: a directory, or the URL of one on a web server. What was open before is closed.

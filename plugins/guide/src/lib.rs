@@ -1,7 +1,7 @@
 //! Places and their information: what stands near the visitor, said when it matters.
 //!
 //! ```text
-//!  City.places, Eye ──► near (with hysteresis) ──► PlaceEntered / PlaceLeft ──► panel
+//!  City.overviews, Eye ──► near (with hysteresis) ──► PlaceEntered / PlaceLeft ──► panel
 //! ```
 //!
 //! # Use
@@ -16,7 +16,7 @@
 //!     })
 //!     .run();
 //! ```
-//! It reads the [`City`](veduta_ecs::City) resource; in a game without streaming, insert one of your own with its `places`.
+//! It reads the [`City`](veduta_ecs::City) resource; in a game without streaming, insert one of your own with an overview that has places.
 //!
 //! # Limits
 //! One place at a time: the one whose middle is nearest for its radius.

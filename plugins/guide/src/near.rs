@@ -41,7 +41,7 @@ pub(crate) fn find_near(
 ) {
     let eye = viewers.iter().next();
     let now = match (&city, eye) {
-        (Some(city), Some(eye)) if eye.eye_m < ALOFT_M => nearest(&city.places, eye.plan_pos, near.0.as_ref()),
+        (Some(city), Some(eye)) if eye.eye_m < ALOFT_M => nearest(city.overviews.places(), eye.plan_pos, near.0.as_ref()),
         _ => None,
     };
     if now.map(|p| p.id) == near.0.as_ref().map(|p| p.id) {
@@ -57,19 +57,21 @@ pub(crate) fn find_near(
 }
 
 /// The place whose middle is nearest as a share of its radius; the present one keeps a lead.
-fn nearest<'a>(places: &'a [Place], at: DVec2, present: Option<&Place>) -> Option<&'a Place> {
+fn nearest<'a>(places: impl Iterator<Item = &'a Place>, at: DVec2, present: Option<&Place>) -> Option<&'a Place> {
     let share = |place: &Place| {
         let lead = if present.is_some_and(|p| p.id == place.id) { LEAVE_AT } else { 1.0 };
         at.distance(DVec2::new(place.pos.x, place.pos.y)) / (place.radius_m.max(0.1) * lead)
     };
-    let told = places.iter().filter(|p| !matches!(p.kind, PlaceKind::Street) || !p.text.is_empty());
+    let told = places.filter(|p| !matches!(p.kind, PlaceKind::Street) || !p.text.is_empty());
     told.map(|p| (share(p), p)).filter(|(s, _)| *s <= 1.0).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, p)| p)
 }
 
 #[cfg(test)]
 mod tests {
+    use veduta_city::Overview;
+    use veduta_ecs::Overviews;
+
     use super::*;
-    use std::sync::Arc;
 
     fn place(id: u64, x: f64) -> Place {
         Place { id: Id(id), name: format!("place {id}"), pos: [x, 0.0].into(), radius_m: 10.0, ..Place::default() }
@@ -79,7 +81,8 @@ mod tests {
     fn a_place_is_entered_once_and_left_beyond_its_border() {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, crate::GuidePlugin { interface: false }));
-        app.insert_resource(City { places: Arc::new(vec![place(1, 0.0), place(2, 100.0)]), ..City::default() });
+        let overview = Overview { places: vec![place(1, 0.0), place(2, 100.0)], ..Overview::default() };
+        app.insert_resource(City { overviews: Overviews::whole(overview), ..City::default() });
         let viewer = app.world_mut().spawn((Viewer, Eye { plan_pos: DVec2::new(9.0, 0.0), ..Eye::default() })).id();
         let mut at = |x: f64| {
             app.world_mut().get_mut::<Eye>(viewer).expect("spawned above").plan_pos.x = x;

@@ -2,12 +2,10 @@
 //!
 //! `cargo run -p veduta-minimap --example minimap_alone` (M opens the large map, N turns it north up)
 
-use std::sync::Arc;
-
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::{GridPolygon, GridPos, Id, Overview, Place, PlaceKind, PlanStreet, SurfaceKind};
-use veduta_ecs::{City, Eye, JumpTo, Viewer};
+use veduta_ecs::{City, Eye, JumpTo, Overviews, Viewer};
 use veduta_minimap::{MinimapPlugin, MinimapSettings};
 
 fn main() -> AppExit {
@@ -30,8 +28,9 @@ fn rectangle(middle: (i32, i32), half: (i32, i32)) -> GridPolygon {
 fn village() -> City {
     let line = [(-120, 0), (0, 0), (120, 20)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec();
     let street = PlanStreet { id: Id(1), name: "Long Street".into(), line, width: 8 * 1024, walkable: true, layer: 0 };
-    let house = |i: u64, x, y| (Id(10 + i), rectangle((x, y), (7, 6)), 9 * 1024);
+    let house = |(x, y)| (rectangle((x, y), (7, 6)), 9 * 1024);
     let beside = [(-40, 45), (-20, 45), (0, 45), (20, 45), (40, 45), (-40, -45), (-20, -45), (0, -45), (20, -45)];
+    let square = Place { name: "Market".into(), kind: PlaceKind::Square, pos: DVec2::new(0.0, 10.0), ..default() };
     let overview = Overview {
         streets: vec![street],
         areas: vec![
@@ -39,17 +38,11 @@ fn village() -> City {
             (SurfaceKind::Cobbles, rectangle((0, 0), (120, 4))),
             (SurfaceKind::Water, rectangle((85, -40), (20, 15))),
         ],
-        houses: (0..).zip(beside).map(|(i, (x, y))| house(i, x, y)).collect(),
+        houses: beside.map(house).to_vec(),
+        places: vec![square],
         ..default()
     };
-    let square = Place { name: "Market".into(), kind: PlaceKind::Square, pos: DVec2::new(0.0, 10.0), ..default() };
-    City {
-        name: "Village".into(),
-        extent: rectangle((0, 0), (130, 80)),
-        places: Arc::new(vec![square]),
-        overview: Some(Arc::new(overview)),
-        ..default()
-    }
+    City { name: "Village".into(), extent: rectangle((0, 0), (130, 80)), overviews: Overviews::whole(overview), ..default() }
 }
 
 fn circle(time: Res<Time>, mut eyes: Query<&mut Eye, With<Viewer>>) {

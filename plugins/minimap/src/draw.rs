@@ -76,27 +76,27 @@ fn large_map(context: &Context, city: &City, tiles: &MapTiles, eye: &Eye, view: 
         if response.clicked()
             && let Some(at) = response.interact_pointer_pos()
         {
-            jumps.write(JumpTo(target(city, tiles, map.plan(at), f64::from(14.0 / map.scale), eye)));
+            jumps.write(JumpTo(target(city, map.plan(at), f64::from(14.0 / map.scale), eye)));
             view.open = false;
         }
     });
 }
 
 /// Where a click leads: to the place under it, else to the nearest street, else right there.
-fn target(city: &City, tiles: &MapTiles, at: DVec2, reach_m: f64, eye: &Eye) -> Viewpoint {
-    let near = city.places.iter().map(|p| (DVec2::new(p.pos.x, p.pos.y).distance(at), p)).min_by(|a, b| a.0.total_cmp(&b.0));
+fn target(city: &City, at: DVec2, reach_m: f64, eye: &Eye) -> Viewpoint {
+    let near = city.overviews.places().map(|p| (DVec2::new(p.pos.x, p.pos.y).distance(at), p)).min_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((d, place)) = near
         && d <= reach_m
         && let Some(view) = place.view
     {
         return view;
     }
-    let spot = nearest_on_street(tiles, at).filter(|p| p.distance(at) < 40.0).unwrap_or(at);
+    let spot = nearest_on_street(city, at).filter(|p| p.distance(at) < 40.0).unwrap_or(at);
     Viewpoint { pos: [spot.x, spot.y].into(), heading_deg: eye.heading_deg, ..Viewpoint::default() }
 }
 
-fn nearest_on_street(tiles: &MapTiles, at: DVec2) -> Option<DVec2> {
-    let streets = tiles.overview()?.streets.iter().filter(|s| s.walkable);
+fn nearest_on_street(city: &City, at: DVec2) -> Option<DVec2> {
+    let streets = city.overviews.iter().flat_map(|(_, overview)| &overview.streets).filter(|s| s.walkable);
     let pieces = streets.flat_map(|s| s.line.windows(2).map(|w| [w[0], w[1]].map(|p| p.to_metres())));
     pieces
         .map(|[a, b]| {
@@ -139,9 +139,7 @@ fn paint(painter: &Painter, map: &Projection, city: &City, tiles: &MapTiles, eye
         let mesh = egui::Mesh { vertices: vertices.collect(), indices: tile.indices.clone(), ..egui::Mesh::default() };
         painter.add(Shape::mesh(mesh));
     }
-    if let Some(overview) = tiles.overview() {
-        label::write(painter, map, overview, &city.places, text);
-    }
+    label::write(painter, map, &city.overviews, text);
     marker(painter, map, eye, text);
     compass(painter, map, text);
 }

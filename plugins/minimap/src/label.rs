@@ -3,7 +3,8 @@ use std::collections::BTreeMap;
 use bevy::math::DVec2;
 use bevy_egui::egui::epaint::TextShape;
 use bevy_egui::egui::{Color32, FontId, Painter, Pos2, Rect, Vec2};
-use veduta_city::{Overview, Place, PlaceKind};
+use veduta_city::{Place, PlaceKind};
+use veduta_ecs::Overviews;
 
 use crate::view::Projection;
 
@@ -23,9 +24,9 @@ const INK: Color32 = Color32::from_rgb(0x4A, 0x40, 0x35);
 const HALO: Color32 = Color32::from_rgba_premultiplied(0xE6, 0xE2, 0xDA, 0xE6);
 
 /// Writes the names of streets along them, and of places beside them, without overlap.
-pub(crate) fn write(painter: &Painter, map: &Projection, overview: &Overview, places: &[Place], size: f32) {
-    let mut labels = place_labels(map, places, size);
-    labels.extend(street_labels(map, overview, size));
+pub(crate) fn write(painter: &Painter, map: &Projection, overviews: &Overviews, size: f32) {
+    let mut labels = place_labels(map, overviews, size);
+    labels.extend(street_labels(map, overviews, size));
     labels.sort_by(|a, b| a.rank.cmp(&b.rank).then_with(|| a.text.cmp(&b.text)));
     let mut taken: Vec<Rect> = Vec::new();
     for label in labels.into_iter().take(60) {
@@ -50,11 +51,11 @@ pub(crate) fn write(painter: &Painter, map: &Projection, overview: &Overview, pl
     }
 }
 
-fn place_labels(map: &Projection, places: &[Place], size: f32) -> Vec<Label> {
+fn place_labels(map: &Projection, overviews: &Overviews, size: f32) -> Vec<Label> {
     let shown = |place: &&Place| !matches!(place.kind, PlaceKind::Street | PlaceKind::Viewpoint);
     let near = |place: &&Place| map.rect.contains(map.screen(DVec2::new(place.pos.x, place.pos.y)));
-    places
-        .iter()
+    overviews
+        .places()
         .filter(shown)
         .filter(near)
         .map(|place| {
@@ -78,9 +79,9 @@ fn place_labels(map: &Projection, places: &[Place], size: f32) -> Vec<Label> {
 }
 
 /// One label a street name: on its longest straight piece in view.
-fn street_labels(map: &Projection, overview: &Overview, size: f32) -> Vec<Label> {
+fn street_labels(map: &Projection, overviews: &Overviews, size: f32) -> Vec<Label> {
     let mut best: BTreeMap<&str, (f32, Pos2, Pos2)> = BTreeMap::new();
-    for street in overview.streets.iter().filter(|s| !s.name.is_empty()) {
+    for street in overviews.iter().flat_map(|(_, overview)| &overview.streets).filter(|s| !s.name.is_empty()) {
         for pair in street.line.windows(2) {
             let [a, b] = [pair[0], pair[1]].map(|p| {
                 let m = p.to_metres();

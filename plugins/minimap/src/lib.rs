@@ -1,7 +1,7 @@
 //! Minimap HUD and full map.
 //!
 //! ```text
-//!  City.overview ──once──► tiles of triangles ──each frame──► those in view, turned and scaled ──► egui
+//!  City.overviews ──as they come──► tiles of triangles ──each frame──► those in view, turned and scaled ──► egui
 //! ```
 //!
 //! The map is drawn from the city's own vectors: streets, squares, houses, parks, water, with names. The walker's place and
@@ -74,7 +74,10 @@ impl Plugin for MinimapPlugin {
             .init_resource::<MapTiles>()
             .init_resource::<MapView>()
             .register_type::<MinimapSettings>()
-            .add_systems(Update, (tiles::cut_tiles, view::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>)))
+            .add_systems(
+                Update,
+                (tiles::ask_for_overview, tiles::cut_tiles, view::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>)),
+            )
             .add_systems(EguiPrimaryContextPass, draw::draw_map);
     }
 }

@@ -4,17 +4,16 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use bevy_egui::egui::Color32;
 use veduta_city::{GridPolygon, Overview, SurfaceKind};
-use veduta_ecs::City;
+use veduta_ecs::{Around, City, Eye, OverviewWants, Overviews, Viewer};
+
+use crate::{MapView, MinimapSettings};
 
 /// Edge of a tile, metres.
 const TILE_M: f32 = 128.0;
 
-/// Triangles of the map in plan metres, cut into tiles, in the order in which they are painted.
+/// Triangles of the map in plan metres, cut into tiles, in the order in which they are painted; by part of the overview.
 #[derive(Resource, Default)]
-pub struct MapTiles {
-    source: Option<Arc<Overview>>,
-    layers: [BTreeMap<(i32, i32), Tile>; 2],
-}
+pub struct MapTiles(BTreeMap<u32, PartTiles>);
 
 /// Triangles that begin in one tile.
 #[derive(Default)]
@@ -30,7 +29,7 @@ pub(crate) struct Tile {
 pub(crate) const PAPER: Color32 = Color32::from_rgb(0xE9, 0xE2, 0xD3);
 const HOUSE: Color32 = Color32::from_rgb(0xC9, 0xB0, 0x94);
 const LANDMARK: Color32 = Color32::from_rgb(0xA8, 0x70, 0x55);
-/// Tops so high above the ground make a landmark, grid steps.
+/// What stands higher is a landmark, grid steps.
 const LANDMARK_TOP: i32 = 30 * 1024;
 
 const fn ink(surface: SurfaceKind) -> Option<Color32> {
@@ -46,37 +45,85 @@ const fn ink(surface: SurfaceKind) -> Option<Color32> {
     }
 }
 
-/// Cuts a newly arrived overview into tiles.
-pub(crate) fn cut_tiles(city: Option<Res<City>>, mut tiles: ResMut<MapTiles>) {
-    let overview = city.and_then(|city| city.overview.clone());
-    let same = match (&tiles.source, &overview) {
-        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-        (None, None) => true,
-        _ => false,
-    };
-    if same {
-        return;
-    }
-    *tiles = MapTiles::default();
-    let Some(overview) = overview else { return };
-    for (surface, outline) in &overview.areas {
-        if let Some(ink) = ink(*surface) {
-            tiles.add(0, outline, ink);
-        }
-    }
-    for span in overview.spans.iter().filter(|span| !span.is_bore()) {
-        if let Some(ink) = ink(span.surface) {
-            tiles.add(0, &span.outline(), ink);
-        }
-    }
-    for (_, outline, top) in &overview.houses {
-        let ground = outline.outer.first().map_or(0, |&p| overview.terrain.height(p));
-        tiles.add(1, outline, if top.saturating_sub(ground) > LANDMARK_TOP { LANDMARK } else { HOUSE });
-    }
-    tiles.source = Some(overview);
+/// Outlines that are cut in a frame.
+const OUTLINES_A_FRAME: usize = 256;
+
+/// Tiles of one part of the overview.
+struct PartTiles {
+    source: Arc<Overview>,
+    /// So many of its outlines are cut.
+    done: usize,
+    layers: [BTreeMap<(i32, i32), Tile>; 2],
 }
 
-impl MapTiles {
+/// Cuts parts of the overview that have arrived into tiles, some outlines a frame, and drops those that are gone.
+pub(crate) fn cut_tiles(city: Option<Res<City>>, mut tiles: ResMut<MapTiles>) {
+    let overviews = city.as_ref().map(|city| &city.overviews);
+    let is_there = |part: u32, tiles: &PartTiles| {
+        overviews.and_then(|all| all.get(part)).is_some_and(|overview| Arc::ptr_eq(overview, &tiles.source))
+    };
+    // Nothing is touched where nothing has changed.
+    if tiles.0.iter().any(|(&part, tiles)| !is_there(part, tiles)) {
+        tiles.0.retain(|&part, tiles| is_there(part, tiles));
+    }
+    let parts = || overviews.into_iter().flat_map(Overviews::iter);
+    if parts().all(|(part, _)| tiles.0.get(&part).is_some_and(PartTiles::is_done)) {
+        return;
+    }
+    let mut left = OUTLINES_A_FRAME;
+    for (part, overview) in parts() {
+        let tiles = tiles.0.entry(part).or_insert_with(|| PartTiles::new(Arc::clone(overview)));
+        while left > 0 && !tiles.is_done() {
+            tiles.cut_next();
+            left -= 1;
+        }
+    }
+}
+
+/// Asks for the part of the overview that the map shows.
+pub(crate) fn ask_for_overview(
+    settings: Res<MinimapSettings>,
+    view: Res<MapView>,
+    viewers: Query<&Eye, With<Viewer>>,
+    mut wants: ResMut<OverviewWants>,
+) {
+    let shown = viewers.iter().next().and_then(|eye| match view.open {
+        true => Some((view.middle.unwrap_or(eye.plan_pos), view.radius_m * WIDE)),
+        false => settings.visible.then_some((eye.plan_pos, settings.radius_m * SQUARE)),
+    });
+    OverviewWants::ask(&mut wants, "minimap", shown.map(|(middle, radius_m)| Around::coarsely(middle, radius_m.into())));
+}
+
+/// From the middle to a corner, as a multiple of the way to the nearer edge: of the map in the corner, and of a window.
+const SQUARE: f32 = core::f32::consts::SQRT_2;
+const WIDE: f32 = 2.2;
+
+impl PartTiles {
+    fn new(source: Arc<Overview>) -> Self {
+        Self { source, done: 0, layers: Default::default() }
+    }
+
+    fn is_done(&self) -> bool {
+        self.done >= self.source.areas.len() + self.source.spans.len() + self.source.houses.len()
+    }
+
+    /// Areas first, then spans, then houses.
+    fn cut_next(&mut self) {
+        let source = Arc::clone(&self.source);
+        let n = self.done;
+        self.done += 1;
+        if let Some((surface, outline)) = source.areas.get(n) {
+            return ink(*surface).into_iter().for_each(|ink| self.add(0, outline, ink));
+        }
+        let n = n - source.areas.len();
+        if let Some(span) = source.spans.get(n) {
+            return ink(span.surface).filter(|_| !span.is_bore()).into_iter().for_each(|ink| self.add(0, &span.outline(), ink));
+        }
+        if let Some((outline, height)) = source.houses.get(n - source.spans.len()) {
+            self.add(1, outline, if *height > LANDMARK_TOP { LANDMARK } else { HOUSE });
+        }
+    }
+
     fn add(&mut self, layer: usize, outline: &GridPolygon, ink: Color32) {
         let mut points: Vec<[f32; 2]> = Vec::new();
         let mut holes = Vec::new();
@@ -99,10 +146,12 @@ impl MapTiles {
         tile.indices.extend(triangles.into_iter().map(|i| base + i));
         tile.overhang_m = tile.overhang_m.max(reach);
     }
+}
 
+impl MapTiles {
     /// Tiles that may touch a circle (plan metres), painted in this order.
     pub(crate) fn near(&self, middle: Vec2, radius_m: f32) -> impl Iterator<Item = &Tile> {
-        self.layers.iter().flat_map(move |layer| {
+        (0..2).flat_map(|n| self.0.values().map(move |part| &part.layers[n])).flat_map(move |layer| {
             layer.iter().filter_map(move |(&(x, y), tile)| {
                 let low = Vec2::new(x as f32, y as f32) * TILE_M - tile.overhang_m;
                 let high = low + TILE_M + 2.0 * tile.overhang_m;
@@ -110,31 +159,50 @@ impl MapTiles {
             })
         })
     }
-
-    /// The overview that the tiles were cut from.
-    pub(crate) fn overview(&self) -> Option<&Arc<Overview>> {
-        self.source.as_ref()
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use veduta_city::{GridPos, Id};
+    use veduta_city::GridPos;
 
     #[test]
     fn a_house_is_found_from_where_it_reaches_and_not_from_afar() {
         let side = 200 * 1024;
         let long = GridPolygon::simple(vec![GridPos(0, 0), GridPos(side, 0), GridPos(side, 9000), GridPos(0, 9000)]);
-        let overview = Overview { houses: vec![(Id(1), long, 0)], ..Overview::default() };
+        let overview = Overview { houses: vec![(long, 0)], ..Overview::default() };
         let mut app = App::new();
         app.init_resource::<MapTiles>().add_systems(Update, cut_tiles);
-        app.insert_resource(City { overview: Some(Arc::new(overview)), ..City::default() });
+        app.insert_resource(City { overviews: Overviews::whole(overview), ..City::default() });
         app.update();
         let tiles = app.world().resource::<MapTiles>();
         assert_eq!(tiles.near(Vec2::new(205.0, 5.0), 10.0).count(), 1, "its far end is 5 m away");
         assert_eq!(tiles.near(Vec2::new(900.0, 5.0), 10.0).count(), 0);
         let tile = tiles.near(Vec2::ZERO, 1.0).next().expect("the house begins here");
         assert_eq!(tile.indices.len(), 6);
+    }
+
+    #[test]
+    fn parts_are_cut_as_they_come_and_dropped_as_they_go() {
+        let house = |i: i32| GridPolygon::simple(vec![GridPos(i, 0), GridPos(i + 9000, 0), GridPos(i, 9000)]);
+        let part = Arc::new(Overview { houses: (0..600).map(|i| (house(i * 256), 0)).collect(), ..Overview::default() });
+        let mut app = App::new();
+        app.init_resource::<MapTiles>().add_systems(Update, cut_tiles);
+        let mut overviews = Overviews::awaited([(GridPos(0, 0), GridPos(0, 0)); 2]);
+        overviews.put(1, Some(part));
+        app.insert_resource(City { overviews, ..City::default() });
+        let corners = |app: &App| {
+            let tiles = app.world().resource::<MapTiles>();
+            tiles.near(Vec2::ZERO, f32::INFINITY).map(|tile| tile.indices.len()).sum::<usize>()
+        };
+        let mut seen = Vec::new();
+        for _ in 0..4 {
+            app.update();
+            seen.push(corners(&app));
+        }
+        assert_eq!(seen, [768, 1536, 1800, 1800], "some a frame");
+        app.world_mut().resource_mut::<City>().overviews.put(1, None);
+        app.update();
+        assert_eq!(corners(&app), 0);
     }
 }

@@ -46,8 +46,13 @@ pub enum ClientEvent {
         /// Which region.
         u32,
     ),
-    /// The overview is there.
-    OverviewReady,
+    /// The overview of a region is there. It may no longer be wanted: then call [`Client::forget_overview`].
+    OverviewReady {
+        /// Which region.
+        region: u32,
+        /// It.
+        overview: Arc<Overview>,
+    },
     /// A packet is there. It may no longer be wanted: then call [`Client::forget`].
     Arrived {
         /// Which cell.
@@ -130,19 +135,19 @@ struct RegionSlot {
 }
 
 /// Decides what to ask for and when: index, regions, then packets in the order wanted, each after the region that tells of it and
-/// after the level before it, and when nothing of these is due, the overview. It does no I/O, reads no clock (`now_s` is any clock
+/// after the level before it, and when nothing of these is due, overviews of regions. It does no I/O, reads no clock (`now_s` is any clock
 /// that does not go back), and answers the same for the same calls.
 #[derive(Debug)]
 pub struct Client {
     settings: ClientSettings,
     index: Option<CityIndex>,
-    overview: Option<Arc<Overview>>,
     index_slot: Slot,
-    overview_slot: Slot,
+    /// By region.
+    overviews: Vec<Slot>,
     regions: Vec<RegionSlot>,
     wanted_regions: Vec<u32>,
     later_regions: Vec<u32>,
-    wants_overview: bool,
+    wanted_overviews: Vec<u32>,
     wanted: Vec<(u32, Level)>,
     /// So many of the most urgent are here: the search for the next begins behind them.
     all_here_before: usize,
@@ -158,13 +163,12 @@ impl Client {
         Self {
             settings,
             index: None,
-            overview: None,
             index_slot: Slot::default(),
-            overview_slot: Slot::default(),
+            overviews: Vec::new(),
             regions: Vec::new(),
             wanted_regions: Vec::new(),
             later_regions: Vec::new(),
-            wants_overview: false,
+            wanted_overviews: Vec::new(),
             wanted: Vec::new(),
             all_here_before: 0,
             in_flight: BTreeMap::new(),
@@ -177,12 +181,6 @@ impl Client {
     #[must_use]
     pub const fn index(&self) -> Option<&CityIndex> {
         self.index.as_ref()
-    }
-
-    /// The overview, once it is there.
-    #[must_use]
-    pub const fn overview(&self) -> Option<&Arc<Overview>> {
-        self.overview.as_ref()
     }
 
     /// Replaces the list of packets wanted, most urgent first. Each level must be listed: one that is not is not asked for,
@@ -203,9 +201,11 @@ impl Client {
         self.later_regions.extend(later);
     }
 
-    /// Says that the overview is wanted too, when nothing else is due.
-    pub const fn want_overview(&mut self) {
-        self.wants_overview = true;
+    /// Replaces the list of regions whose overviews are wanted when nothing else is due, most urgent first. What the index tells of these
+    /// regions comes by itself.
+    pub fn want_overviews(&mut self, regions: impl IntoIterator<Item = u32>) {
+        self.wanted_overviews.clear();
+        self.wanted_overviews.extend(regions);
     }
 
     /// The next request to send off; `None` while there is nothing to ask for, enough is on its way, or all that is wanted
@@ -222,13 +222,11 @@ impl Client {
         let region = self.wanted_regions.iter().find_map(|&number| self.region_due(number, now_s));
         let later = || self.later_regions.iter().find_map(|&number| self.region_due(number, now_s));
         let packet = || self.wanted[self.all_here_before..].iter().find_map(|&(cell, level)| self.packet_due(cell, level, now_s));
-        let overview = || {
-            let blob = self.index.as_ref()?.overview;
-            (self.wants_overview && self.overview_slot.is_due(now_s)).then_some((What::Overview, blob))
-        };
+        let overview = || self.wanted_overviews.iter().find_map(|&number| self.overview_due(number, now_s));
         let (what, blob) = region.or_else(packet).or_else(later).or_else(overview)?;
-        // The overview is in nobody's way.
-        let counts = |asked: &What| *asked != What::Overview || what == What::Overview;
+        // Overviews are in nobody's way.
+        let is_overview = |what: &What| matches!(what, What::Overview(_));
+        let counts = |asked: &What| !is_overview(asked) || is_overview(&what);
         let on_the_way: u64 = self.in_flight.values().filter(|(asked, _)| counts(asked)).map(|(_, bytes)| bytes).sum();
         let has_room = on_the_way == 0 || on_the_way + u64::from(blob.bytes) <= self.settings.max_bytes_in_flight;
         has_room.then(|| self.request(what, Some(blob)))
@@ -271,7 +269,7 @@ impl Client {
     /// Lets everything that failed and waits be tried again at once, as after a lost connection that stands again.
     pub fn retry_now(&mut self) {
         let cells = self.regions.iter_mut().flat_map(|region| region.cells.iter_mut().flatten().chain([&mut region.slot]));
-        for slot in cells.chain([&mut self.index_slot, &mut self.overview_slot]).filter(|slot| slot.state == State::Missing) {
+        for slot in cells.chain([&mut self.index_slot]).chain(&mut self.overviews).filter(|slot| slot.state == State::Missing) {
             *slot = Slot::default();
         }
     }
@@ -280,6 +278,17 @@ impl Client {
     fn region_due(&self, number: u32, now_s: f64) -> Option<(What, BlobRef)> {
         let entry = self.index.as_ref()?.regions.get(number as usize)?;
         self.regions.get(number as usize)?.slot.is_due(now_s).then_some((What::Region(number), entry.blob))
+    }
+
+    /// The overview of a region, or the region that is to tell of it, if it is to be asked for now.
+    fn overview_due(&self, number: u32, now_s: f64) -> Option<(What, BlobRef)> {
+        if !self.overviews.get(number as usize)?.is_due(now_s) {
+            return None;
+        }
+        match self.index.as_ref()?.region(number) {
+            Some(region) => Some((What::Overview(number), region.overview)),
+            None => self.region_due(number, now_s),
+        }
     }
 
     /// A packet, or the region that is to tell of it, if it is to be asked for now.
@@ -347,6 +356,23 @@ impl Client {
         }
     }
 
+    /// Says that an overview that had arrived was released: it may be asked for again. Does nothing for one that is not there.
+    pub fn forget_overview(&mut self, region: u32) {
+        if let Some(slot) = self.overviews.get_mut(region as usize)
+            && slot.state == State::Here
+        {
+            *slot = Slot::default();
+        }
+    }
+
+    /// Whether the overview of a region, or what tells of it, cannot be had, as with [`Client::gave_up`].
+    #[must_use]
+    pub fn gave_up_overview(&self, region: u32, now_s: f64) -> bool {
+        let is_told_of = self.index.as_ref().is_some_and(|index| index.region(region).is_some());
+        let gave_up = self.overviews.get(region as usize).is_some_and(|slot| slot.gave_up(now_s, self.settings.patience_s));
+        gave_up || (!is_told_of && self.gave_up_region(region, now_s))
+    }
+
     /// Whether a packet has arrived and was not forgotten.
     #[must_use]
     pub fn has(&self, cell: u32, level: Level) -> bool {
@@ -381,7 +407,7 @@ impl Client {
     fn slot_mut(&mut self, what: What) -> Option<&mut Slot> {
         match what {
             What::Index => Some(&mut self.index_slot),
-            What::Overview => Some(&mut self.overview_slot),
+            What::Overview(number) => self.overviews.get_mut(number as usize),
             What::Region(number) => self.regions.get_mut(number as usize).map(|region| &mut region.slot),
             What::Packet { cell, level } => {
                 let index = self.index.as_ref()?;
@@ -418,6 +444,7 @@ impl Client {
             (What::Index, Payload::Index { index, bytes }) => {
                 self.stats.bytes += bytes;
                 self.regions = vec![RegionSlot::default(); index.regions.len()];
+                self.overviews = vec![Slot::default(); index.regions.len()];
                 self.index = Some(*index);
                 Ok(ClientEvent::Opened)
             }
@@ -429,10 +456,9 @@ impl Client {
                 }
                 Ok(ClientEvent::RegionReady(number))
             }
-            (What::Overview, Payload::Overview(overview)) => {
-                self.stats.bytes += self.blob_bytes(|index| Some(index.overview));
-                self.overview = Some(overview);
-                Ok(ClientEvent::OverviewReady)
+            (What::Overview(region), Payload::Overview(overview)) => {
+                self.stats.bytes += self.blob_bytes(|index| Some(index.region(region)?.overview));
+                Ok(ClientEvent::OverviewReady { region, overview })
             }
             (What::Packet { cell, level }, Payload::Packet(packet)) if packet.level() == level => {
                 let bytes = self.blob_bytes(|index| index.cell(cell)?.packet(level).copied());
@@ -444,7 +470,7 @@ impl Client {
                 expected: match what {
                     What::Index => INDEX,
                     What::Region(_) => "a region of the index",
-                    What::Overview => "the overview",
+                    What::Overview(_) => "an overview",
                     What::Packet { .. } => "a packet of the level asked for",
                 },
                 found: "the answer to another request".to_owned(),

@@ -2,13 +2,13 @@ use core::ops::Range;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-use veduta_city::{Cell, CellShell, Cells, CityPlan, FacadeSheet, GRID_PER_METRE, GridPos, Level, Overview, WaySpan};
+use veduta_city::{Cell, CellShell, Cells, CityPlan, FacadeSheet, GRID_PER_METRE, GridPos, Level, OverviewParts, WaySpan};
 
 use crate::index::encode_index;
-use crate::overview::{decode_overview, press};
+use crate::overview::{decode_overview, encode_overview};
 use crate::packet::{encode_sheet, encode_shell, encode_styles};
 use crate::region::{decode_region, encode_region, squares};
-use crate::wire::{WireOverview, bounds_beyond, metres_beyond};
+use crate::wire::{bounds_beyond, metres_beyond};
 use crate::{
     BlobRef, CellEntry, CityIndex, CityStats, FORMAT_VERSION, Packet, Region, RegionEntry, RegionKey, StoreError, decode_index,
     decode_packet, decode_styles, sheet_fits, valid, wall_count,
@@ -23,7 +23,7 @@ pub(crate) fn invalid(reason: String) -> StoreError {
 /// Where blobs go as they are made, from several threads.
 pub(crate) type Sink<'s> = dyn Fn(&BlobRef, &[u8]) -> Result<(), StoreError> + Sync + 's;
 
-/// The index of a plan, but for its regions. Overview and styles go to the sink, each read back first, so that what is
+/// The index of a plan, but for its regions. Styles go to the sink, read back first, so that what is
 /// written can be read.
 pub(crate) fn head(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> Result<CityIndex, StoreError> {
     stats.houses = plan.houses.len() as u64;
@@ -37,7 +37,6 @@ pub(crate) fn head(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> R
         start: plan.start,
         extent: plan.extent.clone(),
         regions: [].into(),
-        overview: overview(plan, stats, sink)?,
         styles: styles(plan, stats, sink)?,
         pages: Vec::new(),
     })
@@ -74,15 +73,18 @@ pub(crate) fn entries<'a>(
 pub(crate) fn index(
     mut index: CityIndex,
     entries: Vec<CellEntry>,
+    overviews: &[BlobRef],
     cells: Cells,
     stats: &mut CityStats,
     sink: &Sink<'_>,
 ) -> Result<Vec<u8>, StoreError> {
     let Cells { cells, portals, visible, skyline } = cells;
-    let whole = Region { cells: take_over(entries, cells, visible)?, portals, skyline };
+    let whole = Region { cells: take_over(entries, cells, visible)?, portals, skyline, overview: BlobRef::default() };
     let (mut regions, mut pages) = regions(whole)?;
     for number in 0..regions.len() {
-        let page = core::mem::take(&mut pages[number]);
+        let missing = || invalid(format!("there are {} overviews, and regions beyond", overviews.len()));
+        let overview = *overviews.get(number).ok_or_else(missing)?;
+        let page = Region { overview, ..core::mem::take(&mut pages[number]) };
         let stored = encode_region(&page, number as u32, &regions);
         regions[number].blob = BlobRef::of(&stored);
         read_back(&page, &decode_region(&stored, number as u32, &regions)?)?;
@@ -107,7 +109,7 @@ fn regions(whole: Region) -> Result<(Vec<RegionEntry>, Vec<Region>), StoreError>
     }
     let all = entry_of(RegionKey(1), 0..whole.cells.len() as u32, &whole);
     valid::check_region(&whole, &all, core::slice::from_ref(&all)).map_err(invalid)?;
-    let Region { cells, portals, skyline } = whole;
+    let Region { cells, portals, skyline, .. } = whole;
     let mut cells = cells.into_iter();
     let mut told = Vec::new();
     let mut pages = Vec::new();
@@ -130,11 +132,7 @@ fn regions(whole: Region) -> Result<(Vec<RegionEntry>, Vec<Region>), StoreError>
 
 /// What the index says of a region, not yet with its blob.
 fn entry_of(key: RegionKey, numbers: Range<u32>, region: &Region) -> RegionEntry {
-    let around = |sum: Option<(GridPos, GridPos)>, (lo, hi): (GridPos, GridPos)| {
-        let (low, high) = sum.unwrap_or((lo, hi));
-        Some((GridPos(low.0.min(lo.0), low.1.min(lo.1)), GridPos(high.0.max(hi.0), high.1.max(hi.1))))
-    };
-    let (lo, hi) = region.cells.iter().map(|cell| cell.bounds).fold(None, around).unwrap_or_default();
+    let (lo, hi) = bounds_of(&region.cells);
     let down = |steps: i32| steps.div_euclid(GRID_PER_METRE).saturating_mul(GRID_PER_METRE);
     let up = |steps: i32| down(steps.saturating_add(GRID_PER_METRE - 1));
     RegionEntry {
@@ -145,6 +143,15 @@ fn entry_of(key: RegionKey, numbers: Range<u32>, region: &Region) -> RegionEntry
         bounds: (GridPos(down(lo.0), down(lo.1)), GridPos(up(hi.0), up(hi.1))),
         blob: BlobRef::default(),
     }
+}
+
+/// Least and greatest corner in plan of all that is drawn with cells.
+fn bounds_of(cells: &[CellEntry]) -> (GridPos, GridPos) {
+    let around = |sum: Option<(GridPos, GridPos)>, (lo, hi): (GridPos, GridPos)| {
+        let (low, high) = sum.unwrap_or((lo, hi));
+        Some((GridPos(low.0.min(lo.0), low.1.min(lo.1)), GridPos(high.0.max(hi.0), high.1.max(hi.1))))
+    };
+    cells.iter().map(|cell| cell.bounds).fold(None, around).unwrap_or_default()
 }
 
 /// Fewest things worth a thread.
@@ -171,17 +178,47 @@ fn read_back<T: PartialEq>(written: &T, read: &T) -> Result<(), StoreError> {
     if written == read { Ok(()) } else { Err(invalid("it reads back as something else".to_owned())) }
 }
 
-fn overview(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> Result<BlobRef, StoreError> {
-    // Made twice rather than kept while it is encoded and decoded: it is as large as all houses' outlines.
-    let columns = WireOverview::from(&Overview::of(plan));
-    // A statement of its own: the overview is gone by now.
-    let stored = press(columns);
-    let blob = BlobRef::of(&stored);
-    let read = decode_overview(&stored, &blob)?;
-    read_back(&Overview::of(plan), &read)?;
-    stats.bytes_overview = u64::from(blob.bytes);
-    sink(&blob, &stored)?;
-    Ok(blob)
+/// Metres about a region's cells within which its overview tells the elevations of the ground.
+const TERRAIN_MARGIN: i32 = 64 * GRID_PER_METRE;
+
+/// The overviews of the regions that cells are told in: they go to the sink, each read back first.
+pub(crate) fn overviews(
+    plan: &CityPlan,
+    cells: &Cells,
+    entries: &[CellEntry],
+    stats: &mut CityStats,
+    sink: &Sink<'_>,
+) -> Result<Vec<BlobRef>, StoreError> {
+    let codes: Vec<u64> = cells.cells.iter().map(|cell| cell.outline.middle().morton()).collect();
+    let squares = squares(&codes);
+    let bounds: Vec<_> = squares.iter().map(|(_, cells)| bounds_of(&entries[cells.clone()])).collect();
+    let part_of = |pos: GridPos| {
+        let home = squares.partition_point(|(key, _)| key.first_code() <= pos.morton()).checked_sub(1);
+        let nearest = || (0..squares.len()).min_by_key(|&n| distance_squared(bounds[n], pos));
+        home.filter(|&n| squares[n].0.holds(pos)).or_else(nearest).unwrap_or_default()
+    };
+    let parts = OverviewParts::new(plan, squares.len(), part_of);
+    let blobs = side_by_side(squares.len(), &|n| {
+        let (lo, hi) = bounds[n];
+        let wider = |steps: i32, by: i32| steps.saturating_add(by);
+        let about = (
+            GridPos(wider(lo.0, -TERRAIN_MARGIN), wider(lo.1, -TERRAIN_MARGIN)),
+            GridPos(wider(hi.0, TERRAIN_MARGIN), wider(hi.1, TERRAIN_MARGIN)),
+        );
+        let overview = parts.overview(n, about);
+        let stored = encode_overview(&overview);
+        let blob = BlobRef::of(&stored);
+        read_back(&overview, &decode_overview(&stored, &blob)?)?;
+        sink(&blob, &stored)?;
+        Ok(blob)
+    })?;
+    stats.bytes_overview += blobs.iter().map(|blob| u64::from(blob.bytes)).sum::<u64>();
+    Ok(blobs)
+}
+
+fn distance_squared((lo, hi): (GridPos, GridPos), pos: GridPos) -> i128 {
+    let off = |v: i32, lo: i32, hi: i32| i128::from(v) - i128::from(v.clamp(lo, hi.max(lo)));
+    off(pos.0, lo.0, hi.0).pow(2) + off(pos.1, lo.1, hi.1).pow(2)
 }
 
 fn styles(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> Result<Option<BlobRef>, StoreError> {

@@ -30,8 +30,6 @@ pub struct CityIndex {
     pub extent: GridPolygon,
     /// Its regions, at least one, in the order of their squares' Morton codes and of their cells' numbers.
     pub regions: Arc<[RegionEntry]>,
-    /// The [`veduta_city::Overview`].
-    pub overview: BlobRef,
     /// The styles that the city was baked with.
     pub styles: Option<BlobRef>,
     /// Of each region, what is here.
@@ -255,8 +253,18 @@ mod tests {
             Portal { ends: (GridPos(x, 0), GridPos(x, 50)), cell, beyond: PortalSide::Cell(cell + 1) }
         };
         let pages = [
-            Region { cells: vec![cell(0), cell(1)], portals: vec![portal(0), portal(1)], skyline: vec![1] },
-            Region { cells: vec![cell(2)], portals: vec![portal(1)], skyline: vec![] },
+            Region {
+                cells: vec![cell(0), cell(1)],
+                portals: vec![portal(0), portal(1)],
+                skyline: vec![1],
+                overview: BlobRef { hash: [75; 16], bytes: 11 },
+            },
+            Region {
+                cells: vec![cell(2)],
+                portals: vec![portal(1)],
+                skyline: vec![],
+                overview: BlobRef { hash: [76; 16], bytes: 12 },
+            },
         ];
         let bounds = (GridPos(-1024, 0), GridPos(2048, 8192));
         let entry = |key, first, cells, skyline| RegionEntry {
@@ -281,7 +289,6 @@ mod tests {
             start: Viewpoint::default(),
             extent: square(-100),
             regions: regions.into(),
-            overview: BlobRef { hash: [77; 16], bytes: 12 },
             styles: Some(BlobRef { hash: [78; 16], bytes: 13 }),
             pages: Vec::new(),
         }
@@ -313,7 +320,7 @@ mod tests {
             hasher.update(&to_bytes(&WireRegion::of(region, number as usize, &index().regions)));
         }
         let form = hasher.finalize().to_hex();
-        assert_eq!((FORMAT_VERSION, &form[..16]), (10, "e3abf3a61b3696cc"), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((FORMAT_VERSION, &form[..16]), (11, "4999dc55fea1edd1"), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]
@@ -348,9 +355,8 @@ mod tests {
 
     #[test]
     fn an_index_that_claims_gigabytes_is_refused() {
-        let claims: [(&str, fn(&mut CityIndex) -> &mut BlobRef, u32); 3] = [
+        let claims: [(&str, fn(&mut CityIndex) -> &mut BlobRef, u32); 2] = [
             ("a region of the index", |index| &mut Arc::make_mut(&mut index.regions)[1].blob, 17 << 20),
-            ("the overview", |index| &mut index.overview, 66 << 20),
             ("the styles", |index| index.styles.as_mut().expect("styles"), u32::MAX),
         ];
         for (what, blob, bytes) in claims {

@@ -53,7 +53,7 @@
 //! whole. Contents are columns of numbers in postcard: differences, ids without zeros, each vertex and colour and wall told once.
 //!
 //! The index lists regions: squares of a quadtree over the whole grid with at most 128 cells each. What it tells of these cells (outlines,
-//! portals, visible sets, packets) is in the regions' blobs. Opening a city reads the list and the region in which a visit begins,
+//! portals, visible sets, packets) is in the regions' blobs, which name the overview of each region too. Opening a city reads the list and the region in which a visit begins,
 //! however large it is. Cells are numbered along the quadtree's curve; in a region's blob those of others are named by the other's
 //! square, so that what is built at one end of a city changes no bytes at the other.
 //!
@@ -64,8 +64,7 @@
 //! points at something, but for bays and storeys of ornaments and doors: whoever draws them leaves out what a wall does not have.
 //!
 //! # Limits
-//! The list of regions (some 23 bytes each) and the overview (some 35 bytes a house) are read whole. A walk that goes on while its
-//! city is baked again sees packets missing until it is opened anew. A power cut right after writing may lose blobs; writing
+//! The list of regions (some 23 bytes each) is read whole. A walk that goes on while its city is baked again sees packets missing until it is opened anew. A power cut right after writing may lose blobs; writing
 //! again mends them. Two programs must not write to one directory at a time. Deflate's bytes depend on the version of its
 //! crate: a new one changes the names of blobs, not what they say.
 //!
@@ -102,7 +101,7 @@ pub use error::{ReadError, StoreError};
 #[cfg(not(target_arch = "wasm32"))]
 pub use http::{HttpReader, HttpSettings};
 pub use index::{CityIndex, decode_index, encode_index, read_index};
-pub use overview::{decode_overview, encode_overview};
+pub use overview::{decode_overview, encode_overview, read_overview};
 pub use packet::{Packet, decode_packet, decode_styles, encode_packet, sheet_fits, wall_count};
 pub use reader::{DirReader, Fresh, Reader, open_reader};
 pub use region::{CellEntry, Region, RegionEntry, RegionKey, decode_region, encode_region};
@@ -115,7 +114,7 @@ pub use write::{CityWriter, write_city};
 extern crate self as veduta_store;
 
 /// Version of the format that this program writes and reads.
-pub const FORMAT_VERSION: u32 = 10;
+pub const FORMAT_VERSION: u32 = 11;
 
 /// Name of the index's file in a city's directory.
 pub const INDEX_NAME: &str = "city.veduta";

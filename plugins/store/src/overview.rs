@@ -2,19 +2,25 @@ use veduta_city::Overview;
 
 use crate::blob::{BlobKind, pack, unpack};
 use crate::wire::{WireOverview, from_bytes, to_bytes};
-use crate::{BlobRef, StoreError, valid};
+use crate::{BlobRef, CityIndex, Reader, StoreError, valid};
 
-/// Stored form of an overview.
+/// Stored form of an overview. Outlines and heights must be multiples of [`veduta_city::MAP_STEP`].
 #[must_use]
 pub fn encode_overview(overview: &Overview) -> Vec<u8> {
-    press(WireOverview::from(overview))
+    pack(BlobKind::Overview, &to_bytes(&WireOverview::from(overview)))
 }
 
-/// Stored form of an overview's columns, which go as soon as they are written.
-pub(crate) fn press(wire: WireOverview) -> Vec<u8> {
-    let content = to_bytes(&wire);
-    drop(wire);
-    pack(BlobKind::Overview, &content)
+/// The overview of a whole city, or of what its index tells so far, put together: waits for the reader. For tools; walkers read what they
+/// come to.
+///
+/// # Errors
+/// If a part of it cannot be read or understood; the error names the file.
+pub fn read_overview(reader: &dyn Reader, index: &CityIndex) -> Result<Overview, StoreError> {
+    let parts = index.regions_here().map(|(_, region)| {
+        let stored = reader.read(&region.overview.path(), u64::from(region.overview.bytes))?;
+        decode_overview(&stored, &region.overview).map_err(|error| error.in_file(reader.describe(), &region.overview.path()))
+    });
+    Ok(Overview::joined(&parts.collect::<Result<Vec<_>, _>>()?))
 }
 
 /// The overview of stored bytes that the reference stands for.

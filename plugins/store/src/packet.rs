@@ -482,7 +482,7 @@ mod tests {
         let hash = |content: Vec<u8>| blake3::hash(&content).to_hex()[..16].to_owned();
         let forms = (hash(to_bytes(&WireShell::from(&shell))), hash(to_bytes(&WireSheet::from(&sheet))));
         let expected = ("053b0a6033236abe".to_owned(), "916903869fc9994e".to_owned());
-        assert_eq!((crate::FORMAT_VERSION, forms), (10, expected), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((crate::FORMAT_VERSION, forms), (11, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

@@ -28,6 +28,11 @@ impl RegionKey {
         u64::from(self.0 ^ 1 << bits).checked_shl(u64::BITS - bits).unwrap_or_default()
     }
 
+    /// Whether a plan position lies in it.
+    pub(crate) fn holds(self, pos: GridPos) -> bool {
+        self.is_sound() && Self::of(pos.morton(), (u32::BITS - 1 - self.0.leading_zeros()) / 2) == self
+    }
+
     /// Whether any square is called so.
     pub(crate) const fn is_sound(self) -> bool {
         self.0 != 0 && self.0.leading_zeros() % 2 == 1
@@ -68,6 +73,8 @@ pub struct Region {
     pub portals: Vec<Portal>,
     /// Those of its cells whose tallest things are seen from (almost) everywhere, by their numbers in the city, ascending.
     pub skyline: Vec<u32>,
+    /// The [`veduta_city::Overview`] of what lies in its square, or beyond all squares and nearest to it.
+    pub overview: BlobRef,
 }
 
 /// What the index says of a cell.

@@ -24,8 +24,11 @@ pub enum What {
         /// Which region.
         u32,
     ),
-    /// The city's overview.
-    Overview,
+    /// The overview of one region.
+    Overview(
+        /// Which region.
+        u32,
+    ),
     /// A cell's packet.
     Packet {
         /// Which cell.
@@ -40,7 +43,7 @@ impl fmt::Display for What {
         match self {
             Self::Index => f.write_str("the city's index"),
             Self::Region(number) => write!(f, "region {number} of the index"),
-            Self::Overview => f.write_str("the city's overview"),
+            Self::Overview(number) => write!(f, "the overview of region {number}"),
             Self::Packet { cell, level } => write!(f, "cell {cell}, {level}"),
         }
     }
@@ -77,7 +80,7 @@ pub enum Payload {
     },
     /// A region.
     Region(Arc<Region>),
-    /// The overview.
+    /// An overview.
     Overview(Arc<Overview>),
     /// A packet.
     Packet(Box<Packet>),
@@ -90,7 +93,7 @@ impl Request {
     /// If the bytes are not those asked for, or cannot be understood.
     pub fn decode(&self, bytes: Vec<u8>) -> Result<Payload, StoreError> {
         match (self.what, &self.blob) {
-            (What::Overview, Some(blob)) => decode_overview(&bytes, blob).map(|overview| Payload::Overview(Arc::new(overview))),
+            (What::Overview(_), Some(blob)) => decode_overview(&bytes, blob).map(|overview| Payload::Overview(Arc::new(overview))),
             (What::Region(number), Some(_)) => {
                 decode_region(&bytes, number, &self.regions).map(|region| Payload::Region(Arc::new(region)))
             }

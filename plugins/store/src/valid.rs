@@ -217,10 +217,10 @@ fn check_volume(volume: &VolumeShell) -> Check {
 }
 
 pub(crate) fn check_overview(overview: &Overview) -> Check {
-    for (id, outline, top) in &overview.houses {
+    for (i, (outline, height)) in overview.houses.iter().enumerate() {
         check_polygon("it", outline, FAR)
-            .and_then(|()| check_height("its top", *top))
-            .map_err(|reason| format!("house {id}: {reason}"))?;
+            .and_then(|()| check_height("its top", *height))
+            .map_err(|reason| format!("outline {i} of a house: {reason}"))?;
     }
     for (i, (_, outline)) in overview.areas.iter().enumerate() {
         check_polygon("it", outline, FAR).map_err(|reason| format!("area {i}: {reason}"))?;
@@ -228,9 +228,8 @@ pub(crate) fn check_overview(overview: &Overview) -> Check {
     for (i, span) in overview.spans.iter().enumerate() {
         check_span(span, FAR).map_err(|reason| format!("span {i}: {reason}"))?;
     }
-    let in_streets = overview.streets.iter().flat_map(|street| &street.line);
-    let in_objects = overview.objects.iter().map(|(_, pos)| pos);
-    if let Some(pos) = in_streets.chain(in_objects).find(|&&pos| !is_within(pos, FAR)) {
+    let mut in_streets = overview.streets.iter().flat_map(|street| &street.line);
+    if let Some(pos) = in_streets.find(|&&pos| !is_within(pos, FAR)) {
         return Err(format!("something is at ({}, {}), too far", pos.0, pos.1));
     }
     for place in &overview.places {
@@ -261,7 +260,6 @@ pub(crate) fn check_index(index: &CityIndex) -> Check {
     if !is_view || !index.anchor.lat.is_finite() || !index.anchor.lon.is_finite() {
         return Err("its start or anchor is not a number".to_owned());
     }
-    check_blob(BlobKind::Overview, Some(&index.overview))?;
     check_blob(BlobKind::Styles, index.styles.as_ref())?;
     // A city may have no edge, if nothing lies in it.
     if !(index.extent.outer.is_empty() && index.extent.holes.is_empty()) {
@@ -304,6 +302,7 @@ pub(crate) fn check_region(region: &Region, entry: &RegionEntry, regions: &[Regi
         let (told, told_skyline) = (entry.cells, entry.skyline);
         return Err(format!("it has {cells} cells, {skyline} of them on the skyline; the index says {told} and {told_skyline}"));
     }
+    check_blob(BlobKind::Overview, Some(&region.overview))?;
     let count = regions.last().map_or(0, |last| last.first as usize + last.cells as usize);
     for (cell, number) in region.cells.iter().zip(entry.first..) {
         check_cell(region, number, count, cell).map_err(|reason| format!("cell {number} ({}): {reason}", cell.id))?;

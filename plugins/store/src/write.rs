@@ -46,11 +46,13 @@ pub struct CityWriter {
     files: Files,
     index: CityIndex,
     entries: Vec<CellEntry>,
+    /// Of each region.
+    overviews: Vec<BlobRef>,
     stats: CityStats,
 }
 
 impl CityWriter {
-    /// Begins with what a plan tells of the city as a whole: overview and styles are written.
+    /// Begins with what a plan tells of the city as a whole: styles are written.
     ///
     /// # Errors
     /// As [`write_city`].
@@ -62,10 +64,10 @@ impl CityWriter {
         let files = Files::new(disk, dir)?;
         let mut stats = CityStats::default();
         let index = compose::head(plan, &mut stats, &|blob, stored| files.add(blob, stored))?;
-        Ok(Self { dir: dir.to_owned(), files, index, entries: Vec::new(), stats })
+        Ok(Self { dir: dir.to_owned(), files, index, entries: Vec::new(), overviews: Vec::new(), stats })
     }
 
-    /// Writes the packets of all cells. `contents` makes shell and sheet of each when they are wanted, on several threads: no more of
+    /// Writes the packets of all cells, and the overviews of their regions. `contents` makes shell and sheet of each when they are wanted, on several threads: no more of
     /// them are in memory at once than there are threads.
     ///
     /// # Errors
@@ -78,7 +80,8 @@ impl CityWriter {
     ) -> Result<(), StoreError> {
         let files = &self.files;
         let sink = |blob: &BlobRef, stored: &[u8]| files.add(blob, stored);
-        self.entries.extend(compose::entries(plan, cells, contents, &mut self.stats, &sink)?);
+        self.entries = compose::entries(plan, cells, contents, &mut self.stats, &sink)?;
+        self.overviews = compose::overviews(plan, cells, &self.entries, &mut self.stats, &sink)?;
         Ok(())
     }
 
@@ -90,7 +93,7 @@ impl CityWriter {
     pub fn finish(mut self, cells: Cells) -> Result<CityStats, StoreError> {
         let files = &self.files;
         let sink = |blob: &BlobRef, stored: &[u8]| files.add(blob, stored);
-        let stored = compose::index(self.index, self.entries, cells, &mut self.stats, &sink)?;
+        let stored = compose::index(self.index, self.entries, &self.overviews, cells, &mut self.stats, &sink)?;
         self.files.put(&self.files.site.join(INDEX_NAME), &stored)?;
         if self.files.is_new {
             self.files.disk.rename(&self.files.site, &self.dir).map_err(failed("move into place", &self.dir))?;
@@ -272,7 +275,7 @@ mod tests {
 
     use super::sample::{City, TempDir, city, files};
     use super::*;
-    use crate::{DirReader, ReadError, Reader, decode_overview, decode_packet, read_index};
+    use crate::{DirReader, ReadError, Reader, decode_packet, read_index, read_overview};
 
     /// Writes a city on a disk that dies after so many steps; whether it did.
     fn write_dying(city: &City, dir: &Path, steps: i64) -> bool {
@@ -302,7 +305,7 @@ mod tests {
                 decode_packet(&read(blob), blob, level).expect("whole");
             }
         }
-        Some(decode_overview(&read(&index.overview), &index.overview).expect("whole").houses.len())
+        Some(read_overview(&reader, &index).expect("whole").houses.len())
     }
 
     #[test]

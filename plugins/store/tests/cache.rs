@@ -88,7 +88,7 @@ fn a_second_visit_costs_nothing_but_the_question_whether_the_index_changed() {
         let reader = cached(&source, &dir, 1 << 20);
         let mut client = Client::new(ClientSettings::default());
         client.want((0..3).flat_map(|cell| [(cell, veduta_city::Level::One), (cell, veduta_city::Level::Two)]));
-        client.want_overview();
+        client.want_overviews([0]);
         while let Some(request) = client.next_request(0.0) {
             let answer = request.fetch(&reader);
             assert!(answer.is_ok(), "{answer:?}");

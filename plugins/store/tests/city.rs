@@ -42,7 +42,7 @@ fn a_city_of_three_cells_reads_back_as_it_was() {
         let tallest = city.shells[c].houses.iter().map(|h| h.volumes[0].eaves + h.volumes[0].roof.height).max();
         assert_eq!(Some(entry.top), tallest);
     }
-    let overview = decode_overview(&blob_bytes(&dir, &index.overview), &index.overview).expect("an overview");
+    let overview = read_overview(&DirReader::new(&dir).expect("a city"), &index).expect("an overview");
     assert_eq!(overview, Overview::of(&city.plan));
     assert_eq!((overview.houses.len(), overview.names.len(), overview.streets[0].name.as_str()), (24, 24, "Dlouhá"));
     assert_eq!((stats.houses, stats.cells, stats.walls, index.styles), (24, 3, 96, None));

@@ -26,8 +26,8 @@ impl Walk {
     fn open(cells: usize, settings: ClientSettings) -> Self {
         let mut walk = Self::new(cells, settings);
         walk.client.want_regions([0], []);
-        walk.client.want_overview();
-        for expected in [What::Index, What::Region(0), What::Overview] {
+        walk.client.want_overviews([0]);
+        for expected in [What::Index, What::Region(0), What::Overview(0)] {
             let request = walk.next().expect("a request");
             assert_eq!(request.what, expected);
             assert_eq!(walk.answer(&request).len(), 1);
@@ -78,24 +78,31 @@ fn dead() -> StoreError {
 }
 
 #[test]
-fn the_index_comes_first_then_regions_then_packets_then_the_overview() {
+fn the_index_comes_first_then_regions_then_packets_then_overviews() {
     let mut walk = Walk::new(3, ClientSettings::default());
     walk.client.want([(0, One), (1, One)]);
-    walk.client.want_overview();
+    walk.client.want_overviews([0]);
     let index = walk.next().expect("a request");
     assert_eq!((index.what, index.path.as_str()), (What::Index, INDEX_NAME));
     assert_eq!(walk.next(), None, "nothing else is known yet");
     assert_eq!(walk.answer(&index), [ClientEvent::Opened]);
     assert_eq!(walk.client.index().map(|index| (index.name.as_str(), index.cells().count())), Some(("Testov", 0)));
-    let rest = walk.burst();
-    assert_eq!(rest.iter().map(|request| request.what).collect::<Vec<_>>(), [What::Region(0), What::Overview]);
+    let region = walk.burst();
+    assert_eq!(region.iter().map(|request| request.what).collect::<Vec<_>>(), [What::Region(0)]);
     assert!(!walk.client.has(0, One) && !walk.client.gave_up(0, One, 1e9));
-    assert_eq!(walk.answer(&rest[0]), [ClientEvent::RegionReady(0)]);
+    assert_eq!(walk.answer(&region[0]), [ClientEvent::RegionReady(0)]);
     assert_eq!(walk.client.index().map(|index| index.cells().count()), Some(3));
     let packet = walk.burst();
-    assert_eq!(packets(&packet), [(0, One), (1, One)]);
-    assert_eq!(walk.answer(&rest[1]), [ClientEvent::OverviewReady]);
-    assert_eq!(walk.client.overview().expect("there").houses.len(), 6);
+    let asked: Vec<What> = packet.iter().map(|request| request.what).collect();
+    assert_eq!(asked, [What::Packet { cell: 0, level: One }, What::Packet { cell: 1, level: One }, What::Overview(0)]);
+    let arrived = walk.answer(&packet[2]);
+    assert!(
+        matches!(&arrived[..], [ClientEvent::OverviewReady { region: 0, overview }] if overview.houses.len() == 6),
+        "{arrived:?}"
+    );
+    assert_eq!(walk.next(), None, "it is there");
+    walk.client.forget_overview(0);
+    assert_eq!(walk.next().map(|request| request.what), Some(What::Overview(0)), "and is asked for again when it was let go");
     assert!(matches!(walk.answer(&packet[0])[..], [ClientEvent::Arrived { cell: 0, level: One, packet: Packet::Shell(_) }]));
     assert!(walk.client.has(0, One) && !walk.client.has(0, Two));
 }
@@ -192,14 +199,14 @@ fn no_more_bytes_than_the_cap_are_on_their_way() {
 fn an_overview_on_its_way_is_in_nobodys_way_and_later_regions_come_after_packets() {
     let mut walk = Walk::new(3, ClientSettings { max_bytes_in_flight: 1, ..ClientSettings::default() });
     walk.client.want_regions([], [0]);
-    walk.client.want_overview();
+    walk.client.want_overviews([0]);
     let index = walk.next().expect("the index");
     walk.answer(&index);
     let region = walk.next().expect("nothing else is due");
     assert_eq!(region.what, What::Region(0));
     walk.answer(&region);
     let overview = walk.next().expect("nothing else is due");
-    assert_eq!(overview.what, What::Overview);
+    assert_eq!(overview.what, What::Overview(0));
     walk.client.want([(0, One)]);
     assert_eq!(packets(&walk.burst()), [(0, One)], "it is asked for although the overview fills the line");
 }
@@ -397,7 +404,7 @@ fn bytes_are_counted_as_stored() {
     let mut walk = Walk::open(2, ClientSettings::default());
     let index = walk.client.index().expect("open").clone();
     let index_bytes = std::fs::metadata(walk._temp.join(INDEX_NAME)).expect("a file").len();
-    let opened = index_bytes + u64::from(index.regions[0].blob.bytes) + u64::from(index.overview.bytes);
+    let opened = index_bytes + u64::from(index.regions[0].blob.bytes) + u64::from(index.region(0).expect("here").overview.bytes);
     assert_eq!(walk.client.stats().bytes, opened);
     walk.client.want([(0, One), (1, One)]);
     for request in walk.burst() {

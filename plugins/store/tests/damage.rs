@@ -58,7 +58,7 @@ fn what_is_wrong_with_a_file_is_told_with_its_name_and_what_to_do() {
     let error = request.fetch(&reader).expect_err("damaged").to_string();
     let told = "the index is damaged: its checksum does not match; bake the city again, or copy it whole";
     assert_eq!(error, format!("`city.veduta` in {}: {told}", reader.describe()));
-    bytes[8] = 11;
+    bytes[8..12].copy_from_slice(&(FORMAT_VERSION + 1).to_le_bytes());
     std::fs::write(&path, &bytes).expect("written");
     let error = request.fetch(&reader).expect_err("newer").to_string();
     assert!(error.contains("city.veduta") && error.ends_with("update the program"), "one thing to do is enough: {error}");
@@ -67,10 +67,12 @@ fn what_is_wrong_with_a_file_is_told_with_its_name_and_what_to_do() {
 #[test]
 fn a_newer_city_asks_for_a_newer_program() {
     let mut bytes = index();
-    bytes[8..12].copy_from_slice(&11_u32.to_le_bytes());
+    let newer = FORMAT_VERSION + 1;
+    bytes[8..12].copy_from_slice(&newer.to_le_bytes());
     let error = decode_index(&bytes).expect_err("newer");
-    assert_eq!(error, StoreError::Newer { found: 11 });
-    assert_eq!(error.to_string(), "the city has format 11, this program reads format 10: update the program");
+    assert_eq!(error, StoreError::Newer { found: newer });
+    let told = format!("the city has format {newer}, this program reads format {FORMAT_VERSION}: update the program");
+    assert_eq!(error.to_string(), told);
     bytes[8..12].copy_from_slice(&0_u32.to_le_bytes());
     assert_eq!(decode_index(&bytes), Err(StoreError::Older { found: 0 }));
     assert_eq!(decode_index(b"<!DOCTYPE html>"), Err(StoreError::NotACity));

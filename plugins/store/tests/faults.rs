@@ -32,7 +32,7 @@ const CELLS: usize = 5;
 fn walk(reader: &dyn Reader) -> (Vec<(What, String)>, ClientStats, f64) {
     let mut client = Client::new(ClientSettings::default());
     client.want((0..CELLS as u32).flat_map(|cell| [(cell, Level::One), (cell, Level::Two)]));
-    client.want_overview();
+    client.want_overviews([0]);
     let (mut arrived, mut now_s) = (Vec::new(), 0.0);
     while arrived.len() < 3 + 2 * CELLS && now_s < 30.0 {
         while let Some(request) = client.next_request(now_s) {
@@ -86,7 +86,7 @@ fn any_flipped_byte_of_a_city_is_an_error_that_names_the_file() {
                 decode_packet(&bytes(blob)?, blob, level).map_err(|error| told(blob, error))?;
             }
         }
-        decode_overview(&bytes(&index.overview)?, &index.overview).map_err(|error| told(&index.overview, error))?;
+        read_overview(&reader, &index)?;
         Ok(())
     };
     assert_eq!(read(), Ok(()));

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use veduta_city::{GridPos, Level};
 use veduta_ecs::{
-    Awaited, Cell, CellContent, CellMesh, CellReady, CellReleased, City, CityFailed, CityOpened, LevelFade, StandingCells,
-    WorldOrigin,
+    Awaited, Cell, CellContent, CellMesh, CellReady, CellReleased, City, CityFailed, CityOpened, LevelFade, Overviews,
+    StandingCells, WorldOrigin,
 };
 use veduta_store::{CityIndex, Client, ClientEvent, Packet, What, sheet_fits};
 
@@ -92,6 +92,8 @@ pub(crate) fn deliver(world: &mut World) {
         let (first, later) = wanted.regions.split_at(wanted.regions_in_sight);
         store.client.want_regions(first.iter().copied(), later.iter().copied());
         forget_regions(&mut store.client, wanted);
+        let overviews = wanted.overviews.clone();
+        forget_overviews(world, &mut store.client, &overviews);
         let cancelled = store.cancel_unwanted();
         for what in cancelled {
             note(world, Event::Cancelled { what });
@@ -99,9 +101,8 @@ pub(crate) fn deliver(world: &mut World) {
     }
     // Maps can wait until what is in sight stands.
     let is_planned = store.client.index().is_some() && store.told.is_some_and(|generation| generation > 0);
-    if is_planned && world.resource::<Awaited>().cells == 0 {
-        store.client.want_overview();
-    }
+    let due = if is_planned && world.resource::<Awaited>().cells == 0 { &*world.resource::<Wanted>().overviews } else { &[] };
+    store.client.want_overviews(due.iter().copied());
     let settings = *world.resource::<StreamingSettings>();
     let (mut taken, before) = (0, store.client.stats().bytes);
     loop {
@@ -126,6 +127,7 @@ pub(crate) fn deliver(world: &mut World) {
         }
         taken += 1;
     }
+    give_up_overviews(world, &store.client, now_s);
     let stats = store.client.stats();
     let mut figures = world.resource_mut::<StreamingStats>();
     figures.in_flight = stats.in_flight;
@@ -143,6 +145,32 @@ fn forget_regions(client: &mut Client, wanted: &Wanted) {
     let idle: Vec<u32> = index.regions_here().map(|(number, _)| number).filter(|number| !wanted.used.contains(number)).collect();
     if idle.len() > IDLE_REGIONS + wanted.used.len() {
         idle.into_iter().for_each(|number| client.forget_region(number));
+    }
+}
+
+/// Parts of the overview that nobody wants go when there are more than so many of them, and as many again as are wanted.
+const IDLE_OVERVIEWS: usize = 16;
+
+fn forget_overviews(world: &mut World, client: &mut Client, wanted: &[u32]) {
+    let Some(mut city) = world.get_resource_mut::<City>() else { return };
+    let idle: Vec<u32> = city.overviews.iter().map(|(part, _)| part).filter(|part| !wanted.contains(part)).collect();
+    if idle.len() > IDLE_OVERVIEWS + wanted.len() {
+        for part in idle {
+            client.forget_overview(part);
+            city.overviews.put(part, None);
+        }
+    }
+}
+
+/// Who waits for a part of the overview that cannot be had goes on without it.
+fn give_up_overviews(world: &mut World, client: &Client, now_s: f64) {
+    let wanted = &world.resource::<Wanted>().overviews;
+    let lost: Vec<u32> = wanted.iter().copied().filter(|&part| client.gave_up_overview(part, now_s)).collect();
+    let Some(mut city) = world.get_resource_mut::<City>() else { return };
+    for part in lost {
+        if city.overviews.get(part).is_none() {
+            city.overviews.put(part, Some(Arc::default()));
+        }
     }
 }
 
@@ -164,11 +192,10 @@ fn on_event(world: &mut World, store: &mut Store, event: ClientEvent, bytes: u64
                 open(world, index);
             }
         }
-        ClientEvent::OverviewReady => {
-            note(world, Event::Arrived { what: What::Overview, bytes });
-            if let (Some(overview), Some(mut city)) = (store.client.overview().cloned(), world.get_resource_mut::<City>()) {
-                city.places = Arc::new(overview.places.clone());
-                city.overview = Some(overview);
+        ClientEvent::OverviewReady { region, overview } => {
+            note(world, Event::Arrived { what: What::Overview(region), bytes });
+            if let Some(mut city) = world.get_resource_mut::<City>() {
+                city.overviews.put(region, Some(overview));
             }
         }
         ClientEvent::Arrived { cell, level, packet } => arrive(world, store, cell, level, packet),
@@ -194,8 +221,7 @@ fn open(world: &mut World, index: &CityIndex) {
         anchor: index.anchor,
         start: index.start,
         extent: index.extent.clone(),
-        places: Arc::default(),
-        overview: None,
+        overviews: Overviews::awaited(index.regions.iter().map(|region| region.bounds)),
     });
     info!("{}: {} cells", index.name, index.cell_count());
     world.write_message(CityOpened);

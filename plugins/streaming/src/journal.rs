@@ -274,7 +274,7 @@ mod tests {
             Event::Cancelled { what: packet(9, Level::One) },
             Event::Released { cell: 3, from: Level::Two, why: Reason::OverTheCap },
             Event::Released { cell: 5, from: Level::One, why: Reason::Idle },
-            Event::Arrived { what: What::Overview, bytes: 5 },
+            Event::Arrived { what: What::Overview(3), bytes: 5 },
         ];
         events.into_iter().enumerate().map(|(i, event)| Entry { at_s: i as f64 / 3.0, event }).collect()
     }

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! The current cell is followed by portal crossing. What the index tells of cells comes region by region, those about the viewer and of
-//! what is in sight first; the overview, for maps and tours, when all in sight stands. Wanted are the cells of its
-//! visible set at level 1, nearest first, then their finer levels within [`StreamingSettings::level_2_m`], then level 1 of all that is seen
+//! what is in sight first; parts of the overview, for maps and tours, when all in sight stands: those about the viewers, and what plugins
+//! ask for ([`OverviewWants`](veduta_ecs::OverviewWants)). Wanted are the cells of its visible set at level 1, nearest first, then their finer levels within [`StreamingSettings::level_2_m`], then level 1 of all that is seen
 //! from the cells next to it and from where an [`Itinerary`](veduta_ecs::Itinerary) leads: a cell opens
 //! ([`OpenCells`](veduta_ecs::OpenCells)) when nothing would be missing from there. A viewer
 //! above the roofs wants everything within [`StreamingSettings::flying_m`]. Levels of a cell arrive strictly in order. Nothing is read
@@ -28,9 +28,6 @@
 //!     .add_systems(Startup, |mut commands: Commands| { commands.spawn((Camera3d::default(), Viewer)); })
 //!     .run();
 //! ```
-//!
-//! # Limits
-//! The overview is read whole.
 //!
 //! # Rejected
 //! Bevy's asset server for packets: no checksums, no retry, no order, and whole files are all it reads.
@@ -89,6 +86,8 @@ pub struct StreamingSettings {
     pub flying_from_m: f64,
     /// Skyline cells are wanted within this distance, metres.
     pub skyline_m: f64,
+    /// The overview is wanted within this distance of a viewer, metres.
+    pub overview_m: f64,
     /// Seconds that a cell stays after it was last wanted.
     pub keep_s: f64,
     /// Most bytes of content that stay loaded, as sent; over it the furthest cells that are not in sight go first.
@@ -110,6 +109,7 @@ impl Default for StreamingSettings {
             flying_m: 700.0,
             flying_from_m: 6.0,
             skyline_m: 2_000.0,
+            overview_m: 250.0,
             keep_s: 10.0,
             memory_cap_bytes: 64 << 20,
             packets_a_frame: 16,
@@ -138,7 +138,10 @@ impl Plugin for StreamingPlugin {
             .configure_sets(Update, (Open, Follow, Want, Deliver, Release).chain().in_set(VedutaSystems::Stream))
             .add_systems(Update, (fetch::open_city, fetch::reconnect).chain().in_set(Open))
             .add_systems(Update, follow::follow_viewers.in_set(Follow))
-            .add_systems(Update, (want::plan_wanted, (want::count_awaited, want::open_cells)).chain().in_set(Want))
+            .add_systems(
+                Update,
+                (want::plan_wanted, (want::count_awaited, want::open_cells, want::plan_overviews)).chain().in_set(Want),
+            )
             .add_systems(Update, deliver::deliver.in_set(Deliver))
             .add_systems(Update, deliver::release_cells.in_set(Release));
     }

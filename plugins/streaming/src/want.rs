@@ -4,7 +4,7 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 use veduta_city::{GridPos, Level, Portal, metres};
-use veduta_ecs::{Awaited, Eye, Itinerary, OpenCells, StandingCells, Stop, Viewer};
+use veduta_ecs::{Around, Awaited, City, Eye, Itinerary, OpenCells, OverviewWants, StandingCells, Stop, Viewer};
 use veduta_store::{CellEntry, CityIndex};
 
 use crate::fetch::Store;
@@ -25,6 +25,8 @@ pub struct Wanted {
     why: BTreeMap<u32, Why>,
     /// All regions whose cells the list was planned with.
     pub(crate) used: BTreeSet<u32>,
+    /// Regions whose overviews are wanted, most urgent first.
+    pub(crate) overviews: Vec<u32>,
     /// The order again, to be asked whether it has something.
     set: BTreeSet<(u32, Level)>,
     /// Counts the plans made for this city.
@@ -292,9 +294,38 @@ pub(crate) fn plan_wanted(
         regions_in_sight,
         why: needs.cells.iter().map(|(&cell, need)| (cell, need.why)).collect(),
         used: needs.used,
+        overviews: core::mem::take(&mut wanted.overviews),
         generation: wanted.generation + 1,
         planned_for: Some(standpoints),
     };
+}
+
+/// Plans which parts of the overview are wanted: those about the viewers, nearest first, then what plugins ask for.
+pub(crate) fn plan_overviews(
+    city: Option<Res<City>>,
+    settings: Res<StreamingSettings>,
+    wants: Res<OverviewWants>,
+    viewers: Query<&Eye, With<Viewer>>,
+    mut wanted: ResMut<Wanted>,
+    mut planned: Local<Vec<Around>>,
+) {
+    let Some(city) = city else { return };
+    let about = viewers.iter().map(|eye| Around::coarsely(eye.plan_pos, settings.overview_m));
+    let circles: Vec<Around> = about.chain(wants.0.values().copied()).collect();
+    // A city just opened has no list yet.
+    if *planned == circles && !wanted.overviews.is_empty() {
+        return;
+    }
+    let mut overviews = Vec::new();
+    for &circle in &circles {
+        let new: Vec<u32> = city.overviews.within(circle).filter(|part| !overviews.contains(part)).collect();
+        overviews.extend(new);
+    }
+    *planned = circles;
+    if wanted.overviews != overviews {
+        wanted.overviews = overviews;
+        wanted.generation += 1;
+    }
 }
 
 /// Cells seen from one; none as long as its region has not come.

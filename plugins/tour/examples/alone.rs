@@ -2,12 +2,10 @@
 //!
 //! `cargo run -p veduta-tour --example tour_alone` (T pauses, comma and full stop skip)
 
-use std::sync::Arc;
-
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::{GridPos, Id, Overview, Place, PlanStreet, Tour, file};
-use veduta_ecs::{City, Viewer};
+use veduta_ecs::{City, Overviews, Viewer};
 use veduta_tour::{TourCommand, TourPlugin};
 
 const TOUR: &str = r#"(
@@ -52,12 +50,8 @@ fn village() -> City {
     };
     let streets = vec![street(1, "East Street", (0, 0), (60, 0)), street(2, "North Street", (60, 0), (60, 40))];
     let place = |name: &str, x: f64, y: f64| Place { name: name.into(), pos: DVec2::new(x, y), ..default() };
-    City {
-        name: "Village".into(),
-        places: Arc::new(vec![place("Gate", 0.0, 0.0), place("Well", 60.0, 40.0)]),
-        overview: Some(Arc::new(Overview { streets, ..default() })),
-        ..default()
-    }
+    let places = vec![place("Gate", 0.0, 0.0), place("Well", 60.0, 40.0)];
+    City { name: "Village".into(), overviews: Overviews::whole(Overview { streets, places, ..default() }), ..default() }
 }
 
 /// Blocks beside the streets, so that there is something to see. Plan (x, y) is the engine's (x, −z).

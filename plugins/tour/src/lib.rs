@@ -42,7 +42,9 @@
 //! | `[` and `]` | slower, faster |
 //!
 //! # Limits
-//! Walked steps need streets: they wait until the city's overview has arrived.
+//! Walked steps need streets, and names places: a tour waits for the parts of the overview about the city's start, and for twice as much
+//! around it as long as it does not lie within. Of places of one name in a large city, those about the start are meant. In a large
+//! city a tour far from its start has much of the overview read, and compiling it then takes part of a frame's time.
 //!
 //! # Rejected
 //! Animation clips in the engine's format: nobody writes them by hand.

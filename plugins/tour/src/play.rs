@@ -2,7 +2,7 @@ use bevy::asset::{AssetLoadError, AssetLoadFailedEvent};
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::Tour;
-use veduta_ecs::{Awaited, City, CityClock, Eye, Itinerary, Steering, Stop, Viewer};
+use veduta_ecs::{Around, Awaited, City, CityClock, Eye, Itinerary, OverviewWants, Steering, Stop, Viewer};
 use veduta_route::{CompiledTour, Gazetteer, Pose, ResumeLeg, StreetNet, compile, resume};
 
 use crate::TourAsset;
@@ -104,6 +104,8 @@ pub struct TourPlayer {
     source: Option<Tour>,
     compiled: Option<CompiledTour>,
     net: Option<StreetNet>,
+    /// How far about the city's start its streets are looked for, if farther than at first.
+    search_m: Option<f64>,
     state: TourState,
     t_s: f64,
     speed: Option<f64>,
@@ -257,12 +259,24 @@ pub(crate) fn tell_failures(mut failed: MessageReader<AssetLoadFailedEvent<TourA
     }
 }
 
+/// Streets and places of a tour are looked for so far about the city's start, then twice as far, until all of it lies within; metres.
+const SEARCH_M: f64 = 500.0;
+/// So far about a tour there may be shorter ways, metres.
+const AROUND_TOUR_M: f64 = 100.0;
+
+/// How far a tour leads from a place, metres.
+fn reach_m(tour: &CompiledTour, from: DVec2) -> f64 {
+    let stops = (0..=tour.duration_s().ceil() as u32).map(|s| tour.pose(f64::from(s)).plan_pos);
+    stops.map(|pos| pos.distance(from)).fold(0.0, f64::max)
+}
+
 /// Compiles the tour once it and the city's streets are here, and anew when its file has changed.
 pub(crate) fn compile_tour(
     mut events: MessageReader<AssetEvent<TourAsset>>,
     assets: Res<Assets<TourAsset>>,
     city: Option<Res<City>>,
     mut player: ResMut<TourPlayer>,
+    mut wants: ResMut<OverviewWants>,
     mut steering: ResMut<Steering>,
 ) {
     let handle = player.handle.clone();
@@ -276,13 +290,28 @@ pub(crate) fn compile_tour(
         }
     }
     if player.source.is_none() {
+        OverviewWants::ask(&mut wants, "tour", None);
         return;
     }
     let Some(city) = city else { return };
-    let Some(overview) = &city.overview else { return };
+    let around = Around { middle: city.start.pos, radius_m: player.search_m.unwrap_or(SEARCH_M) };
+    OverviewWants::ask(&mut wants, "tour", Some(around));
+    if !city.overviews.has(around) {
+        return;
+    }
     let Some(source) = player.source.take() else { return };
+    let overview = city.overviews.joined(around);
     let net = StreetNet::new(&overview.streets).on(&overview.terrain);
-    match compile(&source, &net, &Gazetteer::new(&city.places)) {
+    let compiled = compile(&source, &net, &Gazetteer::new(&overview.places));
+    let reach_m = compiled.as_ref().map_or(f64::INFINITY, |tour| reach_m(tour, around.middle) + AROUND_TOUR_M);
+    if reach_m > around.radius_m && !city.overviews.is_all(around) {
+        // The same for the same city, whatever else of it is here: another way, or another place of that name, might be found.
+        player.search_m = Some(around.radius_m * 2.0);
+        player.source = Some(source);
+        return;
+    }
+    player.search_m = None;
+    match compiled {
         Ok(tour) => {
             info!("tour “{}”: {:.0} s", tour.title(), tour.duration_s());
             player.t_s = player.t_s.min(tour.duration_s());

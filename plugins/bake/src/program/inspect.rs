@@ -132,10 +132,13 @@ fn tell(proof: &Proof, index: &CityIndex, json: bool) {
 fn look(reader: &dyn Reader, index: &CityIndex) -> Found {
     let mut found = Found::default();
     let read = |blob: &veduta_store::BlobRef| reader.read(&blob.path(), u64::from(blob.bytes)).map_err(StoreError::from);
-    let overview = read(&index.overview).and_then(|stored| decode_overview(&stored, &index.overview));
-    found.places = overview.as_ref().map_or(0, |overview| overview.places.len());
-    if let Err(error) = overview {
-        found.broken.push(format!("overview: {}", error.in_file(reader.describe(), &index.overview.path())));
+    for (number, blob) in index.regions_here().map(|(number, region)| (number, &region.overview)) {
+        match read(blob).and_then(|stored| decode_overview(&stored, blob)) {
+            Ok(overview) => found.places += overview.places.len(),
+            Err(error) => {
+                found.broken.push(format!("overview of region {number}: {}", error.in_file(reader.describe(), &blob.path())));
+            }
+        }
     }
     if let Some(blob) = &index.styles
         && let Err(error) = read(blob).and_then(|stored| decode_styles(&stored, blob))

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use veduta_bake::{BakeSettings, Input, plan};
 use veduta_city::{Overview, Tour};
 use veduta_route::{Gazetteer, StepProblem, StreetNet, TourError, compile};
-use veduta_store::{DirReader, INDEX_NAME, Reader, decode_index, decode_overview};
+use veduta_store::{DirReader, INDEX_NAME, read_index, read_overview};
 
 /// What a tour needs of its city.
 struct Town {
@@ -70,10 +70,6 @@ fn open(city: &Path) -> Result<Town, String> {
 
 fn open_baked(city: &Path) -> Result<Town, veduta_store::StoreError> {
     let reader = DirReader::new(city)?;
-    let stored = reader.read(INDEX_NAME, 64 << 20)?;
-    let index = decode_index(&stored).map_err(|error| error.in_file(reader.describe(), INDEX_NAME))?;
-    let path = index.overview.path();
-    let stored = reader.read(&path, u64::from(index.overview.bytes))?;
-    let overview = decode_overview(&stored, &index.overview).map_err(|error| error.in_file(reader.describe(), &path))?;
+    let overview = read_overview(&reader, &read_index(&reader)?)?;
     Ok(Town { net: StreetNet::new(&overview.streets).on(&overview.terrain), places: Gazetteer::new(&overview.places) })
 }

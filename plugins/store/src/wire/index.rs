@@ -20,7 +20,6 @@ pub(crate) struct WireIndex {
     /// Name and attribution of the city.
     texts: Texts,
     regions: WireRegions,
-    overview: WireBlobs,
     styles: WireBlobs,
 }
 
@@ -46,7 +45,6 @@ impl From<&CityIndex> for WireIndex {
             points: points.finish(),
             texts: Texts::of([index.name.as_str(), index.attribution.as_str()]),
             regions: WireRegions::of(&index.regions),
-            overview: WireBlobs::of([&index.overview]),
             styles: WireBlobs::of(&index.styles),
         }
     }
@@ -108,7 +106,6 @@ impl TryFrom<WireIndex> for CityIndex {
             blobs.finish()?;
             Ok(blob)
         };
-        let overview = one(wire.overview, "overviews")?.ok_or(Malformed::Reason("it has no overview"))?;
         Ok(Self {
             format: FORMAT_VERSION,
             name,
@@ -119,7 +116,6 @@ impl TryFrom<WireIndex> for CityIndex {
             start: wire.start,
             extent,
             regions: wire.regions.pull()?.into(),
-            overview,
             styles: one(wire.styles, "styles")?,
             pages: Vec::new(),
         }

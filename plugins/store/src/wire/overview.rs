@@ -1,5 +1,5 @@
 use serde::{Deserialize, Serialize};
-use veduta_city::{HouseName, ObjectKind, Overview, PlanStreet, PlanTerrain, SurfaceKind, WaySpan};
+use veduta_city::{GridPolygon, HouseName, MAP_STEP, Overview, PlanStreet, PlanTerrain, SurfaceKind, WaySpan};
 
 use super::{
     Malformed,
@@ -13,7 +13,10 @@ use super::{
 #[derive(Serialize, Deserialize)]
 pub(crate) struct WireOverview {
     terrain: WireTerrain,
-    points: Points,
+    /// Outlines of houses and areas, in steps of maps.
+    outlines: Points,
+    /// Lines of streets.
+    lines: Points,
     /// Names of streets, then name and number of each named house.
     texts: Texts,
     street_ids: Ids,
@@ -21,43 +24,38 @@ pub(crate) struct WireOverview {
     walkable: Vec<bool>,
     layers: Vec<i8>,
     areas: Vec<SurfaceKind>,
-    house_ids: Ids,
-    tops: Deltas,
+    heights: Vec<i32>,
     named: Deltas,
-    objects: Vec<ObjectKind>,
     spans: Vec<WaySpan>,
     places: WirePlaces,
 }
 
 impl From<&Overview> for WireOverview {
     fn from(overview: &Overview) -> Self {
-        let mut points = PointWriter::default();
-        let (mut street_ids, mut house_ids) = (Ids::default(), Ids::default());
-        for (id, outline, _) in &overview.houses {
-            house_ids.push(*id);
-            points.polygon(outline);
-        }
-        overview.areas.iter().for_each(|(_, outline)| points.polygon(outline));
+        let mut outlines = PointWriter::default();
+        let houses = overview.houses.iter().map(|(outline, _)| outline);
+        houses
+            .chain(overview.areas.iter().map(|(_, outline)| outline))
+            .for_each(|outline| outlines.polygon(&in_map_steps(outline)));
+        let (mut lines, mut street_ids) = (PointWriter::default(), Ids::default());
         for street in &overview.streets {
             street_ids.push(street.id);
-            points.line(&street.line);
+            lines.line(&street.line);
         }
-        overview.objects.iter().for_each(|&(_, pos)| points.point(pos));
         let streets = overview.streets.iter().map(|street| street.name.as_str());
         let names = overview.names.iter().flat_map(|name| [name.name.as_str(), name.number.as_str()]);
         Self {
             terrain: WireTerrain::from(&overview.terrain),
-            points: points.finish(),
+            outlines: outlines.finish(),
+            lines: lines.finish(),
             texts: Texts::of(streets.chain(names)),
             street_ids,
             widths: overview.streets.iter().map(|street| street.width).collect(),
             walkable: overview.streets.iter().map(|street| street.walkable).collect(),
             layers: overview.streets.iter().map(|street| street.layer).collect(),
             areas: overview.areas.iter().map(|&(surface, _)| surface).collect(),
-            house_ids,
-            tops: Deltas::of(overview.houses.iter().map(|&(_, _, top)| top)),
+            heights: overview.houses.iter().map(|&(_, height)| height / MAP_STEP).collect(),
             named: Deltas::of(overview.names.iter().map(|name| name.house as i32)),
-            objects: overview.objects.iter().map(|&(kind, _)| kind).collect(),
             spans: overview.spans.clone(),
             places: WirePlaces::of(&overview.places),
         }
@@ -68,16 +66,16 @@ impl TryFrom<WireOverview> for Overview {
     type Error = Malformed;
 
     fn try_from(wire: WireOverview) -> Result<Self, Malformed> {
-        let mut points = wire.points.pull();
+        let mut points = wire.outlines.pull();
+        let mut outline = || points.polygon().map(in_grid_steps);
         let mut texts = wire.texts.pull()?;
-        let mut ids = wire.house_ids.pull();
-        let houses =
-            wire.tops.numbers().into_iter().map(|top| Ok((ids.take()?, points.polygon()?, top))).collect::<Result<_, _>>()?;
-        ids.finish()?;
-        let areas = wire.areas.into_iter().map(|surface| Ok((surface, points.polygon()?))).collect::<Result<_, _>>()?;
+        let heights = wire.heights.into_iter();
+        let houses = heights.map(|height| Ok((outline()?, height.saturating_mul(MAP_STEP)))).collect::<Result<_, _>>()?;
+        let areas = wire.areas.into_iter().map(|surface| Ok((surface, outline()?))).collect::<Result<_, _>>()?;
+        points.finish()?;
+        let mut points = wire.lines.pull();
         let lines = Lines { ids: wire.street_ids, widths: wire.widths, walkable: wire.walkable, layers: wire.layers };
         let streets = lines.pull(&mut points, || texts.take())?;
-        let objects = wire.objects.into_iter().map(|kind| Ok((kind, points.point()?))).collect::<Result<_, _>>()?;
         points.finish()?;
         let names = wire
             .named
@@ -87,8 +85,24 @@ impl TryFrom<WireOverview> for Overview {
             .collect::<Result<_, _>>()?;
         texts.finish()?;
         let (terrain, places) = (PlanTerrain::try_from(wire.terrain)?, wire.places.pull()?);
-        Ok(Self { terrain, streets, areas, houses, names, objects, spans: wire.spans, places })
+        Ok(Self { terrain, streets, areas, houses, names, spans: wire.spans, places })
     }
+}
+
+fn scaled(mut polygon: GridPolygon, scale: impl Fn(i32) -> i32) -> GridPolygon {
+    for pos in core::iter::once(&mut polygon.outer).chain(&mut polygon.holes).flatten() {
+        (pos.0, pos.1) = (scale(pos.0), scale(pos.1));
+    }
+    polygon
+}
+
+/// An outline on a map, told by the steps of maps.
+fn in_map_steps(outline: &GridPolygon) -> GridPolygon {
+    scaled(outline.clone(), |steps| steps.div_euclid(MAP_STEP))
+}
+
+fn in_grid_steps(outline: GridPolygon) -> GridPolygon {
+    scaled(outline, |steps| steps.saturating_mul(MAP_STEP))
 }
 
 /// Columns of streets.

@@ -18,6 +18,7 @@ pub(crate) struct WireRegion {
     portals: WirePortals,
     skyline: Lists,
     foreign: Foreign,
+    overview: WireBlobs,
 }
 
 /// Cells of other regions, by the keys of these and their places in them.
@@ -153,6 +154,7 @@ impl WireRegion {
             },
             skyline,
             foreign: Foreign::of(&numbers.foreign, regions),
+            overview: WireBlobs::of([&region.overview]),
         }
     }
 
@@ -178,7 +180,10 @@ impl WireRegion {
         let mut lists = self.skyline.pull();
         let skyline = lists.take()?.into_iter().map(|cell| numbers.global(cell)).collect::<Result<_, _>>()?;
         lists.finish()?;
-        Ok(Region { cells, portals, skyline })
+        let mut blobs = self.overview.pull("overviews");
+        let overview = blobs.take()?;
+        blobs.finish()?;
+        Ok(Region { cells, portals, skyline, overview })
     }
 }
 

@@ -1,0 +1,146 @@
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use veduta_city::{GridPos, Overview, Place, metres};
+
+/// A circle in plan.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Reflect)]
+pub struct Around {
+    /// Its middle, plan metres.
+    pub middle: DVec2,
+    /// Its radius, metres; infinite for everywhere.
+    pub radius_m: f64,
+}
+
+impl Around {
+    /// A circle about this one that stays the same as long as its middle moves less than a sixteenth of its radius or so: to be asked for
+    /// anew only now and then.
+    #[must_use]
+    pub fn coarsely(middle: DVec2, radius_m: f64) -> Self {
+        let step = (radius_m / 16.0).max(8.0);
+        let radius_m = (radius_m / step).ceil() * step + 2.0 * step;
+        Self { middle: ((middle / step).round() * step), radius_m }
+    }
+
+    fn reaches((lo, hi): (GridPos, GridPos), middle: DVec2, radius_m: f64) -> bool {
+        let (lo, hi) = (DVec2::new(metres(lo.0), metres(lo.1)), DVec2::new(metres(hi.0), metres(hi.1)));
+        middle.distance(middle.clamp(lo.min(hi), hi.max(lo))) <= radius_m
+    }
+}
+
+/// Which parts of the overview plugins need, each under a name of its own, besides what lies about the viewers. Streaming sees to them.
+#[derive(Resource, Debug, Clone, Default, PartialEq)]
+pub struct OverviewWants(
+    /// By plugin.
+    pub BTreeMap<&'static str, Around>,
+);
+
+impl OverviewWants {
+    /// Asks for what reaches into a circle, in place of what was asked for under the name before; `None` for nothing.
+    pub fn ask(wants: &mut ResMut<'_, Self>, name: &'static str, around: Option<Around>) {
+        if wants.0.get(name).copied() == around {
+            return;
+        }
+        match around {
+            Some(around) => drop(wants.0.insert(name, around)),
+            None => drop(wants.0.remove(name)),
+        }
+    }
+}
+
+/// The overview of the open city, in parts that come and go.
+#[derive(Debug, Clone, Default)]
+pub struct Overviews(Vec<OverviewPart>);
+
+#[derive(Debug, Clone)]
+struct OverviewPart {
+    bounds: (GridPos, GridPos),
+    overview: Option<Arc<Overview>>,
+}
+
+impl Overviews {
+    /// A city's whole overview.
+    #[must_use]
+    pub fn whole(overview: Overview) -> Self {
+        let bounds = (GridPos(i32::MIN, i32::MIN), GridPos(i32::MAX, i32::MAX));
+        Self(vec![OverviewPart { bounds, overview: Some(Arc::new(overview)) }])
+    }
+
+    /// Parts that lie within bounds, none of which has come.
+    #[must_use]
+    pub fn awaited(bounds: impl IntoIterator<Item = (GridPos, GridPos)>) -> Self {
+        Self(bounds.into_iter().map(|bounds| OverviewPart { bounds, overview: None }).collect())
+    }
+
+    /// Puts a part where it belongs, or takes it away.
+    pub fn put(&mut self, part: u32, overview: Option<Arc<Overview>>) {
+        if let Some(known) = self.0.get_mut(part as usize) {
+            known.overview = overview;
+        }
+    }
+
+    /// A part that is here.
+    #[must_use]
+    pub fn get(&self, part: u32) -> Option<&Arc<Overview>> {
+        self.0.get(part as usize)?.overview.as_ref()
+    }
+
+    /// The parts that are here, with their numbers.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, &Arc<Overview>)> {
+        (0..).zip(&self.0).filter_map(|(number, part)| Some((number, part.overview.as_ref()?)))
+    }
+
+    /// Numbers of the parts that reach into a circle, here or not.
+    pub fn within(&self, around: Around) -> impl Iterator<Item = u32> {
+        let Around { middle, radius_m } = around;
+        (0..).zip(&self.0).filter(move |(_, part)| Around::reaches(part.bounds, middle, radius_m)).map(|(number, _)| number)
+    }
+
+    /// Whether all parts that reach into a circle are here.
+    #[must_use]
+    pub fn has(&self, around: Around) -> bool {
+        self.within(around).all(|part| self.get(part).is_some())
+    }
+
+    /// Whether all parts reach into a circle.
+    #[must_use]
+    pub fn is_all(&self, around: Around) -> bool {
+        self.within(around).count() == self.0.len()
+    }
+
+    /// The parts that reach into a circle and are here as one.
+    #[must_use]
+    pub fn joined(&self, around: Around) -> Overview {
+        let parts: Vec<&Arc<Overview>> = self.within(around).filter_map(|part| self.get(part)).collect();
+        Overview::joined(parts.into_iter().map(AsRef::as_ref))
+    }
+
+    /// Things with a name, of the parts that are here.
+    pub fn places(&self) -> impl Iterator<Item = &Place> {
+        self.iter().flat_map(|(_, overview)| &overview.places)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_circle_has_the_parts_that_reach_into_it() {
+        let part = |x: i32| (GridPos(x * 1024, 0), GridPos((x + 100) * 1024, 100 * 1024));
+        let mut overviews = Overviews::awaited([part(0), part(100), part(500)]);
+        let near = Around { middle: DVec2::new(90.0, 50.0), radius_m: 20.0 };
+        assert_eq!(overviews.within(near).collect::<Vec<_>>(), [0, 1]);
+        overviews.put(0, Some(Arc::default()));
+        assert!(!overviews.has(near));
+        overviews.put(1, Some(Arc::default()));
+        assert!(overviews.has(near) && !overviews.is_all(near));
+        let everywhere = Around { radius_m: f64::INFINITY, ..near };
+        assert!(overviews.is_all(everywhere) && !overviews.has(everywhere));
+        assert!(Overviews::whole(Overview::default()).has(near));
+        let coarse = Around::coarsely(near.middle, 100.0);
+        assert!(coarse.middle.distance(near.middle) + 100.0 <= coarse.radius_m, "it holds what it was asked about");
+    }
+}
