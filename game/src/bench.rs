@@ -15,7 +15,7 @@ use veduta::city::{Tour, file};
 use veduta::ecs::{CellEntered, StandingCells};
 use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
-use veduta::streaming::{Event, Fetching, Journal};
+use veduta::streaming::{Event, Fetching, Journal, What};
 use veduta::tour::TourState;
 use veduta_bake::{BakeSettings, Input, bake, enlarged, overrides_beside, survey};
 use veduta_store::CityStats;
@@ -160,6 +160,8 @@ struct Walk {
     entities: u32,
     /// Of all that was read, each thing once.
     bytes: u64,
+    /// The same of index, regions, overviews and the four levels.
+    bytes_by_kind: [u64; 7],
 }
 
 /// CPU time of the thread at the borders of the system sets.
@@ -191,7 +193,14 @@ impl Walk {
             return Err(player.error().unwrap_or("the tour did not start").to_owned().into());
         };
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / FPS)));
-        let mut walk = Self { frames: Vec::new(), sets: Default::default(), late_frames: Vec::new(), entities: 0, bytes: 0 };
+        let mut walk = Self {
+            frames: Vec::new(),
+            sets: Default::default(),
+            late_frames: Vec::new(),
+            entities: 0,
+            bytes: 0,
+            bytes_by_kind: [0; 7],
+        };
         let mut entered = app.world().resource::<Messages<CellEntered>>().get_cursor();
         let mut waiting: Vec<(u32, u32)> = Vec::new();
         let (mut here, mut cell) = (DVec2::INFINITY, None);
@@ -230,8 +239,23 @@ impl Walk {
                 came.insert(what, bytes);
             }
         }
-        walk.bytes = came.values().sum();
+        for (what, bytes) in came {
+            let kind = match what {
+                What::Index => 0,
+                What::Region(_) => 1,
+                What::Overview(_) => 2,
+                What::Packet { level, .. } => 3 + level.index(),
+            };
+            walk.bytes_by_kind[kind] += bytes;
+        }
+        walk.bytes = walk.bytes_by_kind.iter().sum();
         Ok(walk)
+    }
+
+    /// What was read, by kind.
+    fn told_bytes(&self) -> String {
+        let [index, regions, overviews, one, two, ..] = self.bytes_by_kind;
+        format!("index {index} B, regions {regions} B, overviews {overviews} B, level 1 {one} B, level 2 {two} B")
     }
 
     /// What streaming and building together took of each frame.

@@ -42,7 +42,7 @@ pub(super) fn stream(scene: &Path, json: bool) -> Result<(), Failure> {
     let sample = dir.join("sample.city");
     let stats = bake(scene, &sample, &BakeSettings::default(), &mut |_| ())?.stats;
     let small = Walk::run(&sample, &tour, Way::Streamed)?;
-    eprintln!("the sample tour: {} frames", small.frames.len());
+    eprintln!("the sample tour: {} frames; {}", small.frames.len(), small.told_bytes());
 
     let (town, run, houses) = fast_run(&dir, &tour)?;
     let fast = Walk::run(&town, &run, Way::Streamed)?;
@@ -67,14 +67,15 @@ pub(super) fn stream(scene: &Path, json: bool) -> Result<(), Failure> {
     for (columns, rows, name) in TIMES {
         let (city, stats) = large(scene, &dir, (columns, rows), name)?;
         // In turn, so that a busy moment of the machine meets both.
-        let (mut ratios, mut bytes) = (Vec::new(), 0.0);
+        let (mut ratios, mut bytes, mut told) = (Vec::new(), 0.0, String::new());
         for _ in 0..REPEAT {
             let mut small = Walk::run(&sample, &tour, Way::Streamed)?;
             let mut walk = Walk::run(&city, &tour, Way::Streamed)?;
             ratios.push(median(&mut walk.frames) / median(&mut small.frames));
             bytes = walk.bytes as f64 / small.bytes as f64;
+            told = walk.told_bytes();
         }
-        eprintln!("the sample tour in a city of {} houses", stats.houses);
+        eprintln!("the sample tour in a city of {} houses: {told}", stats.houses);
         tell(&format!("frame_ratio_{name}"), median(&mut ratios), "1");
         tell(&format!("bytes_ratio_{name}"), bytes, "1");
         std::fs::remove_dir_all(&city)?;

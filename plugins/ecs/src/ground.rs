@@ -44,7 +44,7 @@ impl Ground<'_> {
     fn floor(&self, plan_pos: DVec2, near_m: f64) -> Option<Floor> {
         let overviews = self.city.as_ref().map(|city| &city.overviews);
         let around = Around { middle: plan_pos, radius_m: LONGEST_SPAN_M };
-        let near = || overviews.into_iter().flat_map(|all| all.within(around).filter_map(|part| all.get(part)));
+        let near = || overviews.into_iter().flat_map(|all| all.near(around));
         let known = near().find(|part| part.terrain.covers(plan_pos)).or_else(|| near().find(|part| part.terrain.is_level()));
         if let Some(known) = known {
             let spans = near().flat_map(|part| &part.spans);

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use veduta_city::{GridPos, Overview, Place, metres};
+use veduta_city::{GridPos, Overview, Place};
 
 /// A circle in plan.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Reflect)]
@@ -21,12 +21,12 @@ impl Around {
     pub fn coarsely(middle: DVec2, radius_m: f64) -> Self {
         let step = (radius_m / 16.0).max(8.0);
         let radius_m = (radius_m / step).ceil() * step + 2.0 * step;
-        Self { middle: ((middle / step).round() * step), radius_m }
+        Self { middle: (middle / step).round() * step, radius_m }
     }
 
-    fn reaches((lo, hi): (GridPos, GridPos), middle: DVec2, radius_m: f64) -> bool {
-        let (lo, hi) = (DVec2::new(metres(lo.0), metres(lo.1)), DVec2::new(metres(hi.0), metres(hi.1)));
-        middle.distance(middle.clamp(lo.min(hi), hi.max(lo))) <= radius_m
+    fn meets(self, (lo, hi): (GridPos, GridPos)) -> bool {
+        let (lo, hi) = (lo.to_metres(), hi.to_metres());
+        self.middle.distance(self.middle.clamp(lo.min(hi), hi.max(lo))) <= self.radius_m
     }
 }
 
@@ -50,71 +50,77 @@ impl OverviewWants {
     }
 }
 
+/// Least and greatest corner in plan.
+type Bounds = (GridPos, GridPos);
+
 /// The overview of the open city, in parts that come and go.
 #[derive(Debug, Clone, Default)]
-pub struct Overviews(Vec<OverviewPart>);
-
-#[derive(Debug, Clone)]
-struct OverviewPart {
-    bounds: (GridPos, GridPos),
-    overview: Option<Arc<Overview>>,
+pub struct Overviews {
+    /// Of all parts.
+    bounds: Vec<Bounds>,
+    here: BTreeMap<u32, Arc<Overview>>,
 }
 
 impl Overviews {
     /// A city's whole overview.
     #[must_use]
     pub fn whole(overview: Overview) -> Self {
-        let bounds = (GridPos(i32::MIN, i32::MIN), GridPos(i32::MAX, i32::MAX));
-        Self(vec![OverviewPart { bounds, overview: Some(Arc::new(overview)) }])
+        let everywhere = (GridPos(i32::MIN, i32::MIN), GridPos(i32::MAX, i32::MAX));
+        Self { bounds: vec![everywhere], here: [(0, Arc::new(overview))].into() }
     }
 
     /// Parts that lie within bounds, none of which has come.
     #[must_use]
     pub fn awaited(bounds: impl IntoIterator<Item = (GridPos, GridPos)>) -> Self {
-        Self(bounds.into_iter().map(|bounds| OverviewPart { bounds, overview: None }).collect())
+        Self { bounds: bounds.into_iter().collect(), here: BTreeMap::new() }
     }
 
     /// Puts a part where it belongs, or takes it away.
     pub fn put(&mut self, part: u32, overview: Option<Arc<Overview>>) {
-        if let Some(known) = self.0.get_mut(part as usize) {
-            known.overview = overview;
+        match overview {
+            Some(overview) if (part as usize) < self.bounds.len() => drop(self.here.insert(part, overview)),
+            _ => drop(self.here.remove(&part)),
         }
     }
 
     /// A part that is here.
     #[must_use]
     pub fn get(&self, part: u32) -> Option<&Arc<Overview>> {
-        self.0.get(part as usize)?.overview.as_ref()
+        self.here.get(&part)
     }
 
     /// The parts that are here, with their numbers.
     pub fn iter(&self) -> impl Iterator<Item = (u32, &Arc<Overview>)> {
-        (0..).zip(&self.0).filter_map(|(number, part)| Some((number, part.overview.as_ref()?)))
+        self.here.iter().map(|(&part, overview)| (part, overview))
     }
 
-    /// Numbers of the parts that reach into a circle, here or not.
+    /// The parts that are here and reach into a circle.
+    pub fn near(&self, around: Around) -> impl Iterator<Item = &Arc<Overview>> {
+        let is_near = move |part: u32| self.bounds.get(part as usize).is_some_and(|&bounds| around.meets(bounds));
+        self.iter().filter(move |&(part, _)| is_near(part)).map(|(_, overview)| overview)
+    }
+
+    /// Numbers of the parts that reach into a circle, here or not: looks at all that the city has.
     pub fn within(&self, around: Around) -> impl Iterator<Item = u32> {
-        let Around { middle, radius_m } = around;
-        (0..).zip(&self.0).filter(move |(_, part)| Around::reaches(part.bounds, middle, radius_m)).map(|(number, _)| number)
+        (0..).zip(&self.bounds).filter(move |&(_, &bounds)| around.meets(bounds)).map(|(part, _)| part)
     }
 
     /// Whether all parts that reach into a circle are here.
     #[must_use]
     pub fn has(&self, around: Around) -> bool {
-        self.within(around).all(|part| self.get(part).is_some())
+        self.within(around).all(|part| self.here.contains_key(&part))
     }
 
     /// Whether all parts reach into a circle.
     #[must_use]
     pub fn is_all(&self, around: Around) -> bool {
-        self.within(around).count() == self.0.len()
+        self.bounds.iter().all(|&bounds| around.meets(bounds))
     }
 
     /// The parts that reach into a circle and are here as one.
     #[must_use]
     pub fn joined(&self, around: Around) -> Overview {
-        let parts: Vec<&Arc<Overview>> = self.within(around).filter_map(|part| self.get(part)).collect();
-        Overview::joined(parts.into_iter().map(AsRef::as_ref))
+        Overview::joined(self.near(around).map(AsRef::as_ref))
     }
 
     /// Things with a name, of the parts that are here.

@@ -58,6 +58,8 @@ impl LoadedCells {
 
 /// Cells that nobody wants are looked for so often; at once where the plan changes or memory runs over.
 const SWEEP_S: f64 = 0.25;
+/// So many of them go in a frame.
+const RELEASED_A_FRAME: usize = 16;
 
 struct LoadedCell {
     entity: Entity,
@@ -91,9 +93,6 @@ pub(crate) fn deliver(world: &mut World) {
         store.client.want(wanted.order.iter().copied());
         let (first, later) = wanted.regions.split_at(wanted.regions_in_sight);
         store.client.want_regions(first.iter().copied(), later.iter().copied());
-        forget_regions(&mut store.client, wanted);
-        let overviews = wanted.overviews.clone();
-        forget_overviews(world, &mut store.client, &overviews);
         let cancelled = store.cancel_unwanted();
         for what in cancelled {
             note(world, Event::Cancelled { what });
@@ -128,6 +127,7 @@ pub(crate) fn deliver(world: &mut World) {
         taken += 1;
     }
     give_up_overviews(world, &store.client, now_s);
+    forget_idle(world, &mut store.client);
     let stats = store.client.stats();
     let mut figures = world.resource_mut::<StreamingStats>();
     figures.in_flight = stats.in_flight;
@@ -137,29 +137,40 @@ pub(crate) fn deliver(world: &mut World) {
     world.insert_resource(store);
 }
 
-/// Regions that nothing was planned with go when there are more than so many of them, and as many again as are in use.
+/// So many regions that nothing was planned with stay, and as many again as are in use; of more the farthest goes, one a frame. The same of
+/// parts of the overview.
 const IDLE_REGIONS: usize = 16;
 
-fn forget_regions(client: &mut Client, wanted: &Wanted) {
+fn forget_idle(world: &mut World, client: &mut Client) {
+    let wanted = world.resource::<Wanted>();
     let Some(index) = client.index() else { return };
-    let idle: Vec<u32> = index.regions_here().map(|(number, _)| number).filter(|number| !wanted.used.contains(number)).collect();
-    if idle.len() > IDLE_REGIONS + wanted.used.len() {
-        idle.into_iter().for_each(|number| client.forget_region(number));
+    let is_too_many = |here: usize, in_use: usize| here > IDLE_REGIONS + 2 * in_use;
+    let region = is_too_many(index.regions_here().count(), wanted.used.len()).then(|| {
+        let here = index.regions_here().map(|(number, _)| number);
+        farthest(index, here.filter(|number| !wanted.used.contains(number)), wanted)
+    });
+    let part = world.get_resource::<City>().and_then(|city| {
+        let here = || city.overviews.iter().map(|(part, _)| part);
+        let idle = here().filter(|part| !wanted.overviews.contains(part));
+        is_too_many(here().count(), wanted.overviews.len()).then(|| farthest(index, idle, wanted))?
+    });
+    if let Some(number) = region.flatten() {
+        client.forget_region(number);
+    }
+    if let (Some(part), Some(mut city)) = (part, world.get_resource_mut::<City>()) {
+        client.forget_overview(part);
+        city.overviews.put(part, None);
     }
 }
 
-/// Parts of the overview that nobody wants go when there are more than so many of them, and as many again as are wanted.
-const IDLE_OVERVIEWS: usize = 16;
-
-fn forget_overviews(world: &mut World, client: &mut Client, wanted: &[u32]) {
-    let Some(mut city) = world.get_resource_mut::<City>() else { return };
-    let idle: Vec<u32> = city.overviews.iter().map(|(part, _)| part).filter(|part| !wanted.contains(part)).collect();
-    if idle.len() > IDLE_OVERVIEWS + wanted.len() {
-        for part in idle {
-            client.forget_overview(part);
-            city.overviews.put(part, None);
-        }
-    }
+/// The region that is farthest from the part of the overview that is wanted first, which is about a viewer.
+fn farthest(index: &CityIndex, idle: impl Iterator<Item = u32>, wanted: &Wanted) -> Option<u32> {
+    let middle = |number: u32| {
+        let (lo, hi) = index.regions.get(number as usize).map_or_else(Default::default, |region| region.bounds);
+        (lo.to_metres() + hi.to_metres()) / 2.0
+    };
+    let here = wanted.overviews.first().map_or_else(Default::default, |&part| middle(part));
+    idle.max_by(|&a, &b| middle(a).distance_squared(here).total_cmp(&middle(b).distance_squared(here)))
 }
 
 /// Who waits for a part of the overview that cannot be had goes on without it.
@@ -291,6 +302,10 @@ pub(crate) fn release_cells(world: &mut World) {
         }
         let mut leaving: Vec<u32> =
             loaded.cells.iter().filter(|(_, c)| now_s - c.wanted_at_s > settings.keep_s).map(|(&cell, _)| cell).collect();
+        if leaving.len() > RELEASED_A_FRAME {
+            leaving.truncate(RELEASED_A_FRAME);
+            loaded.swept = None;
+        }
         let idle = leaving.len();
         leaving.extend(over_the_cap(&loaded, &wanted, &leaving, settings.memory_cap_bytes));
         for (n, cell) in leaving.into_iter().enumerate() {
