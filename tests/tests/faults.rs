@@ -94,14 +94,14 @@ impl Visit {
     fn begin() -> Self {
         let inner = DirReader::new(sample_city()).expect("a city");
         let index = read_index(&inner).expect("whole");
-        let packet = |blob: &veduta_store::BlobRef| {
+        let packet = |cell: u32, blob: &veduta_store::BlobRef| {
             let stored = inner.read(&blob.path(), blob.bytes.into()).expect("there");
-            match decode_packet(&stored, blob, Level::One).expect("whole") {
+            match decode_packet(&stored, blob, Level::One, index.packet_context(cell)).expect("whole") {
                 Packet::Shell(shell) => *shell,
                 packet => panic!("level 1, not {packet:?}"),
             }
         };
-        let truth = index.cells().map(|(cell, entry)| (cell, packet(entry.packet(Level::One).expect("level 1")))).collect();
+        let truth = index.cells().map(|(cell, entry)| (cell, packet(cell, entry.packet(Level::One).expect("level 1")))).collect();
         let fault = Arc::new(Mutex::new(Fault::None));
         let reader = Faulty { inner, fault: Arc::clone(&fault), count: AtomicU32::new(0) };
         let mut app = quiet_app("faulty.city", Fetching::Inline, Duration::from_secs_f64(STEP_S));

@@ -22,8 +22,8 @@ use std::collections::{BTreeMap, HashMap};
 use serde_json::{Value, json};
 use veduta_cells::Contents;
 use veduta_city::{
-    Cell, CellShell, Cells, CityPlan, Design, FacadeSheet, GridPos, House, HouseShell, ObjectKind, PlacedMonument, PlanObject,
-    Season, Volume, VolumeShell, WallKind,
+    Cell, CellShell, Cells, CityPlan, Design, FacadeSheet, GridPos, House, HouseShell, ObjectKind, ObjectShell, PlacedMonument,
+    PlanObject, Season, Volume, VolumeShell, WallKind,
 };
 use veduta_growth::mesh::{self, MeshData, MeshError, MonumentDetail};
 
@@ -289,7 +289,7 @@ fn by_centre(mesh: &MeshData) -> BTreeMap<[u32; 2], MeshData> {
 /// A cell of some walls of one volume, or of its roof.
 fn shell(house: &House, volume: &Volume, walls: Vec<u16>, has_roof: bool) -> CellShell {
     let volume = VolumeShell::of(volume, walls, has_roof);
-    let house = HouseShell { id: house.id, style: house.style, floor: house.floor, volumes: vec![volume], is_monument: false };
+    let house = HouseShell { style: house.style, floor: house.floor, volumes: vec![volume], is_monument: false };
     CellShell { houses: vec![house], ..CellShell::default() }
 }
 
@@ -310,7 +310,7 @@ fn export_object(
     let mesh = match shapes.get(&key) {
         Some(&known) => known,
         None => {
-            let at_origin = PlanObject { pos: GridPos(0, 0), z: 0, heading: 0, ..object.clone() };
+            let at_origin = ObjectShell { pos: GridPos(0, 0), z: 0, heading: 0, ..ObjectShell::of(object) };
             let mut made = MeshData::default();
             match design {
                 Some(design) => {
@@ -318,7 +318,9 @@ fn export_object(
                     mesh::monument(design, &placed, MonumentDetail::FINE, &mut made);
                 }
                 None => {
-                    let alone = CellShell { objects: vec![at_origin], ..CellShell::default() };
+                    // What is random follows from where an object stands.
+                    let origin = GridPos((object.id.0 % VARIANTS) as i32, 0);
+                    let alone = CellShell { origin, objects: vec![at_origin], ..CellShell::default() };
                     made = mesh::objects(&alone);
                     made.append(&mesh::trees(&alone, Season::Summer));
                 }

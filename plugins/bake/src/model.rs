@@ -275,7 +275,7 @@ fn vertex(mesh: &MeshData, i: usize) -> ModelVertex {
     let ([x, y, z], [nx, ny, nz], [u, v]) = (mesh.positions[i], mesh.normals[i], mesh.uvs[i]);
     let steps = |metres: f32| (metres * GRID_PER_METRE as f32).round() as i32;
     let normal = [nx, -nz, ny].map(|n| (n * 127.0).round().clamp(-127.0, 127.0) as i8);
-    ModelVertex { at: [steps(x), -steps(z), steps(y)], normal, uv: [u, v].map(|n| (n * RATIO).round() as i32) }
+    ModelVertex { at: [steps(x), steps(-z), steps(y)], normal, uv: [u, v].map(|n| (n * RATIO).round() as i32) }
 }
 
 /// Lets triangles share their equal corners.

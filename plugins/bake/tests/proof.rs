@@ -19,14 +19,14 @@ fn town(name: &str) -> (CityIndex, Vec<CellShell>) {
     let reader = open_reader(&out.to_string_lossy()).unwrap_or_else(|e| panic!("{e}"));
     let read = |path: &str| reader.read(path, 1 << 24).unwrap_or_else(|e| panic!("{e}"));
     let index = read_index(&*reader).unwrap_or_else(|e| panic!("{e}"));
-    let shell = |cell: &veduta_store::CellEntry| {
+    let shell = |i: u32, cell: &veduta_store::CellEntry| {
         let blob = cell.packet(Level::One)?;
-        match decode_packet(&read(&blob.path()), blob, Level::One) {
+        match decode_packet(&read(&blob.path()), blob, Level::One, index.packet_context(i)) {
             Ok(Packet::Shell(shell)) => Some(*shell),
             _ => None,
         }
     };
-    let shells = index.cells().filter_map(|(_, cell)| shell(cell)).collect();
+    let shells = index.cells().filter_map(|(i, cell)| shell(i, cell)).collect();
     (index, shells)
 }
 

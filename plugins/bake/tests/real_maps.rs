@@ -146,7 +146,9 @@ fn opened(city: &Path) -> Opened {
         let mut walls = 0;
         for level in Level::ALL {
             let Some(blob) = cell.packet(level) else { continue };
-            match decode_packet(&read(&blob.path()), blob, level).unwrap_or_else(|e| panic!("cell {i}, {level}: {e}")) {
+            match decode_packet(&read(&blob.path()), blob, level, index.packet_context(i))
+                .unwrap_or_else(|e| panic!("cell {i}, {level}: {e}"))
+            {
                 Packet::Shell(shell) => {
                     let (things_here, yards_here) = boxes(&shell);
                     things.push(things_here);

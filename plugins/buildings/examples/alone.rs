@@ -7,7 +7,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use veduta_buildings::BuildingsPlugin;
 use veduta_city::{
-    CellShell, Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Id, Level, ObjectKind, PlanObject, PlanRoof, Rgb, RoofShape,
+    CellShell, Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Level, ObjectKind, ObjectShell, PlanRoof, Rgb, RoofShape,
     SurfaceKind, VolumeShell,
 };
 use veduta_ecs::{Cell, CellContent, CellReady, LevelFade};
@@ -49,12 +49,11 @@ fn yard() -> CellShell {
         walls: vec![0, 1, 2, 3],
         arcades: Vec::new(),
     };
-    let lamp =
-        PlanObject { id: Id(2), kind: ObjectKind::Lamp, pos: GridPos(8192, -4096), z: 0, heading: 0, height: 4096, monument: None };
+    let lamp = ObjectShell { kind: ObjectKind::Lamp, pos: GridPos(8192, -4096), z: 0, heading: 0, height: 4096, monument: None };
     CellShell {
         ground: vec![GroundPatch { surface: SurfaceKind::Cobbles, outline: outline.clone(), z: 0, course: None }],
         outline,
-        houses: vec![HouseShell { id: Id(1), style: 0, floor: 0, volumes: vec![volume], is_monument: false }],
+        houses: vec![HouseShell { style: 0, floor: 0, volumes: vec![volume], is_monument: false }],
         objects: vec![lamp],
         ..CellShell::default()
     }

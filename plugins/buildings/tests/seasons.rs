@@ -5,12 +5,11 @@ use std::sync::Arc;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use veduta_buildings::{Building, BuildingsPlugin, CitySeason};
-use veduta_city::{CellShell, FacadeSheet, GridPos, Id, Level, ObjectKind, PlanObject, Season, Tile};
+use veduta_city::{CellShell, FacadeSheet, GridPos, Level, ObjectKind, ObjectShell, Season, Tile};
 use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellStands, CityClock, MaterialsProvided};
 
 fn tree() -> CellShell {
-    let tree =
-        PlanObject { id: Id(2), kind: ObjectKind::Tree, pos: GridPos(0, 0), z: 0, heading: 0, height: 9 * 1024, monument: None };
+    let tree = ObjectShell { kind: ObjectKind::Tree, pos: GridPos(0, 0), z: 0, heading: 0, height: 9 * 1024, monument: None };
     CellShell { objects: vec![tree], ..CellShell::default() }
 }
 

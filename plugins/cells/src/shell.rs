@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use veduta_city::{
     Cell, CellShell, Cells, CityPlan, Course, Design, FacadeSheet, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch,
-    House, HouseShell, Marking, PlacedMonument, PlanObject, PlanTerrain, SpanStation, Volume, VolumeShell, WaySpan,
+    House, HouseShell, Marking, ObjectShell, PlacedMonument, PlanObject, PlanTerrain, SpanStation, Volume, VolumeShell, WaySpan,
 };
 
 use crate::overlay::{Bounds, Keep, combine, turned_rings};
@@ -166,7 +166,7 @@ fn houses(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<HouseShell> {
                 .then(|| VolumeShell { footprint: moved(&volume.footprint, origin), ..VolumeShell::of(volume, walls, has_roof) })
         });
         let is_monument = house.monument.is_some();
-        Some(HouseShell { id: house.id, style: house.style, floor: house.floor, volumes: volumes.collect(), is_monument })
+        Some(HouseShell { style: house.style, floor: house.floor, volumes: volumes.collect(), is_monument })
     };
     here.into_iter().filter_map(shell).collect()
 }
@@ -215,11 +215,11 @@ fn monuments(plan: &CityPlan, cell: &Cell, origin: GridPos, designs: &mut Design
     placed.filter_map(here).collect()
 }
 
-fn objects(plan: &CityPlan, cell: &Cell, origin: GridPos, designs: &mut Designs) -> Vec<PlanObject> {
+fn objects(plan: &CityPlan, cell: &Cell, origin: GridPos, designs: &mut Designs) -> Vec<ObjectShell> {
     let objects = cell.objects.iter().filter_map(|&o| plan.objects.get(o as usize));
     let mut here = |object: &PlanObject| {
         let monument = object.monument.and_then(|design| designs.index(plan, design));
-        PlanObject { pos: local(object.pos, origin), monument, ..object.clone() }
+        ObjectShell { pos: local(object.pos, origin), monument, ..ObjectShell::of(object) }
     };
     objects.map(&mut here).collect()
 }

@@ -275,9 +275,10 @@ fn shells_and_sheets_list_the_same_walls_in_the_same_order() {
     let made = cut(&plan);
     let (shells, sheets) = (cell_shells(&plan, &made.cells), facade_sheets(&plan, &made.cells));
     for ((cell, shell), sheet) in made.cells.cells.iter().zip(&shells).zip(&sheets) {
-        let house_of = |id: Id| plan.houses.iter().position(|house| house.id == id).unwrap();
+        let stands_at = |house: &House, corner: GridPos| house.volumes[0].footprint.outer[0] == corner;
+        let house_of = |corner: GridPos| plan.houses.iter().position(|house| stands_at(house, corner)).unwrap();
         let listed = shell.houses.iter().flat_map(|house| {
-            let h = house_of(house.id);
+            let h = house_of(house.volumes[0].footprint.outer[0] + shell.origin);
             house.volumes.iter().flat_map(move |volume| volume.walls.iter().map(move |w| (10 * h) as u8 + *w as u8))
         });
         assert_eq!(listed.collect::<Vec<_>>(), sheet.walls.iter().map(|wall| wall.bays).collect::<Vec<_>>());

@@ -39,6 +39,13 @@ impl GridPos {
         whole.saturating_add(away).clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
     }
 
+    /// The nearest position of a coarser grid, whose steps are so many of this one's; saturates.
+    #[must_use]
+    pub fn rounded(self, step: i32) -> Self {
+        let round = |n: i32| n.saturating_add(step / 2).div_euclid(step.max(1)).saturating_mul(step.max(1));
+        Self(round(self.0), round(self.1))
+    }
+
     /// Plan position in metres.
     #[must_use]
     pub fn to_metres(self) -> DVec2 {

@@ -76,7 +76,7 @@ pub use object::{ObjectKind, StandingObject};
 pub use ornament::{Articulation, Balconies, BalconyPlaces, Niche, Oriel, Ornament, Parapet};
 pub use overrides::{GraphOverride, GraphOverrides, LinkEdit, ModelFile, OverrideError, Target};
 pub use overview::{HouseName, MAP_STEP, Overview, OverviewParts};
-pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, VolumeShell};
+pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, ObjectShell, VolumeShell};
 pub use place::{Place, PlaceKind, Viewpoint};
 pub use plan::{
     CityPlan, GroundFloor, GroundPatch, House, Marking, MarkingKind, Opening, PlanObject, PlanRoof, PlanStreet, Storey,
@@ -84,7 +84,7 @@ pub use plan::{
 };
 pub use season::Season;
 pub use span::{BoreEnd, SpanForm, SpanMarking, SpanStation, WaySpan};
-pub use style::{Gable, Range, Stand, Style, StyleDraft, StyleError, Styles};
+pub use style::{Gable, Palette, Range, Stand, Style, StyleDraft, StyleError, Styles};
 pub use terrain::{PlanTerrain, Terrain};
 pub use tile::Tile;
 pub use tour::{Ease, LookAt, Step, Tour, Where};

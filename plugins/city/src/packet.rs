@@ -3,7 +3,7 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Arcade, Course, Design, Gable, GridPolygon, GridPos, GroundPatch, Id, Marking, PlacedMonument, PlanObject, PlanRoof,
+    Arcade, Course, Design, Gable, GridPolygon, GridPos, GroundPatch, Marking, ObjectKind, PlacedMonument, PlanObject, PlanRoof,
     PlanTerrain, Rgb, Volume, Wall, WaySpan,
 };
 
@@ -106,7 +106,7 @@ pub struct CellShell {
     /// Houses with at least one wall or roof here.
     pub houses: Vec<HouseShell>,
     /// Standing objects.
-    pub objects: Vec<PlanObject>,
+    pub objects: Vec<ObjectShell>,
     /// Ends of the blind portals on the cell's border, where walking ends: the cell lies to the left of the way from the first to the second.
     pub blind: Vec<(GridPos, GridPos)>,
     /// Paint and rails on the ground.
@@ -130,8 +130,6 @@ pub struct CellShell {
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HouseShell {
-    /// Stable id.
-    pub id: Id,
     /// Index of its style in the city.
     pub style: u16,
     /// Its lowest floor above the city's zero, grid steps: what begins there stands on the ground.
@@ -140,6 +138,34 @@ pub struct HouseShell {
     pub volumes: Vec<VolumeShell>,
     /// Whether a monument is seen in place of its walls and roofs, which only stop people then.
     pub is_monument: bool,
+}
+
+/// Something that stands in the cell. See [`PlanObject`] for the fields.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectShell {
+    /// What it is.
+    pub kind: ObjectKind,
+    /// Where.
+    pub pos: GridPos,
+    /// Its foot above the city's zero, grid steps.
+    pub z: i32,
+    /// Where its front looks, whole degrees clockwise from north, 0 to 359.
+    pub heading: u16,
+    /// Height, grid steps; never 0.
+    pub height: i32,
+    /// Index of [`CellShell::designs`], if it is seen as one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub monument: Option<u16>,
+}
+
+impl ObjectShell {
+    /// An object of the plan, in its coordinates, by the kind that it is.
+    #[must_use]
+    pub const fn of(object: &PlanObject) -> Self {
+        let &PlanObject { kind, pos, z, heading, height, .. } = object;
+        Self { kind, pos, z, heading, height, monument: None }
+    }
 }
 
 /// A volume, or that part of it which faces the cell.

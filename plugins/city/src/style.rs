@@ -75,6 +75,44 @@ pub struct Style {
     pub mezzanines: f64,
 }
 
+/// The colours that a style's houses are painted with, unless a map or a person gives others.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Palette {
+    /// Those of walls.
+    pub walls: Vec<Rgb>,
+    /// Those of roofs.
+    pub roofs: Vec<Rgb>,
+    /// Mouldings are lighter than the wall by this factor.
+    pub trim: f64,
+}
+
+impl Palette {
+    /// Houses of one colour differ by so many steps of lightness either way.
+    pub const TINTS: core::ops::RangeInclusive<i8> = -3..=3;
+    /// What one step changes.
+    const TINT: f64 = 0.02;
+
+    /// A colour as it is painted: so many steps lighter, never pure black, never pure white.
+    #[must_use]
+    pub fn tinted(colour: Rgb, steps: i8) -> Rgb {
+        Self::bounded(colour.scaled(1.0 + Self::TINT * f64::from(steps)))
+    }
+
+    /// Colour of the mouldings that go with a wall.
+    #[must_use]
+    pub fn trim(&self, wall: Rgb) -> Rgb {
+        Self::bounded(wall.scaled(self.trim))
+    }
+
+    /// A colour as anything is painted: never pure black, never pure white.
+    #[must_use]
+    pub fn bounded(colour: Rgb) -> Rgb {
+        let channel = |c: u8| c.clamp(0x1A, 0xF4);
+        Rgb(channel(colour.0), channel(colour.1), channel(colour.2))
+    }
+}
+
 /// Shape of a grown house's gable walls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub enum Gable {
@@ -108,6 +146,12 @@ pub enum Stand {
 }
 
 impl Style {
+    /// What its houses are painted with.
+    #[must_use]
+    pub fn palette(&self) -> Palette {
+        Palette { walls: self.walls.clone(), roofs: self.roof_colours.clone(), trim: self.trim }
+    }
+
     fn plain_gables() -> Vec<Gable> {
         vec![Gable::Plain]
     }

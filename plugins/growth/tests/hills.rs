@@ -46,7 +46,7 @@ fn is_covered(mesh: &MeshData, p: DVec2, y: f64) -> bool {
 fn prove_walls(plan: &CityPlan) {
     for house in &plan.houses {
         let volumes = house.volumes.iter().map(|v| VolumeShell::of(v, (0..v.walls.len() as u16).collect(), true)).collect();
-        let told = HouseShell { id: house.id, style: house.style, floor: house.floor, volumes, is_monument: false };
+        let told = HouseShell { style: house.style, floor: house.floor, volumes, is_monument: false };
         let footings = mesh::footings(&CellShell { terrain: plan.terrain.clone(), houses: vec![told], ..CellShell::default() });
         footings.validate().unwrap_or_else(|e| panic!("{e}"));
         for volume in house.volumes.iter().filter(|volume| volume.bottom - house.floor < 512) {

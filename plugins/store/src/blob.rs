@@ -1,20 +1,22 @@
 //! Blobs: content-addressed, compressed pieces of a city.
 //!
-//! A blob as stored is one byte of kind, the inflated size as a varint, then raw deflate of the content. Its name is half of the
-//! blake3 hash of all that.
+//! A blob as stored is one byte of kind, then the content as [`code`](crate::code) writes it. Its name is half of the blake3 hash
+//! of all that.
 
 use core::fmt;
 
-use flate2::{Compress, Compression, Decompress, FlushCompress, FlushDecompress, Status};
+use serde::{Serialize, de::DeserializeOwned};
 
 use crate::StoreError;
+use crate::code::{Prior, press, unpress};
 
-/// Most bytes that any one thing may have once inflated.
-pub(crate) const INFLATED_CAP: u64 = 64 << 20;
-/// Most bytes that a packet or a region may have once inflated. Lower than [`INFLATED_CAP`], because several are decoded at a time.
-pub(crate) const PACKET_CAP: u64 = 16 << 20;
-/// Deflate cannot shrink further than this.
-const DEFLATE_RATIO: u64 = 1032;
+/// Most bytes that any one thing may have as stored.
+pub(crate) const STORED_CAP: u64 = 64 << 20;
+/// Most values that any one thing may have.
+pub(crate) const VALUES_CAP: u64 = 16 << 20;
+/// The same of a packet or a region: lower, because several are decoded at a time.
+const PACKET_CAP: u64 = 16 << 20;
+const PACKET_VALUES_CAP: u64 = 4 << 20;
 
 /// A piece of a city by its content: where it lies, how long it is, how to know that it is whole.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -107,17 +109,28 @@ impl BlobKind {
         }
     }
 
-    const fn cap(self) -> u64 {
-        match self {
-            Self::Shell | Self::Facades | Self::Region => PACKET_CAP,
-            Self::Overview | Self::Styles => INFLATED_CAP,
-        }
+    const fn is_piece(self) -> bool {
+        matches!(self, Self::Shell | Self::Facades | Self::Region)
     }
 
-    /// Most bytes that a blob of the kind may have as stored: a little more than inflated, for deflate adds five bytes to
-    /// each block that it cannot shrink.
+    /// Most values that a blob of the kind may have.
+    const fn values_cap(self) -> u64 {
+        if self.is_piece() { PACKET_VALUES_CAP } else { VALUES_CAP }
+    }
+
+    /// Most bytes that a blob of the kind may have as stored.
     pub(crate) const fn stored_cap(self) -> u64 {
-        self.cap() + self.cap() / 1024 + 64
+        if self.is_piece() { PACKET_CAP } else { STORED_CAP }
+    }
+
+    const fn prior(self) -> Prior {
+        match self {
+            Self::Shell => Prior::Shell,
+            Self::Facades => Prior::Sheet,
+            Self::Overview => Prior::Overview,
+            Self::Styles => Prior::None,
+            Self::Region => Prior::Region,
+        }
     }
 
     fn of(byte: u8) -> Option<Self> {
@@ -126,20 +139,14 @@ impl BlobKind {
 }
 
 /// Stored form of some content.
-pub(crate) fn pack(kind: BlobKind, content: &[u8]) -> Vec<u8> {
+pub(crate) fn pack<T: Serialize>(kind: BlobKind, content: &T) -> Vec<u8> {
     let mut stored = vec![kind as u8];
-    let mut size = content.len() as u64;
-    while size >= 0x80 {
-        stored.push(size as u8 | 0x80);
-        size >>= 7;
-    }
-    stored.push(size as u8);
-    deflate(content, &mut stored);
+    press(content, kind.prior(), &mut stored);
     stored
 }
 
 /// Content of stored bytes that the reference stands for.
-pub(crate) fn unpack(kind: BlobKind, stored: &[u8], blob: &BlobRef) -> Result<Vec<u8>, StoreError> {
+pub(crate) fn unpack<T: DeserializeOwned>(kind: BlobKind, stored: &[u8], blob: &BlobRef) -> Result<T, StoreError> {
     let what = kind.words();
     blob.verify(what, stored)?;
     let (&first, rest) = stored.split_first().ok_or(StoreError::Length { what, expected: 2, found: 0 })?;
@@ -148,55 +155,7 @@ pub(crate) fn unpack(kind: BlobKind, stored: &[u8], blob: &BlobRef) -> Result<Ve
             BlobKind::of(first).map_or_else(|| format!("something of unknown kind {first}"), |kind| kind.words().to_owned());
         return Err(StoreError::Kind { expected: what, found });
     }
-    let (size, deflated) =
-        varint(rest).ok_or_else(|| StoreError::Malformed { what, reason: "its size is not a number".to_owned() })?;
-    inflate(what, deflated, size, kind.cap())
-}
-
-/// A LEB128 number of at most five bytes at the head of some bytes, and what follows.
-fn varint(bytes: &[u8]) -> Option<(u64, &[u8])> {
-    let mut value = 0;
-    for (i, &byte) in bytes.iter().enumerate().take(5) {
-        value |= u64::from(byte & 0x7F) << (7 * i);
-        if byte & 0x80 == 0 {
-            return Some((value, bytes.get(i + 1..)?));
-        }
-    }
-    None
-}
-
-/// Appends raw deflate of the content.
-pub(crate) fn deflate(content: &[u8], out: &mut Vec<u8>) {
-    let mut press = Compress::new(Compression::best(), false);
-    loop {
-        let done = usize::try_from(press.total_in()).unwrap_or(usize::MAX);
-        out.reserve(content.len() / 3 + 64);
-        let rest = content.get(done..).unwrap_or_default();
-        // Deflating into memory has no way to fail; `reserve` above gives it room for progress each time round.
-        match press.compress_vec(rest, out, FlushCompress::Finish) {
-            Ok(Status::StreamEnd) => return,
-            Ok(_) => {}
-            Err(error) => unreachable!("deflate into memory: {error}"),
-        }
-    }
-}
-
-/// Inflates raw deflate that must give exactly `size` bytes and end where the input ends.
-pub(crate) fn inflate(what: &'static str, deflated: &[u8], size: u64, cap: u64) -> Result<Vec<u8>, StoreError> {
-    // A size that the input could not fill is refused before any memory is taken for it.
-    let cap = cap.min(deflated.len() as u64 * DEFLATE_RATIO);
-    if size > cap {
-        return Err(StoreError::TooLarge { what, claimed: size, cap });
-    }
-    let bad = |reason: &str| StoreError::Malformed { what, reason: reason.to_owned() };
-    let mut content = Vec::with_capacity(size as usize);
-    let mut press = Decompress::new(false);
-    let status =
-        press.decompress_vec(deflated, &mut content, FlushDecompress::Finish).map_err(|_| bad("it is not a deflate stream"))?;
-    if status != Status::StreamEnd || content.len() as u64 != size || press.total_in() != deflated.len() as u64 {
-        return Err(bad("its inflated size is not what it says"));
-    }
-    Ok(content)
+    unpress(what, rest, kind.prior(), kind.values_cap())
 }
 
 #[cfg(test)]
@@ -205,8 +164,8 @@ mod tests {
 
     #[test]
     fn content_survives_packing_at_every_size() {
-        for n in [0_usize, 1, 127, 128, 5_000, 300_000] {
-            let content: Vec<u8> = (0..n).map(|i| (i * i % 251) as u8).collect();
+        for n in [0_u64, 1, 127, 128, 5_000, 300_000] {
+            let content: Vec<u64> = (0..n).map(|i| i * i % 251).collect();
             let stored = pack(BlobKind::Overview, &content);
             assert_eq!(unpack(BlobKind::Overview, &stored, &BlobRef::of(&stored)), Ok(content));
         }
@@ -214,20 +173,23 @@ mod tests {
 
     #[test]
     fn a_bomb_is_refused_before_it_goes_off() {
-        let mut stored = vec![BlobKind::Shell as u8, 0xFF, 0xFF, 0xFF, 0x7F];
-        deflate(&[0; 1000], &mut stored);
-        let error = unpack(BlobKind::Shell, &stored, &BlobRef::of(&stored));
+        let read = |stored: &[u8]| unpack::<Vec<u8>>(BlobKind::Shell, stored, &BlobRef::of(stored));
+        let zeros = pack(BlobKind::Shell, &vec![0_u8; 100_000]);
+        assert_eq!((zeros.len() < 200, read(&zeros)), (true, Ok(vec![0; 100_000])));
+        let claim = |size: &[u8]| [&zeros[..1], size, &zeros[4..]].concat();
+        let error = read(&claim(&[0xFF, 0xFF, 0xFF, 0x7F]));
         assert!(matches!(error, Err(StoreError::TooLarge { .. })), "{error:?}");
-        let mut honest = vec![BlobKind::Shell as u8, 10];
-        deflate(&[0; 1 << 20], &mut honest);
-        let error = unpack(BlobKind::Shell, &honest, &BlobRef::of(&honest));
-        assert!(matches!(error, Err(StoreError::Malformed { .. })), "more than it says: {error:?}");
+        for (size, what) in [([0xA0, 0x8D, 0x06], "more than it says"), ([0xA2, 0x8D, 0x06], "fewer than it says")] {
+            let error = read(&claim(&size));
+            assert!(matches!(error, Err(StoreError::Malformed { .. })), "{what}: {error:?}");
+        }
+        assert_eq!(read(&claim(&[0xA1, 0x8D, 0x06])), Ok(vec![0; 100_000]));
     }
 
     #[test]
     fn a_blob_of_another_kind_is_named() {
-        let stored = pack(BlobKind::Styles, b"x");
-        let error = unpack(BlobKind::Shell, &stored, &BlobRef::of(&stored)).expect_err("another kind");
+        let stored = pack(BlobKind::Styles, &1_u8);
+        let error = unpack::<u8>(BlobKind::Shell, &stored, &BlobRef::of(&stored)).expect_err("another kind");
         assert_eq!(error.to_string(), "expected a packet of level 1, found the styles");
     }
 

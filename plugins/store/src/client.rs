@@ -430,8 +430,21 @@ impl Client {
             Some(blob) => (blob.path(), u64::from(blob.bytes)),
             None => (INDEX_NAME.to_owned(), self.settings.index_limit),
         };
-        let regions = self.index.as_ref().map_or_else(|| [].into(), |index| Arc::clone(&index.regions));
-        Request { id, path, limit, what, blob, regions }
+        let index = self.index.as_ref();
+        let home = |cell: u32| {
+            let (index, number) = (index?, index?.region_of(cell)?);
+            Some((Arc::clone(index.region(number)?), (cell - index.regions[number as usize].first) as usize))
+        };
+        Request {
+            id,
+            path,
+            limit,
+            what,
+            blob,
+            regions: index.map_or_else(|| [].into(), |index| Arc::clone(&index.regions)),
+            home: if let What::Packet { cell, .. } = what { home(cell) } else { None },
+            palettes: index.map_or_else(|| [].into(), |index| Arc::clone(&index.palettes)),
+        }
     }
 
     fn blob_bytes(&self, blob: impl FnOnce(&CityIndex) -> Option<BlobRef>) -> u64 {

@@ -2,7 +2,9 @@ use core::ops::Range;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-use veduta_city::{Cell, CellShell, Cells, CityPlan, FacadeSheet, GRID_PER_METRE, GridPos, Level, OverviewParts, WaySpan};
+use veduta_city::{
+    Cell, CellShell, Cells, CityPlan, FacadeSheet, GRID_PER_METRE, GridPos, Level, OverviewParts, Palette, Style, WaySpan,
+};
 
 use crate::index::encode_index;
 use crate::overview::{decode_overview, encode_overview};
@@ -10,8 +12,8 @@ use crate::packet::{encode_sheet, encode_shell, encode_styles};
 use crate::region::{decode_region, encode_region, squares};
 use crate::wire::{bounds_beyond, metres_beyond};
 use crate::{
-    BlobRef, CellEntry, CityIndex, CityStats, FORMAT_VERSION, Packet, Region, RegionEntry, RegionKey, StoreError, decode_index,
-    decode_packet, decode_styles, sheet_fits, valid, wall_count,
+    BlobRef, CellEntry, CityIndex, CityStats, FORMAT_VERSION, Packet, PacketContext, Region, RegionEntry, RegionKey, StoreError,
+    decode_index, decode_packet, decode_styles, sheet_fits, valid, wall_count,
 };
 
 const WHAT: &str = "the city to be written";
@@ -37,6 +39,7 @@ pub(crate) fn head(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> R
         start: plan.start,
         extent: plan.extent.clone(),
         regions: [].into(),
+        palettes: palettes(plan).into(),
         styles: styles(plan, stats, sink)?,
         pages: Vec::new(),
     })
@@ -51,13 +54,14 @@ pub(crate) fn entries<'a>(
     sink: &Sink<'_>,
 ) -> Result<Vec<CellEntry>, StoreError> {
     let count = cells.cells.len();
+    let palettes = palettes(plan);
     let entries = side_by_side(count, &|i| {
         let (shell, sheet) = contents(i);
         let told = |error: StoreError| match error {
             StoreError::Write { .. } => error,
             error => invalid(format!("cell {i} ({}): {error}", cells.cells[i].id)),
         };
-        entry(plan, &cells.cells[i], (&shell, &sheet), sink).map_err(told)
+        entry((plan, &palettes), &cells.cells[i], (&shell, &sheet), sink).map_err(told)
     })?;
     stats.cells += count as u64;
     for entry in &entries {
@@ -236,9 +240,14 @@ fn styles(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> Result<Opt
     Ok(Some(blob))
 }
 
+/// What houses of each style are painted with.
+fn palettes(plan: &CityPlan) -> Vec<Palette> {
+    plan.styles.0.iter().map(Style::palette).collect()
+}
+
 /// What is told of the packets of a cell in its entry of the index; they go to the sink.
 fn entry(
-    plan: &CityPlan,
+    (plan, palettes): (&CityPlan, &[Palette]),
     cell: &Cell,
     (shell, sheet): (&CellShell, &FacadeSheet),
     sink: &Sink<'_>,
@@ -250,19 +259,20 @@ fn entry(
     }
     let styles = plan.styles.0.len();
     if let Some(house) = shell.houses.iter().find(|house| styles > 0 && usize::from(house.style) >= styles) {
-        return Err(invalid(format!("its house {} has style {} of {styles}", house.id, house.style)));
+        return Err(invalid(format!("a house of it has style {} of {styles}", house.style)));
     }
     let mut packets = [None; 4];
-    let stored = encode_shell(shell);
+    let context = PacketContext { outline: Some(&cell.outline), palettes };
+    let stored = encode_shell(shell, context);
     let blob = BlobRef::of(&stored);
-    read_back(&Packet::Shell(Box::new(shell.clone())), &decode_packet(&stored, &blob, Level::One)?)?;
+    read_back(&Packet::Shell(Box::new(shell.clone())), &decode_packet(&stored, &blob, Level::One, context)?)?;
     sink(&blob, &stored)?;
     packets[Level::One.index()] = Some(blob);
     // Trees know two levels too, though nothing is to be told of the second.
     if walls > 0 || shell.objects.iter().any(|object| object.kind.is_tree()) {
         let stored = encode_sheet(sheet);
         let blob = BlobRef::of(&stored);
-        read_back(&Packet::Facades(sheet.clone()), &decode_packet(&stored, &blob, Level::Two)?)?;
+        read_back(&Packet::Facades(sheet.clone()), &decode_packet(&stored, &blob, Level::Two, context)?)?;
         sink(&blob, &stored)?;
         packets[Level::Two.index()] = Some(blob);
     }

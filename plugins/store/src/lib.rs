@@ -46,15 +46,17 @@
 //!
 //! | file | bytes |
 //! |---|---|
-//! | `city.veduta` | `VEDUTA`, 0; kind 1; version, u32; blake3 of all that follows, 32 bytes; inflated size, u32; raw deflate of the index |
-//! | `blobs/ab/abcdef….bin` | kind: 1 level 1, 2 level 2, 16 overview, 17 styles, 18 region; inflated size, varint; raw deflate of the content |
+//! | `city.veduta` | `VEDUTA`, 0; kind 1; version, u32; blake3 of all that follows, 32 bytes; the index |
+//! | `blobs/ab/abcdef….bin` | kind: 1 level 1, 2 level 2, 16 overview, 17 styles, 18 region; the content |
 //!
 //! Numbers are little-endian. A blob is named by the first half of the blake3 hash of its bytes, so a copy that answers to its name is
-//! whole. Contents are columns of numbers in postcard: differences, ids without zeros, each vertex and colour and wall told once.
+//! whole. Contents are structures of numbers (differences, each vertex and wall told once, colours by the palettes of styles) behind how
+//! many values they have, as a varint; they go through an adaptive range coder that begins with what such numbers are like on average.
+//! A cell's packet does not tell what the index does: its outline, the palettes ([`PacketContext`]).
 //!
 //! The index lists regions: squares of a quadtree over the whole grid with at most 128 cells each. What it tells of these cells (outlines,
-//! portals, visible sets, packets) is in the regions' blobs, which name the overview of each region too. Opening a city reads the list and the region in which a visit begins,
-//! however large it is. Cells are numbered along the quadtree's curve; in a region's blob those of others are named by the other's
+//! portals, visible sets, packets) is in the regions' blobs, which name the overview of each
+//! region too. Opening a city reads the list and the region in which a visit begins, however large it is. Cells are numbered along the quadtree's curve; in a region's blob those of others are named by the other's
 //! square, so that what is built at one end of a city changes no bytes at the other.
 //!
 //! # Failures
@@ -65,18 +67,20 @@
 //!
 //! # Limits
 //! The list of regions (some 23 bytes each) is read whole. A walk that goes on while its city is baked again sees packets missing until it is opened anew. A power cut right after writing may lose blobs; writing
-//! again mends them. Two programs must not write to one directory at a time. Deflate's bytes depend on the version of its
-//! crate: a new one changes the names of blobs, not what they say.
+//! again mends them. Two programs must not write to one directory at a time. A packet tells neither ids of houses nor of objects:
+//! whoever needs them takes the plan.
 //!
 //! # Rejected
-//! The model's own serde form in postcard (it leaves out empty fields, which formats without names do not survive); zstd (a
-//! C library, or slow in a browser, for a few per cent of such small packets); one archive with byte ranges (plain servers
+//! The model's own serde form (it leaves out empty fields, which formats without names do not survive); deflate over columns in
+//! postcard, which this was until format 11 (twice the bytes: a packet of 400 bytes is too short to tell a code of its own, and
+//! numbers are no letters); zstd with a dictionary (a C library, or slow in a browser, for a third of that gain); one archive with byte ranges (plain servers
 //! differ in them, and nothing unchanged could stay when baking again); retries inside readers (nobody could count them).
 
 mod blob;
 #[cfg(not(target_arch = "wasm32"))]
 mod cache;
 mod client;
+mod code;
 mod compose;
 mod disk;
 mod error;
@@ -102,7 +106,7 @@ pub use error::{ReadError, StoreError};
 pub use http::{HttpReader, HttpSettings};
 pub use index::{CityIndex, decode_index, encode_index, read_index};
 pub use overview::{decode_overview, encode_overview, read_overview};
-pub use packet::{Packet, decode_packet, decode_styles, encode_packet, sheet_fits, wall_count};
+pub use packet::{Packet, PacketContext, decode_packet, decode_styles, encode_packet, sheet_fits, wall_count};
 pub use reader::{DirReader, Fresh, Reader, open_reader};
 pub use region::{CellEntry, Region, RegionEntry, RegionKey, decode_region, encode_region};
 pub use request::{Payload, Request, RequestId, What};
@@ -114,7 +118,7 @@ pub use write::{CityWriter, write_city};
 extern crate self as veduta_store;
 
 /// Version of the format that this program writes and reads.
-pub const FORMAT_VERSION: u32 = 11;
+pub const FORMAT_VERSION: u32 = 12;
 
 /// Name of the index's file in a city's directory.
 pub const INDEX_NAME: &str = "city.veduta";

@@ -1,13 +1,13 @@
 use veduta_city::Overview;
 
 use crate::blob::{BlobKind, pack, unpack};
-use crate::wire::{WireOverview, from_bytes, to_bytes};
+use crate::wire::WireOverview;
 use crate::{BlobRef, CityIndex, Reader, StoreError, valid};
 
 /// Stored form of an overview. Outlines and heights must be multiples of [`veduta_city::MAP_STEP`].
 #[must_use]
 pub fn encode_overview(overview: &Overview) -> Vec<u8> {
-    pack(BlobKind::Overview, &to_bytes(&WireOverview::from(overview)))
+    pack(BlobKind::Overview, &WireOverview::from(overview))
 }
 
 /// The overview of a whole city, or of what its index tells so far, put together: waits for the reader. For tools; walkers read what they
@@ -29,7 +29,7 @@ pub fn read_overview(reader: &dyn Reader, index: &CityIndex) -> Result<Overview,
 /// If the bytes are not those, cannot be decoded, or contradict themselves.
 pub fn decode_overview(stored: &[u8], blob: &BlobRef) -> Result<Overview, StoreError> {
     let what = BlobKind::Overview.words();
-    let wire: WireOverview = from_bytes(what, &unpack(BlobKind::Overview, stored, blob)?)?;
+    let wire: WireOverview = unpack(BlobKind::Overview, stored, blob)?;
     let overview = Overview::try_from(wire).map_err(|malformed| malformed.of(what))?;
     valid::check_overview(&overview).map_err(|reason| StoreError::Invalid { what, reason })?;
     Ok(overview)

@@ -2,11 +2,11 @@ use core::fmt;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use veduta_city::{Level, Overview};
+use veduta_city::{Level, Overview, Palette};
 
 use crate::{
-    BlobRef, CityIndex, Packet, Reader, Region, RegionEntry, StoreError, decode_index, decode_overview, decode_packet,
-    decode_region,
+    BlobRef, CityIndex, Packet, PacketContext, Reader, Region, RegionEntry, StoreError, decode_index, decode_overview,
+    decode_packet, decode_region,
 };
 
 /// Number of a request, never used twice by the same client.
@@ -52,7 +52,7 @@ impl fmt::Display for What {
 /// Something that a [`crate::Client`] wants read. Whoever does the I/O reads `path`, calls [`Request::decode`] on the bytes
 /// off the main thread, and hands the result to [`crate::Client::deliver`]. Each request must be answered once, with an
 /// error if it is given up: it counts as in flight until then.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// Its number.
     pub id: RequestId,
@@ -66,6 +66,10 @@ pub struct Request {
     pub blob: Option<BlobRef>,
     /// All regions of the city, by which those asked for name each other.
     pub(crate) regions: Arc<[RegionEntry]>,
+    /// Of a packet: the region of its cell, and where it is in it.
+    pub(crate) home: Option<(Arc<Region>, usize)>,
+    /// What houses are painted with.
+    pub(crate) palettes: Arc<[Palette]>,
 }
 
 /// The answer to a request, decoded and checked.
@@ -98,7 +102,9 @@ impl Request {
                 decode_region(&bytes, number, &self.regions).map(|region| Payload::Region(Arc::new(region)))
             }
             (What::Packet { level, .. }, Some(blob)) => {
-                decode_packet(&bytes, blob, level).map(|packet| Payload::Packet(Box::new(packet)))
+                let cell = self.home.as_ref().and_then(|(region, n)| region.cells.get(*n));
+                let context = PacketContext { outline: cell.map(|cell| &cell.outline), palettes: &self.palettes };
+                decode_packet(&bytes, blob, level, context).map(|packet| Payload::Packet(Box::new(packet)))
             }
             _ => {
                 let index = Box::new(decode_index(&bytes)?);

@@ -81,16 +81,18 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
     if vertices > Course::MOST_VERTICES || !shell.courses.iter().flat_map(|course| &course.line).all(|&pos| is_within(pos, NEAR)) {
         return Err("its courses have too many vertices, or reach too far".to_owned());
     }
-    shell.houses.iter().try_for_each(check_house)?;
-    for object in &shell.objects {
+    for (i, house) in shell.houses.iter().enumerate() {
+        check_house(house).map_err(|reason| format!("house {i}: {reason}"))?;
+    }
+    for (i, object) in shell.objects.iter().enumerate() {
         if !is_within(object.pos, NEAR) {
-            return Err(format!("object {} stands too far away", object.id));
+            return Err(format!("object {i} stands too far away"));
         }
         check_height("its foot", object.z)
             .and_then(|()| check_height("its top", object.height))
-            .map_err(|reason| format!("object {}: {reason}", object.id))?;
+            .map_err(|reason| format!("object {i}: {reason}"))?;
         if let Some(design) = object.monument.filter(|&design| usize::from(design) >= shell.designs.len()) {
-            return Err(format!("object {} has design {design} of {}", object.id, shell.designs.len()));
+            return Err(format!("object {i} has design {design} of {}", shell.designs.len()));
         }
     }
     for (i, &(from, to)) in shell.blind.iter().enumerate() {
@@ -179,9 +181,9 @@ fn squares(shell: &CellShell) -> u64 {
 }
 
 fn check_house(house: &HouseShell) -> Check {
-    check_height("its floor", house.floor).map_err(|reason| format!("house {}: {reason}", house.id))?;
+    check_height("its floor", house.floor)?;
     for (v, volume) in house.volumes.iter().enumerate() {
-        check_volume(volume).map_err(|reason| format!("house {}, volume {v}: {reason}", house.id))?;
+        check_volume(volume).map_err(|reason| format!("volume {v}: {reason}"))?;
     }
     Ok(())
 }

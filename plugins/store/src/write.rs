@@ -300,9 +300,9 @@ mod tests {
         };
         let index = read_index(&reader).expect("whole");
         let read = |blob: &BlobRef| reader.read(&blob.path(), blob.bytes.into()).expect("there");
-        for (cell, level) in index.cells().flat_map(|(_, cell)| Level::ALL.map(|level| (cell, level))) {
+        for (i, cell, level) in index.cells().flat_map(|(i, cell)| Level::ALL.map(|level| (i, cell, level))) {
             if let Some(blob) = cell.packet(level) {
-                decode_packet(&read(blob), blob, level).expect("whole");
+                decode_packet(&read(blob), blob, level, index.packet_context(i)).expect("whole");
             }
         }
         Some(read_overview(&reader, &index).expect("whole").houses.len())

@@ -5,7 +5,7 @@ mod sample;
 use std::borrow::Cow;
 
 use sample::{City, TempDir, city, files};
-use veduta_city::{CityPlan, Gable, GridPos, Id, Level, ObjectKind, Overview, PlanObject, PortalSide, Stand, Style};
+use veduta_city::{CityPlan, Gable, GridPos, Level, ObjectKind, ObjectShell, Overview, PortalSide, Stand, Style};
 use veduta_store::*;
 
 fn index_of(dir: &std::path::Path) -> CityIndex {
@@ -36,8 +36,9 @@ fn a_city_of_three_cells_reads_back_as_it_was() {
         );
         assert_eq!((entry.houses, entry.walls), (8, 32));
         let [Some(one), Some(two), None, None] = entry.packets else { panic!("levels 1 and 2: {:?}", entry.packets) };
-        assert_eq!(decode_packet(&blob_bytes(&dir, &one), &one, Level::One), Ok(Packet::Shell(Box::new(city.shells[c].clone()))));
-        assert_eq!(decode_packet(&blob_bytes(&dir, &two), &two, Level::Two), Ok(Packet::Facades(city.sheets[c].clone())));
+        let read = |blob: &BlobRef, level| decode_packet(&blob_bytes(&dir, blob), blob, level, index.packet_context(c as u32));
+        assert_eq!(read(&one, Level::One), Ok(Packet::Shell(Box::new(city.shells[c].clone()))));
+        assert_eq!(read(&two, Level::Two), Ok(Packet::Facades(city.sheets[c].clone())));
         assert!(sheet_fits(&city.shells[c], &city.sheets[c]));
         let tallest = city.shells[c].houses.iter().map(|h| h.volumes[0].eaves + h.volumes[0].roof.height).max();
         assert_eq!(Some(entry.top), tallest);
@@ -50,14 +51,14 @@ fn a_city_of_three_cells_reads_back_as_it_was() {
 
 #[test]
 fn a_cell_has_a_second_level_where_it_has_walls_or_trees() {
-    let has = |objects: Vec<PlanObject>| {
+    let has = |objects: Vec<ObjectShell>| {
         let temp = TempDir::new("trees");
         let mut city = city(1, 0);
         city.shells[0].objects = objects;
         city.write(&temp.0).expect("written");
         index_of(&temp.0).cell(0).expect("a cell").packets.map(|packet| packet.is_some())
     };
-    let object = |kind| PlanObject { id: Id(5), kind, pos: GridPos(0, 0), z: 0, heading: 0, height: 0, monument: None };
+    let object = |kind| ObjectShell { kind, pos: GridPos(0, 0), z: 0, heading: 0, height: 0, monument: None };
     assert_eq!(has(vec![object(ObjectKind::Bench)]), [true, false, false, false]);
     assert_eq!(has(vec![object(ObjectKind::Birch)]), [true, true, false, false]);
 }
@@ -258,6 +259,6 @@ fn a_house_takes_few_bytes() {
     let stats = city(40, 5).write(&temp.0).expect("written");
     println!("{stats}");
     let (one, two) = (stats.bytes_per_house(Level::One).expect("houses"), stats.bytes_per_house(Level::Two).expect("houses"));
-    assert!(one <= 64.0, "level 1 takes {one:.1} bytes a house");
-    assert!(two <= 400.0, "level 2 takes {two:.1} bytes a house");
+    assert!(one <= 32.0, "level 1 takes {one:.1} bytes a house");
+    assert!(two <= 22.0, "level 2 takes {two:.1} bytes a house");
 }

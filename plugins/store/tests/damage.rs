@@ -83,16 +83,16 @@ fn any_flipped_byte_of_a_packet_is_noticed_and_may_be_asked_for_again() {
     let city = city(1, 3);
     let packets = [Packet::Shell(Box::new(city.shells[0].clone())), Packet::Facades(city.sheets[0].clone())];
     for packet in packets {
-        let good = encode_packet(&packet);
+        let good = encode_packet(&packet, PacketContext::default());
         let blob = BlobRef::of(&good);
-        assert_eq!(decode_packet(&good, &blob, packet.level()).as_ref(), Ok(&packet));
+        assert_eq!(decode_packet(&good, &blob, packet.level(), PacketContext::default()).as_ref(), Ok(&packet));
         let mut bytes = good.clone();
         for i in 0..good.len() {
             bytes[i] ^= 0x10;
-            let error = decode_packet(&bytes, &blob, packet.level()).expect_err("a flipped byte");
+            let error = decode_packet(&bytes, &blob, packet.level(), PacketContext::default()).expect_err("a flipped byte");
             assert!(matches!(error, StoreError::Checksum { .. }) && !error.is_permanent(), "byte {i}: {error:?}");
             bytes[i] = good[i];
-            let error = decode_packet(&good[..i], &blob, packet.level()).expect_err("cut");
+            let error = decode_packet(&good[..i], &blob, packet.level(), PacketContext::default()).expect_err("cut");
             assert!(matches!(error, StoreError::Length { .. }) && !error.is_permanent(), "{i} bytes: {error:?}");
         }
     }
@@ -101,9 +101,9 @@ fn any_flipped_byte_of_a_packet_is_noticed_and_may_be_asked_for_again() {
 #[test]
 fn a_packet_of_another_level_is_noticed_for_good() {
     let city = city(1, 1);
-    let sheet = encode_packet(&Packet::Facades(city.sheets[0].clone()));
-    let error = decode_packet(&sheet, &BlobRef::of(&sheet), Level::One).expect_err("another level");
+    let sheet = encode_packet(&Packet::Facades(city.sheets[0].clone()), PacketContext::default());
+    let error = decode_packet(&sheet, &BlobRef::of(&sheet), Level::One, PacketContext::default()).expect_err("another level");
     assert!(matches!(error, StoreError::Kind { .. }) && error.is_permanent(), "{error:?}");
-    let error = decode_packet(&sheet, &BlobRef::of(&sheet), Level::Three).expect_err("no such level");
+    let error = decode_packet(&sheet, &BlobRef::of(&sheet), Level::Three, PacketContext::default()).expect_err("no such level");
     assert_eq!(error, StoreError::NoSuchLevel(Level::Three));
 }

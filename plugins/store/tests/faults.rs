@@ -81,9 +81,9 @@ fn any_flipped_byte_of_a_city_is_an_error_that_names_the_file() {
         let index = read_index(&reader)?;
         let bytes = |blob: &BlobRef| reader.read(&blob.path(), blob.bytes.into());
         let told = |blob: &BlobRef, error: StoreError| error.in_file(reader.describe(), &blob.path());
-        for (cell, level) in index.cells().flat_map(|(_, cell)| Level::ALL.map(|level| (cell, level))) {
+        for (i, cell, level) in index.cells().flat_map(|(i, cell)| Level::ALL.map(|level| (i, cell, level))) {
             if let Some(blob) = cell.packet(level) {
-                decode_packet(&bytes(blob)?, blob, level).map_err(|error| told(blob, error))?;
+                decode_packet(&bytes(blob)?, blob, level, index.packet_context(i)).map_err(|error| told(blob, error))?;
             }
         }
         read_overview(&reader, &index)?;

@@ -149,7 +149,7 @@ fn look(reader: &dyn Reader, index: &CityIndex) -> Found {
         let mut shell = None;
         for level in Level::ALL {
             let Some(blob) = cell.packet(level) else { continue };
-            match read(blob).and_then(|stored| decode_packet(&stored, blob, level)) {
+            match read(blob).and_then(|stored| decode_packet(&stored, blob, level, index.packet_context(i))) {
                 Ok(packet) => {
                     match packet {
                         Packet::Shell(one) => shell = Some(*one),

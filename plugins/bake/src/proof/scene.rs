@@ -215,9 +215,7 @@ fn point(p: DVec3) -> Point3<f64> {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use veduta_city::{
-        Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Id, PlanRoof, Rgb, RoofShape, SurfaceKind, VolumeShell,
-    };
+    use veduta_city::{Gable, GridPolygon, GridPos, GroundPatch, HouseShell, PlanRoof, Rgb, RoofShape, SurfaceKind, VolumeShell};
 
     use super::*;
 
@@ -239,7 +237,7 @@ mod tests {
             walls: vec![0, 1, 2, 3],
             arcades: Vec::new(),
         };
-        let house = HouseShell { id: Id(5), style: 0, floor: 0, volumes: vec![volume], is_monument: false };
+        let house = HouseShell { style: 0, floor: 0, volumes: vec![volume], is_monument: false };
         CellShell { origin, ground: vec![ground], houses: vec![house], ..CellShell::default() }
     }
 

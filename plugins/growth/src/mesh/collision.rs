@@ -1,5 +1,5 @@
 use glam::DVec2;
-use veduta_city::{BoreEnd, CellShell, GridPos, PlanObject, SpanForm, SpanStation, SurfaceKind, WaySpan, metres};
+use veduta_city::{BoreEnd, CellShell, GridPos, ObjectShell, SpanForm, SpanStation, SurfaceKind, WaySpan, metres};
 
 use super::arcade;
 use super::bridge::{Deck, KERB_M};
@@ -257,7 +257,7 @@ fn walkable(shell: &CellShell, drape: &Drape<'_>) -> Trimesh {
     mesh
 }
 
-fn pillar(object: &PlanObject) -> Pillar {
+fn pillar(object: &ObjectShell) -> Pillar {
     Pillar {
         foot: engine(object.pos.to_metres(), metres(object.z)).as_vec3().to_array(),
         radius_m: radius_m(object) as f32,
@@ -267,7 +267,7 @@ fn pillar(object: &PlanObject) -> Pillar {
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::{Arcade, Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Id, PlanRoof, Rgb, VolumeShell};
+    use veduta_city::{Arcade, Gable, GridPolygon, GridPos, GroundPatch, HouseShell, PlanRoof, Rgb, VolumeShell};
 
     use super::*;
 
@@ -291,7 +291,7 @@ mod tests {
             walls: vec![3],
             arcades: Vec::new(),
         };
-        HouseShell { id: Id(1), style: 0, floor: 0, volumes: vec![volume], is_monument: false }
+        HouseShell { style: 0, floor: 0, volumes: vec![volume], is_monument: false }
     }
 
     fn ground(surface: SurfaceKind, x: i32) -> GroundPatch {
@@ -344,7 +344,7 @@ mod tests {
     fn banks_above_a_bore_are_shut() {
         let station = |x: i32| SpanStation { left: GridPos(x, 4096), right: GridPos(x, 1024), z: -8 * 1024 };
         let bore = |form: SpanForm| WaySpan {
-            id: Id(1),
+            id: veduta_city::Id(1),
             form,
             surface: SurfaceKind::Asphalt,
             pavements: (0, 0),

@@ -6,10 +6,10 @@ mod tree;
 use glam::{DVec2, DVec3};
 use veduta_city::draw::Draw;
 use veduta_city::tree::{GREENS, nominal_m as tree_m};
-use veduta_city::{CellShell, ObjectKind, PlanObject, Rgb, Season, SurfaceKind, Tile, metres};
+use veduta_city::{CellShell, ObjectKind, ObjectShell, Rgb, Season, SurfaceKind, Tile, metres};
 
 use super::data::{MeshData, Paint};
-use super::outline::{centre_of, engine};
+use super::outline::{centre_of, draw_at, engine};
 use super::shape::{Ball, Sculptor};
 
 pub use card::tree_cards;
@@ -39,8 +39,8 @@ const LIGHT_M: f64 = 3.7;
 pub fn objects(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
     let ball = Ball::new();
-    for object in drawn(shell).filter(|object| !object.kind.is_tree()) {
-        Maker::new(object, &ball, &mut mesh).make(object.kind);
+    for (object, draw) in drawn(shell).filter(|(object, _)| !object.kind.is_tree()) {
+        Maker::new(object, draw, &ball, &mut mesh).make(object.kind);
     }
     mesh
 }
@@ -50,24 +50,21 @@ pub fn objects(shell: &CellShell) -> MeshData {
 pub fn trees(shell: &CellShell, season: Season) -> MeshData {
     let mut mesh = MeshData::default();
     let ball = Ball::new();
-    for object in drawn(shell).filter(|object| object.kind.is_tree()) {
-        Maker::new(object, &ball, &mut mesh).tree(object.kind, season);
+    for (object, draw) in drawn(shell).filter(|(object, _)| object.kind.is_tree()) {
+        Maker::new(object, draw, &ball, &mut mesh).tree(object.kind, season);
     }
     mesh
 }
 
-fn drawn(shell: &CellShell) -> impl Iterator<Item = &PlanObject> {
-    shell.objects.iter().filter(|object| object.monument.is_none())
-}
-
-/// What is random about an object.
-fn draw_of(object: &PlanObject) -> Draw {
-    Draw::new(0, object.id, "object")
+/// The objects that are not seen as monuments, and what is random about each.
+fn drawn(shell: &CellShell) -> impl Iterator<Item = (&ObjectShell, Draw)> {
+    let objects = shell.objects.iter().filter(|object| object.monument.is_none());
+    objects.map(|object| (object, draw_at(shell, object.pos, "object")))
 }
 
 /// Where the light of a lamp is, in the mesh's axes; `None` for other objects.
 #[must_use]
-pub fn lantern(object: &PlanObject) -> Option<[f32; 3]> {
+pub fn lantern(object: &ObjectShell) -> Option<[f32; 3]> {
     let light = engine(object.pos.to_metres(), metres(object.z) + LIGHT_M * scale_of(object));
     (object.kind == ObjectKind::Lamp && object.monument.is_none()).then(|| light.as_vec3().to_array())
 }
@@ -93,13 +90,13 @@ const fn nominal_m(kind: ObjectKind) -> f64 {
 }
 
 /// Size of an object against its model, 0.3 to 12.
-pub(super) fn scale_of(object: &PlanObject) -> f64 {
+pub(super) fn scale_of(object: &ObjectShell) -> f64 {
     let told = metres(object.height) / nominal_m(object.kind);
     if object.height > 0 { told.clamp(0.3, 12.0) } else { 1.0 }
 }
 
 /// Radius of the ground on which an object stands, metres.
-pub(crate) fn radius_m(object: &PlanObject) -> f64 {
+pub(crate) fn radius_m(object: &ObjectShell) -> f64 {
     object.kind.radius_m() * scale_of(object)
 }
 
@@ -111,7 +108,7 @@ struct Maker<'a> {
 }
 
 impl<'a> Maker<'a> {
-    fn new(object: &PlanObject, ball: &'a Ball, mesh: &'a mut MeshData) -> Self {
+    fn new(object: &ObjectShell, draw: Draw, ball: &'a Ball, mesh: &'a mut MeshData) -> Self {
         let plan = object.pos.to_metres();
         let heading = f64::from(object.heading).to_radians();
         let sculptor = Sculptor {
@@ -120,7 +117,7 @@ impl<'a> Maker<'a> {
             front: DVec2::new(libm::sin(heading), libm::cos(heading)),
             scale: scale_of(object),
         };
-        Self { sculptor, ball, centre: centre_of(plan), draw: draw_of(object) }
+        Self { sculptor, ball, centre: centre_of(plan), draw }
     }
 
     fn make(&mut self, kind: ObjectKind) {
@@ -370,13 +367,13 @@ impl<'a> Maker<'a> {
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::{GridPos, Id};
+    use veduta_city::GridPos;
 
     use super::*;
 
     fn one(kind: ObjectKind, heading: u16, season: Season) -> MeshData {
         let height = GridPos::steps(nominal_m(kind));
-        let object = PlanObject { id: Id(3), kind, pos: GridPos(2048, 1024), z: 1024, heading, height, monument: None };
+        let object = ObjectShell { kind, pos: GridPos(2048, 1024), z: 1024, heading, height, monument: None };
         let shell = CellShell { objects: vec![object], ..Default::default() };
         let mut mesh = objects(&shell);
         mesh.append(&trees(&shell, season));
@@ -434,10 +431,9 @@ mod tests {
 
     #[test]
     fn only_lamps_shine() {
-        let lamp =
-            PlanObject { id: Id(1), kind: ObjectKind::Lamp, pos: GridPos(0, 1024), z: 0, heading: 0, height: 4301, monument: None };
+        let lamp = ObjectShell { kind: ObjectKind::Lamp, pos: GridPos(0, 1024), z: 0, heading: 0, height: 4301, monument: None };
         let [x, y, z] = lantern(&lamp).unwrap();
         assert!((x, z) == (0.0, -1.0) && (3.6..3.8).contains(&y));
-        assert_eq!(lantern(&PlanObject { kind: ObjectKind::Bin, ..lamp }), None);
+        assert_eq!(lantern(&ObjectShell { kind: ObjectKind::Bin, ..lamp }), None);
     }
 }

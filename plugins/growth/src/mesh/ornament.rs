@@ -358,7 +358,7 @@ mod tests {
     use glam::DVec3;
     use proptest::prelude::*;
     use veduta_city::{
-        CellShell, FacadeSheet, Gable, GridPolygon, GridPos, HouseShell, Id, PlanRoof, RoofShape, VolumeShell, WallKind,
+        CellShell, FacadeSheet, Gable, GridPolygon, GridPos, HouseShell, PlanRoof, RoofShape, VolumeShell, WallKind,
     };
 
     use super::super::moulding::mouldings;
@@ -383,7 +383,7 @@ mod tests {
             walls: vec![0],
             arcades: Vec::new(),
         };
-        let house = HouseShell { id: Id(5), style: 0, floor: 0, volumes: vec![volume], is_monument: false };
+        let house = HouseShell { style: 0, floor: 0, volumes: vec![volume], is_monument: false };
         CellShell { houses: vec![house], ..CellShell::default() }
     }
 

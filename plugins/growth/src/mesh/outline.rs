@@ -1,10 +1,17 @@
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
-use veduta_city::{GridPolygon, GridPos, PlanTerrain, metres};
+use veduta_city::draw::Draw;
+use veduta_city::{CellShell, GridPolygon, GridPos, Id, PlanTerrain, metres};
 
 /// Plan position (x, y) at a height, in the engine's axes.
 pub(super) fn engine(plan: DVec2, y: f64) -> DVec3 {
     DVec3::new(plan.x, y, -plan.y)
+}
+
+/// What is random about a thing, by where in the plan it is: the same whatever cell draws it.
+pub(super) fn draw_at(shell: &CellShell, pos: GridPos, stage: &str) -> Draw {
+    let (origin, wrapped) = (shell.origin, i32::wrapping_add);
+    Draw::new(0, Id(GridPos(wrapped(origin.0, pos.0), wrapped(origin.1, pos.1)).morton()), stage)
 }
 
 /// Plan position as a façade's or house's centre (x, z).

@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use veduta_city::{
-    CellShell, FacadeSheet, Gable, GridPolygon, GridPos, GridRing, GroundFloor, GroundPatch, HouseShell, Id, Opening, PlanRoof,
-    Rgb, RoofShape, Storey, SurfaceKind, VolumeShell, Wall, WallKind,
+    CellShell, FacadeSheet, Gable, GridPolygon, GridPos, GridRing, GroundFloor, GroundPatch, HouseShell, Opening, PlanRoof, Rgb,
+    RoofShape, Storey, SurfaceKind, VolumeShell, Wall, WallKind,
 };
 
 use super::outline::{contains, rings, wall_count};
@@ -86,10 +86,7 @@ fn volume(footprint: GridPolygon, shape: RoofShape, direction: u16, height: i32)
 }
 
 fn cell(volume: VolumeShell) -> CellShell {
-    CellShell {
-        houses: vec![HouseShell { id: Id(77), style: 0, floor: 0, volumes: vec![volume], is_monument: false }],
-        ..Default::default()
-    }
+    CellShell { houses: vec![HouseShell { style: 0, floor: 0, volumes: vec![volume], is_monument: false }], ..Default::default() }
 }
 
 fn sheet(shell: &CellShell, bays: u8) -> FacadeSheet {

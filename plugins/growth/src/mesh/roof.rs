@@ -5,7 +5,7 @@ use super::data::{MeshData, Paint};
 use super::form::{Affine, Form, Ridge, RoofForm};
 use super::hip::{Pieces, clip, hip};
 use super::lathe::lathe;
-use super::outline::{Rings, Triangulator, centre_of, contains, engine, middle, rings, wall_edge};
+use super::outline::{Rings, Triangulator, centre_of, contains, draw_at, engine, middle, rings, wall_edge};
 use super::roof_detail;
 use crate::skeleton::Skeletons;
 
@@ -28,7 +28,8 @@ pub fn roofs(shell: &CellShell) -> MeshData {
             let first = mesh.positions.len();
             let Some(form) = roofer.start(volume) else { continue };
             roofer.cover(&form, &mut mesh);
-            roof_detail::details(house.id, &form, &mut roofer, &mut mesh);
+            let corner = volume.footprint.outer.first().copied().unwrap_or_default();
+            roof_detail::details(draw_at(shell, corner, "roof"), &form, &mut roofer, &mut mesh);
             if metres(volume.bottom) > metres(house.floor) + HANGING_M {
                 roofer.underside(volume, &mut mesh);
             }

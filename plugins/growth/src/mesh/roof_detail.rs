@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use veduta_city::draw::Draw;
-use veduta_city::{Id, Opening, Rgb, RoofShape, Tile};
+use veduta_city::{Opening, Rgb, RoofShape, Tile};
 
 use super::data::{MeshData, Paint};
 use super::form::{Form, RoofForm, level_neighbours};
@@ -21,9 +21,8 @@ const PARAPET_WIDTH_M: f64 = 0.25;
 const PARAPET_FROM_M2: f64 = 25.0;
 
 /// Adds the overhang or parapet, chimneys and dormers of a covered volume.
-pub(super) fn details(house: Id, form: &RoofForm<'_>, roofer: &mut Roofer, mesh: &mut MeshData) {
+pub(super) fn details(draw: Draw, form: &RoofForm<'_>, roofer: &mut Roofer, mesh: &mut MeshData) {
     let size = area(&roofer.rings[0]);
-    let draw = Draw::new(0, house, "roof");
     match form.form {
         Form::Flat => {
             if size >= PARAPET_FROM_M2 && form.eaves - veduta_city::metres(form.volume.bottom) > 2.5 {

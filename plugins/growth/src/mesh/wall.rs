@@ -213,7 +213,7 @@ pub(super) fn runs(wall: &Wall, storey: usize) -> impl Iterator<Item = (u8, u8, 
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::{Gable, GridPolygon, GridPos, GroundFloor, HouseShell, Id, PlanRoof, Rgb, RoofShape, Storey, WallKind};
+    use veduta_city::{Gable, GridPolygon, GridPos, GroundFloor, HouseShell, PlanRoof, Rgb, RoofShape, Storey, WallKind};
 
     use super::*;
 
@@ -234,7 +234,7 @@ mod tests {
             walls,
             arcades: Vec::new(),
         };
-        let house = HouseShell { id: Id(5), style: 0, floor: 0, volumes: vec![volume], is_monument: false };
+        let house = HouseShell { style: 0, floor: 0, volumes: vec![volume], is_monument: false };
         CellShell { houses: vec![house], ..Default::default() }
     }
 

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec2;
-use veduta_city::{CityGraph, Course, GridPos, Id, Link, LinkKind, SurfaceKind};
+use veduta_city::{CityGraph, Course, GridPos, Id, Link, LinkKind, MAP_STEP, SurfaceKind};
 
 use super::band::LEAST_PIECE_M;
 use super::streets::{link_surface, pavement_m, surface, width_m};
@@ -75,7 +75,7 @@ impl Courses {
             let mut line: Vec<GridPos> = Vec::new();
             for (link, is_forward) in chain {
                 courses.of_links[link] = Some(number);
-                let points = lines[link].iter().flatten().map(|&p| GridPos::from_metres(p));
+                let points = lines[link].iter().flatten().map(|&p| place(p));
                 if is_forward { line.extend(points) } else { line.extend(points.rev()) }
             }
             line.dedup();
@@ -86,7 +86,7 @@ impl Courses {
             let longest = edges.max_by(|e, f| e.0.distance_squared(*e.1).total_cmp(&f.0.distance_squared(*f.1)));
             let front = longest.filter(|_| is_laid(surface(square.surfacing)));
             courses.of_squares.push(front.map(|_| courses.list.len() as u32));
-            courses.list.extend(front.map(|(&a, &b)| Course { line: [a, b].map(GridPos::from_metres).to_vec(), from: 0 }));
+            courses.list.extend(front.map(|(&a, &b)| Course { line: [a, b].map(place).to_vec(), from: 0 }));
         }
         courses
     }
@@ -102,6 +102,11 @@ impl Courses {
     pub fn finish(self) -> Vec<Course> {
         self.list
     }
+}
+
+/// Courses run along quarters of a metre: they only turn the paving.
+fn place(p: DVec2) -> GridPos {
+    GridPos::from_metres(p).rounded(MAP_STEP)
 }
 
 /// Whether something of a link shows which way it is laid.

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::draw::Draw;
-use veduta_city::{Finding, GridPos, PlanRoof, RoofShape, Severity, Style, metres};
+use veduta_city::{Finding, GRID_PER_METRE, GridPos, PlanRoof, RoofShape, Severity, Style, metres};
 
 use super::facing::{BodyRef, Facing};
 use super::houses::{Body, Draft, StyleBook};
@@ -84,7 +84,8 @@ fn grown_eaves(drafts: &[Draft], facing: &Facing, floors: &[i32]) -> Vec<Option<
         let wish = wishes[h];
         // Steps away from the wish, up and down in turn, within the spread: the first that is clear, else the clearest.
         let steps = (0..=88).map(|i| wish + f64::from((i + 1) / 2) * 0.05 * if i % 2 == 0 { 1.0 } else { -1.0 });
-        let within = steps.filter(|d| d.abs() <= EAVES_SPREAD_M).map(|d| grown.eaves_m + d);
+        let even = |d: f64| metres(even(grown.eaves_m + d));
+        let within = steps.map(even).filter(|e| (e - grown.eaves_m).abs() <= EAVES_SPREAD_M);
         let first = within.clone().find(|&e| clear(e) >= EAVES_STEP_M + 0.005);
         let best = first.or_else(|| within.max_by(|a, b| clear(*a).total_cmp(&clear(*b))));
         eaves[h] = best.or(Some(grown.eaves_m));
@@ -118,8 +119,8 @@ fn mass(
     };
     let level = matches!(shape, RoofShape::Flat);
     let bottom = GridPos::steps(body.bottom_m);
-    let eaves = GridPos::steps(eaves_m).max(bottom + GridPos::steps(LEAST_HANGING_WALL_M));
-    let height = if level { 0 } else { GridPos::steps(roof_m).max(0) };
+    let eaves = even(eaves_m).max(bottom + GridPos::steps(LEAST_HANGING_WALL_M));
+    let height = if level { 0 } else { even(roof_m).max(0) };
     let shape = if height == 0 { RoofShape::Flat } else { shape };
     Mass {
         floor: 0,
@@ -127,6 +128,15 @@ fn mass(
         eaves,
         roof: PlanRoof { shape, height, direction: degrees(ridge, shape), colour: veduta_city::Rgb::default() },
     }
+}
+
+/// Heights of eaves, roofs and storeys are whole sixteenths of a metre: nobody sees the difference, and fewer digits travel.
+pub(super) const HEIGHT_STEP: i32 = GRID_PER_METRE / 16;
+
+/// The nearest such height, grid steps.
+pub(super) fn even(height_m: f64) -> i32 {
+    let sixteenths = libm::round(height_m * f64::from(GRID_PER_METRE / HEIGHT_STEP)) as i32;
+    sixteenths.saturating_mul(HEIGHT_STEP)
 }
 
 /// Most that a roof rises over walls of a height where no map says so.

@@ -11,6 +11,7 @@ use veduta_city::{
 use super::facing::HEADROOM_M;
 use super::furniture::{Furnisher, Piece, Taken};
 use super::ground::Ground;
+use super::massing::{HEIGHT_STEP, even};
 use super::network::Network;
 use super::spans::Decks;
 use super::walls::{Doorsteps, Standing};
@@ -191,10 +192,10 @@ fn placed(object: &Piece<'_>, seed: u64, site: &Site<'_>) -> PlanObject {
     PlanObject {
         id: object.id,
         kind: object.kind,
-        pos: GridPos::from_metres(object.pos),
+        pos: GridPos::from_metres(object.pos).rounded(HEIGHT_STEP),
         z: site.foot(object.pos, object.kind.radius_m()),
         heading: libm::round(heading.rem_euclid(360.0)) as u16 % 360,
-        height: GridPos::steps(height).max(1),
+        height: even(height).max(1),
         monument: None,
     }
 }

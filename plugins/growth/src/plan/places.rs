@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, HashSet};
 
 use glam::DVec2;
 use veduta_city::{
-    CityGraph, Finding, GridPos, House, Id, LinkKind, Opening, Place, PlaceKind, PlanObject, Severity, StreetClass, Styles,
-    SurfaceKind, Viewpoint,
+    CityGraph, Finding, GridPos, House, Id, LinkKind, ObjectShell, Opening, Place, PlaceKind, PlanObject, Severity, StreetClass,
+    Styles, SurfaceKind, Viewpoint,
 };
 
 use super::extent::Extent;
@@ -99,7 +99,7 @@ pub(super) fn start(
     let is_meant = |v: &Viewpoint| [v.pos.x, v.pos.y, v.eye_m, v.heading_deg, v.pitch_deg].iter().all(|n| n.is_finite());
     let given = graph.start.filter(is_meant);
     let chosen = given.unwrap_or_else(|| in_the_midst(graph, extent, site));
-    let discs = objects.iter().map(|o| (o.pos.to_metres(), radius_m(o)));
+    let discs = objects.iter().map(|o| (o.pos.to_metres(), radius_m(&ObjectShell::of(o))));
     let near: Vec<_> = discs.filter(|(middle, r)| middle.distance(chosen.pos) < FARTHEST_MOVE_M + r + SIGHT_M).collect();
     let is_free = |pos: DVec2, room_m: f64| site.is_free(pos) && near.iter().all(|(o, r)| o.distance(pos) >= r + room_m);
     if is_free(chosen.pos, ROOM_M) {

@@ -1,15 +1,13 @@
 //! Looks of houses, drawn one by one and then set apart: no two neighbours alike.
 
 use rayon::prelude::*;
-use veduta_city::{Gable, Opening, Rgb, Style};
+use veduta_city::{Gable, Opening, Palette, Rgb, Style};
 
 use super::facing::{Edge, Facing};
 use super::houses::{Draft, StyleBook};
 
 /// Colours closer than this in every channel look alike.
 const ALIKE: u8 = 14;
-/// Share by which houses of one colour differ.
-const TINT: f64 = 0.06;
 /// Least distance between window axes: a window of 1.1 m and 0.8 m of wall; metres.
 const LEAST_BAY_M: f64 = 1.9;
 /// Walls shorter than this stay blind; metres.
@@ -24,8 +22,8 @@ pub(super) struct Look {
     pub wall: Rgb,
     /// Whether a person or a map gave the colour.
     pub is_given: bool,
-    /// Factor on drawn colours, about 1.
-    pub tint: f64,
+    /// How much lighter drawn colours are, in steps of [`Palette`].
+    pub tint: i8,
     /// Colour of the roof.
     pub roof: Rgb,
     /// Windows of the first floor.
@@ -50,7 +48,7 @@ impl Look {
         Self {
             wall: given.or_else(|| d.pick("wall", &style.walls).copied()).unwrap_or_default(),
             is_given: given.is_some(),
-            tint: d.between("tint", 1.0 - TINT, 1.0 + TINT),
+            tint: d.below("tint", Palette::TINTS.count()) as i8 + Palette::TINTS.start(),
             roof: d.pick("roof colour", &style.roof_colours).copied().unwrap_or_default(),
             main: opening("main windows", &style.main_windows),
             upper: opening("windows", &style.windows),
@@ -64,14 +62,8 @@ impl Look {
 
     /// Colour of the walls as they will be painted.
     pub fn painted(&self) -> Rgb {
-        if self.is_given { bounded(self.wall) } else { bounded(self.wall.scaled(self.tint)) }
+        if self.is_given { Palette::bounded(self.wall) } else { Palette::tinted(self.wall, self.tint) }
     }
-}
-
-/// Never pure black, never pure white.
-pub(super) fn bounded(colour: Rgb) -> Rgb {
-    let c = |v: u8| v.clamp(0x1A, 0xF4);
-    Rgb(c(colour.0), c(colour.1), c(colour.2))
 }
 
 /// Window axes of a wall: as near to the wished distance as leaves 0.8 m of wall between windows; none on walls under 1.6 m.

@@ -1,7 +1,9 @@
 //! Walls: what each faces, its axes, storeys and openings.
 
 use rayon::prelude::*;
-use veduta_city::{GridPolygon, GridPos, House, Opening, PlanRoof, PlanTerrain, Storey, Style, Volume, Wall, WallKind, metres};
+use veduta_city::{
+    GridPolygon, GridPos, House, Opening, Palette, PlanRoof, PlanTerrain, Storey, Style, Volume, Wall, WallKind, metres,
+};
 
 use super::bounds::grown;
 use super::facing::{BodyRef, Edge, Facing, Party};
@@ -9,7 +11,7 @@ use super::floors::{before_bay, threshold};
 use super::houses::{Body, Draft, StyleBook};
 use super::index::{Cells, Index};
 use super::massing::{self, Mass};
-use super::variety::{Look, bays, bounded};
+use super::variety::{Look, bays};
 
 /// A neighbour that covers more than this share of a wall's length and height makes it a party wall.
 const PARTY_SHARE: f64 = 0.5;
@@ -82,14 +84,14 @@ fn volume(draft: &Draft, at: BodyRef, edges: &[Edge], masses: &[Vec<Mass>], look
         let bays = if is_blind { 0 } else { bays(edge.length_m(), wish) };
         Wall { kind, bays, storeys, ..Wall::default() }
     };
-    let colour = body.colour.map_or_else(|| look.painted(), bounded);
-    let roof = body.roof.colour.map_or_else(|| bounded(look.roof.scaled(look.tint)), bounded);
+    let colour = body.colour.map_or_else(|| look.painted(), Palette::bounded);
+    let roof = body.roof.colour.map_or_else(|| Palette::tinted(look.roof, look.tint), Palette::bounded);
     Volume {
         footprint: GridPolygon::default(),
         bottom: mass.bottom,
         eaves: mass.eaves,
         colour,
-        trim: bounded(colour.scaled(style.trim)),
+        trim: style.palette().trim(colour),
         roof: PlanRoof { colour: roof, ..mass.roof },
         gable: look.gable,
         walls: edges.iter().map(wall).collect(),
@@ -143,18 +145,16 @@ fn tiers(body: &Body, mass: &Mass, style: &Style, draft: &Draft, index: usize) -
     Tiers { heights: fill(mass.eaves - mass.bottom, &weights), main: 1 + usize::from(has_mezzanine) }
 }
 
-/// Cuts a length into parts by weight; their sum is exact.
+/// Cuts a length into parts by weight, those of one weight alike, at whole steps of heights; the first has the rest.
 fn fill(length: i32, weights: &[f64]) -> Vec<i32> {
-    let sum: f64 = weights.iter().sum();
-    let (mut at, mut done) = (0.0, 0);
-    let part = |w: &f64| {
-        at += w;
-        let to = libm::round(f64::from(length) * at / sum) as i32;
-        let part = to - done;
-        done = to;
-        part
-    };
-    weights.iter().map(part).collect()
+    let (sum, step) = (weights.iter().sum::<f64>(), f64::from(massing::HEIGHT_STEP));
+    let part = |weight: &f64| (libm::round(f64::from(length) * weight / sum / step) * step) as i32;
+    let mut parts: Vec<i32> = weights.iter().map(part).collect();
+    let upper: i32 = parts.iter().skip(1).sum();
+    if let Some(first) = parts.first_mut() {
+        *first = length - upper;
+    }
+    parts
 }
 
 fn storeys(tiers: &Tiers, kind: WallKind, mass: &Mass, body: &Body, look: &Look) -> Vec<Storey> {

@@ -191,7 +191,7 @@ impl<T: Hash + Eq + Clone> TableWriter<T> {
     }
 }
 
-impl<T: Clone> Table<T> {
+impl<T> Table<T> {
     /// The different values, and which of them stands where.
     pub(crate) fn parts(self) -> (Vec<T>, Vec<u32>) {
         (self.values, self.uses)
@@ -211,14 +211,10 @@ pub(crate) struct PullTable<T> {
     uses: Pull<u32>,
 }
 
-impl<T: Clone> PullTable<T> {
+impl<T> PullTable<T> {
     pub(crate) fn take_ref(&mut self) -> Result<&T, Malformed> {
         let n = self.uses.take()? as usize;
         self.values.get(n).ok_or(Malformed::Reason("a table has no such entry"))
-    }
-
-    pub(crate) fn take(&mut self) -> Result<T, Malformed> {
-        self.take_ref().cloned()
     }
 
     pub(crate) fn left(&self) -> usize {

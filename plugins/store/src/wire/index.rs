@@ -1,5 +1,5 @@
 use serde::{Deserialize, Serialize};
-use veduta_city::{Anchor, GRID_PER_METRE, GridPos, Viewpoint};
+use veduta_city::{Anchor, GRID_PER_METRE, GridPos, Palette, Viewpoint};
 
 use super::{
     Malformed, WireBlobs,
@@ -20,6 +20,7 @@ pub(crate) struct WireIndex {
     /// Name and attribution of the city.
     texts: Texts,
     regions: WireRegions,
+    palettes: Vec<Palette>,
     styles: WireBlobs,
 }
 
@@ -45,6 +46,7 @@ impl From<&CityIndex> for WireIndex {
             points: points.finish(),
             texts: Texts::of([index.name.as_str(), index.attribution.as_str()]),
             regions: WireRegions::of(&index.regions),
+            palettes: index.palettes.to_vec(),
             styles: WireBlobs::of(&index.styles),
         }
     }
@@ -116,6 +118,7 @@ impl TryFrom<WireIndex> for CityIndex {
             start: wire.start,
             extent,
             regions: wire.regions.pull()?.into(),
+            palettes: wire.palettes.into(),
             styles: one(wire.styles, "styles")?,
             pages: Vec::new(),
         }

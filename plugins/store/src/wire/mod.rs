@@ -1,15 +1,16 @@
-//! The wire form: private structures that postcard writes, with exact conversions to and from the public types.
+//! The wire form: private structures that [`code`](crate::code) writes, with exact conversions to and from the public types.
 //!
-//! Values of one kind stand together in a column, because deflate finds more to say twice that way. Vertices are told once
-//! a packet and then named ([`points`]), ids without their leading zeros, colours, texts and walls by tables. The model's own
-//! serde form cannot be used: it leaves out empty fields, which only self-describing formats survive.
+//! Vertices are told once a packet and then named ([`points`]), texts and walls by tables, numbers as differences from what they
+//! are expected to be. The model's own serde form cannot be used: it leaves out empty fields, which only self-describing formats
+//! survive.
 //!
-//! Hostile bytes: every count is backed by that many entries of some column before memory is taken for it, so what is
-//! decoded is at most a small multiple of the inflated size, and all columns must be used up.
+//! Hostile bytes: every count is backed by that many values before memory is taken for it, so what is decoded is at most a small
+//! multiple of how many values there are, and all columns must be used up.
 
 mod columns;
 mod index;
 mod overview;
+mod paint;
 mod places;
 mod points;
 mod region;
@@ -23,7 +24,7 @@ pub(crate) use region::{WireRegion, bounds_beyond, metres_beyond};
 pub(crate) use sheet::WireSheet;
 pub(crate) use shell::WireShell;
 
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde::{Deserialize, Serialize};
 
 use crate::{BlobRef, StoreError};
 use columns::Pull;
@@ -51,12 +52,12 @@ impl Malformed {
 #[derive(Serialize, Deserialize)]
 pub(crate) struct WireBlobs {
     bytes: Vec<u32>,
-    hashes: Vec<[u8; 16]>,
+    hashes: Vec<u128>,
 }
 
 impl WireBlobs {
     fn of<'a>(blobs: impl IntoIterator<Item = &'a BlobRef>) -> Self {
-        let (bytes, hashes) = blobs.into_iter().map(|blob| (blob.bytes, blob.hash)).unzip();
+        let (bytes, hashes) = blobs.into_iter().map(|blob| (blob.bytes, u128::from_be_bytes(blob.hash))).unzip();
         Self { bytes, hashes }
     }
 
@@ -68,12 +69,12 @@ impl WireBlobs {
 /// Takes references off [`WireBlobs`].
 struct PullBlobs {
     bytes: Pull<u32>,
-    hashes: Pull<[u8; 16]>,
+    hashes: Pull<u128>,
 }
 
 impl PullBlobs {
     fn take(&mut self) -> Result<BlobRef, Malformed> {
-        Ok(BlobRef { hash: self.hashes.take()?, bytes: self.bytes.take()? })
+        Ok(BlobRef { hash: self.hashes.take()?.to_be_bytes(), bytes: self.bytes.take()? })
     }
 
     fn is_empty(&self) -> bool {
@@ -83,23 +84,5 @@ impl PullBlobs {
     fn finish(&self) -> Result<(), Malformed> {
         self.bytes.finish()?;
         self.hashes.finish()
-    }
-}
-
-/// Bytes of a wire structure.
-pub(crate) fn to_bytes<T: Serialize>(wire: &T) -> Vec<u8> {
-    match postcard::to_allocvec(wire) {
-        Ok(bytes) => bytes,
-        // Columns have known lengths and no maps, which is all that postcard could refuse.
-        Err(error) => unreachable!("postcard into memory: {error}"),
-    }
-}
-
-/// Wire structure of bytes that must be used up.
-pub(crate) fn from_bytes<T: DeserializeOwned>(what: &'static str, bytes: &[u8]) -> Result<T, StoreError> {
-    match postcard::take_from_bytes(bytes) {
-        Ok((wire, [])) => Ok(wire),
-        Ok(_) => Err(Malformed::Reason("bytes are left over").of(what)),
-        Err(error) => Err(StoreError::Malformed { what, reason: error.to_string() }),
     }
 }

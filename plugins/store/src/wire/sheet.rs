@@ -136,6 +136,15 @@ impl TryFrom<WireSheet> for FacadeSheet {
     }
 }
 
+#[cfg(test)]
+impl WireSheet {
+    /// A sheet that names one wall so often.
+    pub(crate) fn named_often(wall: &Wall, often: usize) -> Self {
+        let sheet = FacadeSheet { walls: vec![wall.clone()] };
+        Self { walls: vec![0; often], ..Self::from(&sheet) }
+    }
+}
+
 /// Different stacks of storeys.
 fn stacks_of(counts: Vec<u32>, heights: Deltas, openings: Vec<Opening>) -> Result<Vec<Vec<Storey>>, Malformed> {
     let mut heights = Pull::new("heights of storeys", heights.numbers());

@@ -8,8 +8,8 @@ use glam::DVec2;
 use veduta_city::draw::Draw;
 use veduta_city::{
     Anchor, Cell, CellShell, Cells, CityPlan, FacadeSheet, Gable, GridPolygon, GridPos, GroundFloor, GroundPatch, House,
-    HouseShell, Id, ObjectKind, Opening, Place, PlaceKind, PlanObject, PlanRoof, PlanStreet, Portal, PortalSide, Rgb, RoofShape,
-    Storey, SurfaceKind, Viewpoint, Volume, VolumeShell, Wall, WallKind,
+    HouseShell, Id, ObjectKind, ObjectShell, Opening, Place, PlaceKind, PlanObject, PlanRoof, PlanStreet, Portal, PortalSide, Rgb,
+    RoofShape, Storey, SurfaceKind, Viewpoint, Volume, VolumeShell, Wall, WallKind,
 };
 use veduta_store::{CityStats, StoreError, write_city};
 
@@ -96,7 +96,7 @@ fn shell_of(house: &House, origin: GridPos) -> HouseShell {
         let walls = (0..volume.walls.len() as u16).collect();
         VolumeShell { footprint: moved(&volume.footprint, origin), ..VolumeShell::of(volume, walls, true) }
     });
-    HouseShell { id: house.id, style: house.style, floor: house.floor, volumes: volumes.collect(), is_monument: false }
+    HouseShell { style: house.style, floor: house.floor, volumes: volumes.collect(), is_monument: false }
 }
 
 fn moved(polygon: &GridPolygon, origin: GridPos) -> GridPolygon {
@@ -186,7 +186,7 @@ fn add_cell(plan: &mut CityPlan, city: &mut City, c: usize, count: usize, each: 
         monument: None,
     };
     cell.objects.push(plan.objects.len() as u32);
-    shell.objects.push(PlanObject { pos: pos - origin, ..lamp.clone() });
+    shell.objects.push(ObjectShell { pos: pos - origin, ..ObjectShell::of(&lamp) });
     plan.objects.push(lamp);
     shell.outline = moved(&cell.outline, origin);
     add_portals(city, &mut cell, &mut shell, c, count, (start, front));

@@ -118,7 +118,7 @@ fn meshes(plan: &CityPlan, detailed: usize) -> Result<usize, MeshError> {
 fn shell(houses: &[House]) -> CellShell {
     let house = |house: &House| {
         let volumes = house.volumes.iter().map(|volume| VolumeShell::of(volume, (0..volume.walls.len() as u16).collect(), true));
-        HouseShell { id: house.id, style: house.style, floor: house.floor, volumes: volumes.collect(), is_monument: false }
+        HouseShell { style: house.style, floor: house.floor, volumes: volumes.collect(), is_monument: false }
     };
     CellShell { houses: houses.iter().map(house).collect(), ..CellShell::default() }
 }

@@ -8,7 +8,7 @@ use std::process::Command;
 use clap::Args;
 use glam::DVec2;
 use serde::Deserialize;
-use veduta_city::{CellShell, Gable, GridPolygon, GridPos, HouseShell, Id, PlanRoof, Rgb, RoofShape, VolumeShell};
+use veduta_city::{CellShell, Gable, GridPolygon, GridPos, HouseShell, PlanRoof, Rgb, RoofShape, VolumeShell};
 
 use super::programs::run;
 use crate::program::Failure;
@@ -48,7 +48,7 @@ impl Footprints {
 
     /// A cell of houses on the footprints of few corners, under roofs of a shape and height.
     pub fn houses(&self, shape: RoofShape, height: i32) -> CellShell {
-        let house = |(i, ring): (usize, &Vec<DVec2>)| {
+        let house = |ring: &Vec<DVec2>| {
             let footprint = GridPolygon::simple(ring.iter().map(|&p| GridPos::from_metres(p)).collect());
             let walls = (0..ring.len() as u16).collect();
             let roof = PlanRoof { shape, height, direction: 0, colour: Rgb(0xA2, 0x4B, 0x33) };
@@ -65,9 +65,9 @@ impl Footprints {
                 walls,
                 arcades: Vec::new(),
             };
-            HouseShell { id: Id(i as u64), style: 0, floor: 0, volumes: vec![volume], is_monument: false }
+            HouseShell { style: 0, floor: 0, volumes: vec![volume], is_monument: false }
         };
-        CellShell { houses: self.few.iter().enumerate().map(house).collect(), ..CellShell::default() }
+        CellShell { houses: self.few.iter().map(house).collect(), ..CellShell::default() }
     }
 }
 

@@ -2,10 +2,11 @@
 //! cross one another; the shader shows the one that looks towards the eye.
 
 use glam::{DVec2, DVec3};
+use veduta_city::draw::Draw;
 use veduta_city::tree::{self, TreeCard};
-use veduta_city::{CellShell, PlanObject, Rgb, Season, Tile, metres};
+use veduta_city::{CellShell, ObjectShell, Rgb, Season, Tile, metres};
 
-use super::{draw_of, drawn, scale_of};
+use super::{drawn, scale_of};
 use crate::mesh::data::{MeshData, Paint};
 use crate::mesh::outline::{centre_of, engine};
 
@@ -13,14 +14,14 @@ use crate::mesh::outline::{centre_of, engine};
 #[must_use]
 pub fn tree_cards(shell: &CellShell, season: Season) -> MeshData {
     let mut mesh = MeshData::default();
-    for object in drawn(shell).filter(|object| object.kind.is_tree()) {
-        lay(object, season, &mut mesh);
+    for (object, draw) in drawn(shell).filter(|(object, _)| object.kind.is_tree()) {
+        lay(object, draw, season, &mut mesh);
     }
     mesh
 }
 
-fn lay(object: &PlanObject, season: Season, mesh: &mut MeshData) {
-    let (plan, scale, draw) = (object.pos.to_metres(), scale_of(object), draw_of(object));
+fn lay(object: &ObjectShell, draw: Draw, season: Season, mesh: &mut MeshData) {
+    let (plan, scale) = (object.pos.to_metres(), scale_of(object));
     let hue = tree::leaves(object.kind, season, draw);
     let tile = Tile::of_tree(object.kind, hue.is_none());
     let paint = Paint::new(centre_of(plan), hue.unwrap_or(Rgb(255, 255, 255)), tile);
@@ -54,22 +55,26 @@ fn picture(mesh: &mut MeshData, foot: DVec3, right: DVec3, up: DVec3, (normal, a
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use veduta_city::{GridPos, Id, ObjectKind};
+    use veduta_city::{GridPos, ObjectKind};
 
     use super::*;
     use crate::mesh::object::{nominal_m, trees};
 
-    fn wood(kind: ObjectKind) -> CellShell {
+    /// Forty trees in the same place of as many cells.
+    fn wood(kind: ObjectKind, make: impl Fn(&CellShell) -> MeshData) -> MeshData {
         let height = GridPos::steps(nominal_m(kind));
-        let tree =
-            |id: u64| PlanObject { id: Id(id), kind, pos: GridPos(2048, 1024), z: 1024, heading: 40, height, monument: None };
-        CellShell { objects: (0..40).map(tree).collect(), ..CellShell::default() }
+        let tree = ObjectShell { kind, pos: GridPos(2048, 1024), z: 1024, heading: 40, height, monument: None };
+        let cell = |n| CellShell { origin: GridPos(n, 0), objects: vec![tree], ..CellShell::default() };
+        (0..40).map(cell).fold(MeshData::default(), |mut all, cell| {
+            all.append(&make(&cell));
+            all
+        })
     }
 
     #[test]
     fn cards_are_few_triangles_that_face_where_their_normals_point() {
         for (kind, season) in ObjectKind::TREES.into_iter().flat_map(|kind| Season::ALL.map(|season| (kind, season))) {
-            let mesh = tree_cards(&wood(kind), season);
+            let mesh = wood(kind, |cell| tree_cards(cell, season));
             assert_eq!((mesh.validate(), mesh.triangle_count()), (Ok(()), 40 * 34), "{kind:?}");
             for t in mesh.indices.chunks_exact(3) {
                 let [a, b, c] = [t[0], t[1], t[2]].map(|i| Vec3::from_array(mesh.positions[i as usize]));
@@ -85,7 +90,7 @@ mod tests {
     #[test]
     fn a_card_is_as_large_as_its_tree() {
         for kind in ObjectKind::TREES {
-            let (foot, body) = (Vec3::new(2.0, 1.0, -1.0), trees(&wood(kind), Season::Summer));
+            let (foot, body) = (Vec3::new(2.0, 1.0, -1.0), wood(kind, |cell| trees(cell, Season::Summer)));
             let out = body.positions.iter().map(|p| (Vec3::from_array(*p) - foot).with_y(0.0).length()).fold(0.0, f32::max);
             let top = body.positions.iter().map(|p| p[1] - foot.y).fold(0.0, f32::max);
             let card = TreeCard::of(kind);
@@ -96,7 +101,7 @@ mod tests {
 
     #[test]
     fn upright_cards_stand_on_the_ground_and_slanting_ones_show_the_foot_where_it_is() {
-        let mesh = tree_cards(&wood(ObjectKind::Tree), Season::Summer);
+        let mesh = wood(ObjectKind::Tree, |cell| tree_cards(cell, Season::Summer));
         let corners = |quad: usize| [0, 1, 2, 3].map(|i| Vec3::from_array(mesh.positions[4 * quad + i]));
         let (foot, card) = (Vec3::new(2.0, 1.0, -1.0), TreeCard::of(ObjectKind::Tree));
         let [left, right, ..] = corners(0);
@@ -110,7 +115,7 @@ mod tests {
 
     #[test]
     fn cards_bear_leaves_when_trees_do() {
-        let layer = |kind, season| tree_cards(&wood(kind), season).colours[0][3] as usize;
+        let layer = |kind, season| wood(kind, |cell| tree_cards(cell, season)).colours[0][3] as usize;
         assert_eq!(layer(ObjectKind::Birch, Season::Autumn), Tile::LeafyTree(ObjectKind::Birch).index());
         assert_eq!(layer(ObjectKind::Birch, Season::Winter), Tile::BareTree(ObjectKind::Birch).index());
         assert_eq!(layer(ObjectKind::Conifer, Season::Winter), Tile::LeafyTree(ObjectKind::Conifer).index());
