@@ -10,7 +10,7 @@ static ALLOCATOR: Bounded = Bounded;
 
 fuzz_target!(|content: &[u8]| {
     let stored = index(content);
-    let Ok(index) = bounded(content.len(), || decode_index(&stored)) else { return };
+    let Ok(index) = bounded(content, || decode_index(&stored)) else { return };
     assert_eq!(index.region_of(index.cell_count()), None);
     for region in index.regions.iter() {
         for cell in region.numbers().take(2) {

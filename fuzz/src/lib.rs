@@ -36,51 +36,33 @@ unsafe impl GlobalAlloc for Bounded {
     }
 }
 
-/// Does something that may allocate no more at once than four times an input and 1 MiB.
-pub fn bounded<T>(input: usize, what: impl FnOnce() -> T) -> T {
-    MOST.store(4 * input + (1 << 20), Ordering::Relaxed);
+/// Does something with content (a count of values, then these) that may allocate no more at once than four times its size if each
+/// value is eight bytes, and 1 MiB.
+pub fn bounded<T>(content: &[u8], what: impl FnOnce() -> T) -> T {
+    MOST.store(4 * (8 * values(content) + content.len()) + (1 << 20), Ordering::Relaxed);
     let result = what();
     MOST.store(usize::MAX, Ordering::Relaxed);
     result
 }
 
-/// Deflate that does not shrink.
-pub fn deflate(content: &[u8]) -> Vec<u8> {
-    let mut out = Vec::with_capacity(content.len() + 16);
-    let mut blocks = content.chunks(0xFFFF).peekable();
-    if content.is_empty() {
-        out.extend([1, 0, 0, 0xFF, 0xFF]);
-    }
-    while let Some(block) = blocks.next() {
-        let length = block.len() as u16;
-        out.push(u8::from(blocks.peek().is_none()));
-        out.extend(length.to_le_bytes());
-        out.extend((!length).to_le_bytes());
-        out.extend(block);
-    }
-    out
+/// How many values content claims to have, as far as any may.
+fn values(content: &[u8]) -> usize {
+    let digits = content.iter().take(5).enumerate();
+    let claimed = digits.clone().map(|(i, byte)| usize::from(byte & 0x7F) << (7 * i));
+    let last = digits.clone().find(|(_, byte)| **byte & 0x80 == 0).map_or(5, |(i, _)| i);
+    claimed.take(last + 1).sum::<usize>().min(1 << 24)
 }
 
 /// A blob of a kind as stored.
 pub fn blob(kind: u8, content: &[u8]) -> Vec<u8> {
-    let mut stored = vec![kind];
-    let mut size = content.len();
-    while size >= 0x80 {
-        stored.push(size as u8 | 0x80);
-        size >>= 7;
-    }
-    stored.push(size as u8);
-    stored.extend(deflate(content));
-    stored
+    [&[kind], content].concat()
 }
 
 /// An index's file.
 pub fn index(content: &[u8]) -> Vec<u8> {
-    let mut sealed = (content.len() as u32).to_le_bytes().to_vec();
-    sealed.extend(deflate(content));
     let mut stored = b"VEDUTA\0\x01".to_vec();
     stored.extend(veduta_store::FORMAT_VERSION.to_le_bytes());
-    stored.extend(blake3::hash(&sealed).as_bytes());
-    stored.extend(sealed);
+    stored.extend(blake3::hash(content).as_bytes());
+    stored.extend(content);
     stored
 }
