@@ -1,5 +1,6 @@
 //! Streaming from disk and over HTTP on the loopback address, with faults: the walk goes on with what is there.
 
+use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
@@ -197,6 +198,23 @@ fn two_viewers_are_served_under_one_cap() {
         app.update();
     }
     assert_eq!(app.world().resource::<Wanted>().in_sight, alone, "what only the other saw is no longer wanted");
+}
+
+#[test]
+fn however_many_towers_a_city_has_only_so_many_are_wanted() {
+    let index = read_index(&DirReader::new(sample_city()).expect("a city")).expect("whole");
+    let regions_of_skyline = |most: u32| {
+        let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+        app.world_mut().resource_mut::<StreamingSettings>().skyline_cells = most;
+        stand(&mut app);
+        (0..40).for_each(|_| app.update());
+        let wanted = app.world().resource::<Wanted>();
+        let tall = index.cells().map(|(cell, _)| cell).filter(|&cell| wanted.why(cell) == Some(Why::Skyline));
+        tall.filter_map(|cell| index.region_of(cell)).collect::<BTreeSet<u32>>()
+    };
+    let (none, one, all) = (regions_of_skyline(0), regions_of_skyline(1), regions_of_skyline(48));
+    assert_eq!((none.len(), one.len()), (0, 1));
+    assert!(all.len() > 1 && all.is_superset(&one), "{one:?} {all:?}");
 }
 
 #[test]

@@ -8,7 +8,8 @@ use veduta_city::Level;
 #[test]
 fn a_house_of_the_sample_city_takes_few_bytes() {
     let out = std::env::temp_dir().join(format!("veduta-bake-bytes-{}", std::process::id()));
-    let baked = bake(Path::new("../../scenes/old_prague"), &out, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
+    let baked =
+        bake(Path::new("../../scenes/old_prague"), &out, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
     std::fs::remove_dir_all(&out).unwrap_or_else(|e| panic!("{e}"));
     println!("{}", baked.stats);
     let bytes = |level| baked.stats.bytes_per_house(level).expect("houses");

@@ -139,11 +139,14 @@ fn entry_of(key: RegionKey, numbers: Range<u32>, region: &Region) -> RegionEntry
     let (lo, hi) = bounds_of(&region.cells);
     let down = |steps: i32| steps.div_euclid(GRID_PER_METRE).saturating_mul(GRID_PER_METRE);
     let up = |steps: i32| down(steps.saturating_add(GRID_PER_METRE - 1));
+    let tall = |cell: u32| region.cells.get(cell.checked_sub(numbers.start)? as usize);
+    let tops = region.skyline.iter().filter_map(|&cell| Some(tall(cell)?.top));
     RegionEntry {
         key,
         first: numbers.start,
         cells: numbers.len() as u32,
         skyline: region.skyline.len() as u32,
+        tallest: up(tops.max().unwrap_or_default()),
         bounds: (GridPos(down(lo.0), down(lo.1)), GridPos(up(hi.0), up(hi.1))),
         blob: BlobRef::default(),
     }

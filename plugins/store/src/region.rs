@@ -50,6 +50,8 @@ pub struct RegionEntry {
     pub cells: u32,
     /// How many of them are on the skyline.
     pub skyline: u32,
+    /// How high the tallest of these rises above the city's zero, grid steps; 0 if there is none.
+    pub tallest: i32,
     /// Least and greatest corner in plan of all that is drawn with its cells, on whole metres.
     pub bounds: (GridPos, GridPos),
     /// Its [`Region`].

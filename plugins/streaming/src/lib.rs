@@ -86,6 +86,8 @@ pub struct StreamingSettings {
     pub flying_from_m: f64,
     /// Skyline cells are wanted within this distance, metres.
     pub skyline_m: f64,
+    /// No more skyline cells than about so many are wanted, those of the regions whose tallest looks tallest.
+    pub skyline_cells: u32,
     /// The overview is wanted within this distance of a viewer, metres.
     pub overview_m: f64,
     /// Seconds that a cell stays after it was last wanted.
@@ -109,6 +111,7 @@ impl Default for StreamingSettings {
             flying_m: 700.0,
             flying_from_m: 6.0,
             skyline_m: 2_000.0,
+            skyline_cells: 48,
             overview_m: 250.0,
             keep_s: 10.0,
             memory_cap_bytes: 64 << 20,

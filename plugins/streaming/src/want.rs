@@ -193,15 +193,35 @@ impl Needs<'_> {
         if around_m > 0.0 {
             self.near(eye.plan_pos, around_m, Why::Near, 0.0, eye);
         }
-        for (number, region) in (0..).zip(&*index.regions) {
-            let distance_m = distance_to(region.bounds, eye.plan_pos);
-            if region.skyline > 0 && distance_m <= settings.skyline_m && self.has(number, SKYLINE_RANK) {
-                let page = index.region(number).map_or(&[][..], |page| &page.skyline);
-                for &tall in page {
-                    let is_near = |entry: &CellEntry| distance_to(entry.bounds, eye.plan_pos) <= settings.skyline_m;
-                    if index.cell(tall).is_some_and(is_near) {
-                        self.need(tall, Why::Skyline, 0.0, eye);
-                    }
+        self.add_skyline(eye);
+    }
+
+    /// Adds what rises above the roofs.
+    fn add_skyline(&mut self, eye: &Eye) {
+        let (index, settings) = (self.index, self.settings);
+        let distance_m = |bounds: (GridPos, GridPos)| distance_to(bounds, eye.plan_pos);
+        let with_skyline = (0..).zip(&*index.regions).filter(|(_, region)| region.skyline > 0);
+        let within = with_skyline.filter(|(_, region)| distance_m(region.bounds) <= settings.skyline_m);
+        // By how tall they look.
+        let mut tall: Vec<(f64, u32, u32)> = within
+            .map(|(number, region)| {
+                let above_m = (metres(region.tallest) - eye.ground_m).max(1.0);
+                (above_m / distance_m(region.bounds).max(1.0), number, region.skyline)
+            })
+            .collect();
+        tall.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut left = settings.skyline_cells;
+        for (_, number, count) in tall {
+            if left == 0 {
+                break;
+            }
+            left = left.saturating_sub(count);
+            if !self.has(number, SKYLINE_RANK) {
+                continue;
+            }
+            for &cell in index.region(number).map_or(&[][..], |page| &page.skyline) {
+                if index.cell(cell).is_some_and(|entry| distance_m(entry.bounds) <= settings.skyline_m) {
+                    self.need(cell, Why::Skyline, 0.0, eye);
                 }
             }
         }

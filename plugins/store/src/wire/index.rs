@@ -29,6 +29,8 @@ struct WireRegions {
     keys: Deltas,
     cells: Vec<u32>,
     skyline: Vec<u32>,
+    /// Metres, of each region with a skyline.
+    tallest: Deltas,
     /// Metres: western, southern, eastern, northern.
     bounds: [Deltas; 4],
     blobs: WireBlobs,
@@ -55,10 +57,12 @@ impl From<&CityIndex> for WireIndex {
 impl WireRegions {
     fn of(regions: &[RegionEntry]) -> Self {
         let side = |side: fn(&RegionEntry) -> i32| Deltas::of(regions.iter().map(|region| side(region).div_euclid(GRID_PER_METRE)));
+        let tall = regions.iter().filter(|region| region.skyline > 0);
         Self {
             keys: Deltas::of(regions.iter().map(|region| region.key.0.cast_signed())),
             cells: regions.iter().map(|region| region.cells).collect(),
             skyline: regions.iter().map(|region| region.skyline).collect(),
+            tallest: Deltas::of(tall.map(|region| region.tallest.div_euclid(GRID_PER_METRE))),
             bounds: [side(|r| r.bounds.0.0), side(|r| r.bounds.0.1), side(|r| r.bounds.1.0), side(|r| r.bounds.1.1)],
             blobs: WireBlobs::of(regions.iter().map(|region| &region.blob)),
         }
@@ -67,18 +71,20 @@ impl WireRegions {
     fn pull(self) -> Result<Vec<RegionEntry>, Malformed> {
         let mut cells = Pull::new("numbers of cells", self.cells);
         let mut skyline = Pull::new("skylines of regions", self.skyline);
+        let mut tallest = Pull::new("heights of skylines", self.tallest.numbers());
         let mut sides = self.bounds.map(|side| Pull::new("bounds of regions", side.numbers()));
         let mut blobs = self.blobs.pull("blobs of regions");
         let mut side = |n: usize| Ok(sides[n].take()?.saturating_mul(GRID_PER_METRE));
         let mut first = 0_u32;
         let mut regions = Vec::new();
         for key in self.keys.numbers() {
-            let count = cells.take()?;
+            let (count, skyline) = (cells.take()?, skyline.take()?);
             regions.push(RegionEntry {
                 key: RegionKey(key.cast_unsigned()),
                 first,
                 cells: count,
-                skyline: skyline.take()?,
+                skyline,
+                tallest: if skyline == 0 { 0 } else { tallest.take()?.saturating_mul(GRID_PER_METRE) },
                 bounds: (GridPos(side(0)?, side(1)?), GridPos(side(2)?, side(3)?)),
                 blob: blobs.take()?,
             });
@@ -86,6 +92,7 @@ impl WireRegions {
         }
         cells.finish()?;
         skyline.finish()?;
+        tallest.finish()?;
         sides.iter().try_for_each(Pull::finish)?;
         blobs.finish()?;
         Ok(regions)
