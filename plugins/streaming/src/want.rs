@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 use veduta_city::{GridPos, Level, Portal, metres};
 use veduta_ecs::{Around, Awaited, City, Eye, Itinerary, OpenCells, OverviewWants, StandingCells, Stop, Viewer};
-use veduta_store::{CellEntry, CityIndex};
+use veduta_store::CityIndex;
 
 use crate::fetch::Store;
 use crate::{CurrentCell, StreamingSettings};
