@@ -38,7 +38,7 @@ fn a_cut_or_lengthened_index_is_noticed() {
     for n in 0..good.len() {
         let error = decode_index(&good[..n]).expect_err("cut");
         if (7..44).contains(&n) {
-            assert_eq!(error, StoreError::Length { what: "the index", expected: 48, found: n as u64 });
+            assert_eq!(error, StoreError::Length { what: "the index", expected: 44, found: n as u64 });
         }
     }
     let longer = [good.as_slice(), &[0]].concat();

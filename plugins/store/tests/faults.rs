@@ -75,7 +75,7 @@ fn any_one_read_may_fail() {
 #[test]
 fn any_flipped_byte_of_a_city_is_an_error_that_names_the_file() {
     let temp = TempDir::new("flipped");
-    city(2, 1).write(&temp.0).expect("written");
+    city(4, 1).write(&temp.0).expect("written");
     let read = || -> Result<(), StoreError> {
         let reader = DirReader::new(&temp.0)?;
         let index = read_index(&reader)?;
