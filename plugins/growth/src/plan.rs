@@ -91,7 +91,7 @@ use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, 
 pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 17;
+pub const GROWTH_VERSION: u32 = 18;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]

@@ -72,8 +72,8 @@
 //!
 //! # Rejected
 //! The model's own serde form (it leaves out empty fields, which formats without names do not survive); deflate over columns in
-//! postcard, which this was until format 11 (twice the bytes: a packet of 400 bytes is too short to tell a code of its own, and
-//! numbers are no letters); zstd with a dictionary (a C library, or slow in a browser, for a third of that gain); one archive with byte ranges (plain servers
+//! postcard, which this was until format 11 (more than twice the bytes: a packet of 400 bytes is too short to tell a code of its own, and
+//! numbers are no letters); zstd (a C library, or slow in a browser); one archive with byte ranges (plain servers
 //! differ in them, and nothing unchanged could stay when baking again); retries inside readers (nobody could count them).
 
 mod blob;

@@ -374,7 +374,7 @@ mod tests {
     fn one(kind: ObjectKind, heading: u16, season: Season) -> MeshData {
         let height = GridPos::steps(nominal_m(kind));
         let object = ObjectShell { kind, pos: GridPos(2048, 1024), z: 1024, heading, height, monument: None };
-        let shell = CellShell { objects: vec![object], ..Default::default() };
+        let shell = CellShell { origin: GridPos(2, 0), objects: vec![object], ..Default::default() };
         let mut mesh = objects(&shell);
         mesh.append(&trees(&shell, season));
         mesh

@@ -130,7 +130,7 @@ fn mass(
     }
 }
 
-/// Heights of eaves, roofs and storeys are whole sixteenths of a metre: nobody sees the difference, and fewer digits travel.
+/// Heights of eaves, roofs, storeys and objects are whole sixteenths of a metre: nobody sees the difference, and fewer digits travel.
 pub(super) const HEIGHT_STEP: i32 = GRID_PER_METRE / 16;
 
 /// The nearest such height, grid steps.

@@ -1,7 +1,5 @@
 //! What is known of each column of numbers.
 
-use std::collections::HashMap;
-
 use super::range::Bits;
 
 /// Slots for how many binary digits a number has, up to this one fewer; then a longer tree.
@@ -30,6 +28,7 @@ const LETTERS: usize = 32 * 256;
 #[derive(Debug, Clone)]
 pub(crate) struct Column<S> {
     pub(super) children: Vec<u32>,
+    /// How large the last number was, and the one before it; the last two flags.
     pub(super) before: u8,
     pub(super) earlier: u8,
     pub(super) flags: u8,
@@ -71,9 +70,47 @@ pub(crate) struct Models<S: 'static> {
 /// What has been told, and where the same was told before.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Told {
-    values: Vec<u64>,
-    after: HashMap<(Node, Option<u64>, u64), usize>,
+    values: Vec<(Node, u64)>,
+    /// By what came before: where it went on last; 0: nowhere. Of one size whatever is told, so that bytes from anywhere cannot fill
+    /// the memory: of two things that share a place, the later one is known.
+    after: Vec<u32>,
     run: usize,
+}
+
+impl Told {
+    const PLACES_BITS: u32 = 16;
+
+    /// The places of what comes in a column after the last two numbers, and after the last one.
+    fn places(&self, node: Node) -> Option<[usize; 2]> {
+        let [.., (_, a), (_, b)] = *self.values else { return None };
+        let mix = |hash: u64, n: u64| {
+            let product = (hash ^ n).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            product ^ product >> 29
+        };
+        let last = mix(mix(1, node.into()), b);
+        Some([mix(last, a), last].map(|hash| (hash >> (u64::BITS - Self::PLACES_BITS)) as usize))
+    }
+
+    /// What follows if things go on as they did after the same numbers.
+    fn expected(&self, node: Node) -> Option<u64> {
+        let [.., a, b] = self.values.as_slice() else { return None };
+        let places = self.places(node)?;
+        let found = |(place, before): (usize, &[(Node, u64)])| {
+            let at = *self.after.get(place)? as usize;
+            let (told, same) = (*self.values.get(at)?, self.values.get(at.checked_sub(before.len())?..at)?);
+            let is_same = told.0 == node && same.iter().zip(before).all(|(x, y)| x.1 == y.1);
+            (at > 0 && is_same).then_some(told.1)
+        };
+        places.into_iter().zip([&[*a, *b][..], &[*b][..]]).find_map(found)
+    }
+
+    fn remember(&mut self, node: Node, value: u64) {
+        if let Some(places) = self.places(node) {
+            self.after.resize(1 << Self::PLACES_BITS, 0);
+            places.into_iter().for_each(|place| self.after[place] = self.values.len() as u32);
+        }
+        self.values.push((node, value));
+    }
 }
 
 impl<S> Models<S> {
@@ -196,10 +233,8 @@ impl<S: Clone + Default> Models<S> {
 
     /// What follows if things go on as they did when the last two numbers were told before.
     fn again<B: Bits<Slot = S>>(&mut self, bits: &mut B, node: Node, value: u64) -> Option<u64> {
-        let told = self.told.as_mut()?;
-        let [.., a, b] = *told.values else { return None };
-        let at = told.after.get(&(node, Some(a), b)).or_else(|| told.after.get(&(node, None, b)))?;
-        let expected = *told.values.get(*at)?;
+        let told = self.told.as_ref()?;
+        let expected = told.expected(node)?;
         let run = told.run.min(RUNS - 1);
         let is_it = bits.bit(&mut self.slots(node).slots[AGAIN + run], value == expected);
         if let Some(told) = &mut self.told {
@@ -209,13 +244,9 @@ impl<S: Clone + Default> Models<S> {
     }
 
     fn remember(&mut self, node: Node, value: u64) {
-        let Some(told) = &mut self.told else { return };
-        if let [.., a, b] = *told.values {
-            for before in [Some(a), None] {
-                told.after.insert((node, before, b), told.values.len());
-            }
+        if let Some(told) = &mut self.told {
+            told.remember(node, value);
         }
-        told.values.push(value);
     }
 
     /// A number.

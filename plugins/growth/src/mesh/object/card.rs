@@ -64,7 +64,7 @@ mod tests {
     fn wood(kind: ObjectKind, make: impl Fn(&CellShell) -> MeshData) -> MeshData {
         let height = GridPos::steps(nominal_m(kind));
         let tree = ObjectShell { kind, pos: GridPos(2048, 1024), z: 1024, heading: 40, height, monument: None };
-        let cell = |n| CellShell { origin: GridPos(n, 0), objects: vec![tree], ..CellShell::default() };
+        let cell = |n| CellShell { origin: GridPos(n, 1), objects: vec![tree], ..CellShell::default() };
         (0..40).map(cell).fold(MeshData::default(), |mut all, cell| {
             all.append(&make(&cell));
             all
