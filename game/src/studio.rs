@@ -63,9 +63,7 @@ pub struct Studio {
     target: Handle<Image>,
     viewer: Entity,
     captured: Captured,
-    given_up: BTreeSet<u32>,
-    /// Regions that were waited for in vain.
-    regions_given_up: BTreeSet<u32>,
+    given_up: Missing,
 }
 
 /// What is wanted of a city and could not be had.
@@ -75,23 +73,43 @@ pub struct Missing {
     pub cells: BTreeSet<u32>,
     /// Regions of the index: nobody knows what is missing there.
     pub regions: BTreeSet<u32>,
+    /// Regions whose overview has not come: maps and districts.
+    pub overviews: BTreeSet<u32>,
 }
 
 impl Missing {
+    fn sets(&self) -> [(&'static str, &BTreeSet<u32>); 3] {
+        [("cells", &self.cells), ("regions of the index", &self.regions), ("overviews of regions", &self.overviews)]
+    }
+
+    /// How much it is.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.sets().iter().map(|(_, set)| set.len()).sum()
+    }
+
     /// Whether there is all.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.cells.is_empty() && self.regions.is_empty()
+        self.count() == 0
+    }
+
+    fn is_within(&self, other: &Self) -> bool {
+        self.sets().iter().zip(other.sets()).all(|((_, own), (_, others))| own.is_subset(others))
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.cells.extend(&other.cells);
+        self.regions.extend(&other.regions);
+        self.overviews.extend(&other.overviews);
     }
 }
 
 impl core::fmt::Display for Missing {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match (self.cells.is_empty(), self.regions.is_empty()) {
-            (_, true) => write!(f, "cells {:?}", self.cells),
-            (true, false) => write!(f, "regions {:?} of the index", self.regions),
-            (false, false) => write!(f, "cells {:?} and regions {:?} of the index", self.cells, self.regions),
-        }
+        let sets = self.sets().into_iter().filter(|(_, set)| !set.is_empty());
+        let told: Vec<String> = sets.map(|(what, set)| format!("{what} {set:?}")).collect();
+        f.write_str(&told.join(", "))
     }
 }
 
@@ -122,7 +140,7 @@ impl Studio {
             SkyPlugin,
             TourPlugin::default(),
         ))
-        .insert_resource(veduta::buildings::BuildSettings { vertices_a_frame: usize::MAX, in_the_making: 64 })
+        .insert_resource(veduta::buildings::BuildSettings { vertices_a_frame: usize::MAX, in_the_making: 64, ..default() })
         .insert_resource(OpenCity(city.to_owned()));
         let target = {
             let mut image = Image::new_target_texture(size.width, size.height, TextureFormat::Rgba8UnormSrgb, None);
@@ -136,14 +154,7 @@ impl Studio {
         }
         app.finish();
         app.cleanup();
-        let mut studio = Self {
-            app,
-            target,
-            viewer,
-            captured: Captured::default(),
-            given_up: BTreeSet::new(),
-            regions_given_up: BTreeSet::new(),
-        };
+        let mut studio = Self { app, target, viewer, captured: Captured::default(), given_up: Missing::default() };
         studio.look(false);
         studio.await_city(city)?;
         Ok(studio)
@@ -217,12 +228,18 @@ impl Studio {
         self.app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
     }
 
-    /// Cells in sight that do not stand at some level that is wanted of them, each once.
+    /// What is wanted and has not come.
     #[must_use]
-    pub fn missing(&self) -> BTreeSet<u32> {
-        let standing = self.app.world().resource::<StandingCells>();
-        let wanted = self.app.world().resource::<Wanted>();
-        wanted.order.iter().filter(|&&(cell, level)| !standing.levels(cell).has(level)).map(|&(cell, _)| cell).collect()
+    pub fn missing(&self) -> Missing {
+        let world = self.app.world();
+        let (standing, wanted) = (world.resource::<StandingCells>(), world.resource::<Wanted>());
+        let lacks = |&&(cell, level): &&(u32, veduta::city::Level)| !standing.levels(cell).has(level);
+        let is_here = |part: u32| world.get_resource::<City>().is_some_and(|city| city.overviews.get(part).is_some());
+        Missing {
+            cells: wanted.order.iter().filter(lacks).map(|&(cell, _)| cell).collect(),
+            regions: wanted.regions.iter().copied().collect(),
+            overviews: wanted.overviews.iter().copied().filter(|&part| !is_here(part)).collect(),
+        }
     }
 
     /// Waits, without letting the app's time pass, until all that is wanted stands; gives back what does not even then. What
@@ -233,26 +250,20 @@ impl Studio {
         let mut came = Instant::now();
         let mut before = usize::MAX;
         while came.elapsed() < PATIENCE {
-            let (missing, untold) = (self.missing(), self.untold());
-            if missing.is_subset(&self.given_up) && untold.is_subset(&self.regions_given_up) {
-                return Missing { cells: missing, regions: untold };
+            let missing = self.missing();
+            if missing.is_within(&self.given_up) {
+                return missing;
             }
-            let left = missing.len() + untold.len();
+            let left = missing.count();
             let idle = left == before;
             if !idle {
                 (came, before) = (Instant::now(), left);
             }
             self.update_waiting(idle);
         }
-        let missing = Missing { cells: self.missing(), regions: self.untold() };
-        self.given_up.extend(&missing.cells);
-        self.regions_given_up.extend(&missing.regions);
+        let missing = self.missing();
+        self.given_up.add(&missing);
         missing
-    }
-
-    /// Regions that are to tell what is wanted, and have not come.
-    fn untold(&self) -> BTreeSet<u32> {
-        self.app.world().resource::<Wanted>().regions.iter().copied().collect()
     }
 
     /// Renders until nothing changes any more: for the first picture.

@@ -10,9 +10,9 @@ use std::time::Duration;
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use veduta::ecs::{Awaited, Itinerary, OpenCells, StandingCells, Stop};
+use veduta::ecs::{Awaited, CellMesh, CellMeshKind, Itinerary, OpenCells, StandingCells, Stop};
 use veduta::prelude::*;
-use veduta::streaming::{CurrentCell, Fetching, StreamingStats, Wanted, Why};
+use veduta::streaming::{CurrentCell, Fetching, Link, Pace, StreamingStats, Wanted, Why};
 use veduta_city::Level;
 use veduta_store::{DirReader, read_index};
 use veduta_tests::{quiet_app, sample_city, update_until, workplace};
@@ -215,6 +215,61 @@ fn however_many_towers_a_city_has_only_so_many_are_wanted() {
     let (none, one, all) = (regions_of_skyline(0), regions_of_skyline(1), regions_of_skyline(48));
     assert_eq!((none.len(), one.len()), (0, 1));
     assert!(all.len() > 1 && all.is_superset(&one), "{one:?} {all:?}");
+}
+
+#[test]
+fn who_flies_sees_every_cell_near_by_as_itself_and_the_others_from_afar() {
+    let index = read_index(&DirReader::new(sample_city()).expect("a city")).expect("whole");
+    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+    let viewer = stand(&mut app);
+    app.world_mut().get_mut::<Eye>(viewer).expect("a viewer").eye_m = 60.0;
+    update_until(&mut app, 2_000, "all that is wanted from aloft is here", |world| {
+        let (wanted, standing) = (world.resource::<Wanted>(), world.resource::<StandingCells>());
+        let overviews = &world.resource::<City>().overviews;
+        wanted.order.iter().any(|&(cell, _)| wanted.why(cell) == Some(Why::Near))
+            && wanted.in_sight.iter().all(|&cell| standing.levels(cell).has(Level::One))
+            && wanted.overviews.iter().all(|&part| overviews.get(part).is_some())
+    });
+    update_until(&mut app, 200, "what the cells near the start were wanted for is past", |world| {
+        let wanted = world.resource::<Wanted>();
+        world.resource::<StandingCells>().iter().all(|(cell, ..)| wanted.wants(cell))
+    });
+    let mut query = app.world_mut().query::<(&CellMesh, &Visibility)>();
+    let districts = query.iter(app.world()).filter(|(mesh, _)| mesh.kind == CellMeshKind::District);
+    let afar: BTreeSet<u32> = districts.filter(|(_, shown)| **shown == Visibility::Visible).map(|(mesh, _)| mesh.cell).collect();
+    let near: BTreeSet<u32> = app.world().resource::<StandingCells>().iter().map(|(cell, ..)| cell).collect();
+    assert_eq!(afar.intersection(&near).next(), None, "nothing is shown twice");
+    assert!(near.len() > 30 && afar.len() > 60, "{} stand, {} are seen from afar", near.len(), afar.len());
+    assert!((0..index.cell_count()).all(|cell| near.contains(&cell) || afar.contains(&cell)), "and nothing is missing");
+}
+
+#[test]
+fn over_a_slow_line_finer_levels_are_asked_for_bit_by_bit() {
+    let index_of = |world: &World| world.resource::<Wanted>().order.clone();
+    let finer = |world: &World| {
+        let standing = world.resource::<StandingCells>();
+        let order = index_of(world).into_iter();
+        order.filter(|&(cell, level)| level > Level::One && !standing.levels(cell).has(level)).collect::<Vec<_>>()
+    };
+    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+    stand(&mut app);
+    let pace = app.world().resource::<Pace>().bytes_s().expect("of ten frames a second, one passes between asking and taking");
+    assert!(pace > 20_000.0, "{pace} B a second");
+    let all = index_of(app.world()).iter().filter(|(_, level)| *level > Level::One).count();
+    assert!(all > 8, "{all} finer levels are wanted at once");
+
+    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+    app.insert_resource(Link { bytes_s: 300.0, ..Link::default() });
+    app.world_mut().resource_mut::<StreamingSettings>().finer_within_s = 1.5;
+    stand(&mut app);
+    let pace = app.world().resource::<Pace>().bytes_s().expect("one has waited long");
+    assert!((200.0..400.0).contains(&pace), "{pace} B a second");
+    let few = finer(app.world()).len();
+    assert!(0 < few && few * 2 < all, "{few} of {all} are wanted next");
+    update_until(&mut app, 4_000, "who stands still gets all of them in the end", |world| {
+        let standing = world.resource::<StandingCells>();
+        standing.iter().filter(|(_, levels, _)| levels.has(Level::Two)).count() >= all
+    });
 }
 
 #[test]

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{self, Align2, CornerRadius, FontId, Margin, RichText, ScrollArea, Slider, Vec2, Window};
 use veduta::prelude::*;
-use veduta::streaming::{Event, Journal, Link, Reconnect, Streamed, StreamingStats};
+use veduta::streaming::{Event, Journal, Link, Pace, Reconnect, Streamed, StreamingStats};
 
 use super::plots::{Downloads, bytes, show};
 use super::{Expert, FAINT, INK, PAPER, PENDING, SHUT};
@@ -27,6 +27,7 @@ pub(super) fn draw(
     mut reconnect: MessageWriter<Reconnect>,
     stats: Res<StreamingStats>,
     downloads: Res<Downloads>,
+    pace: Res<Pace>,
     streamed: Streamed<'_>,
 ) -> Result {
     let context = contexts.ctx_mut()?;
@@ -52,6 +53,10 @@ pub(super) fn draw(
             stats.in_flight,
             stats.failures
         ));
+        ui.label(match pace.bytes_s() {
+            Some(bytes_s) => format!("{} a second come when something is awaited", bytes(bytes_s as u64)),
+            None => "nothing was awaited long enough to tell the line's pace".to_owned(),
+        });
         line(ui, &mut link, &mut settings, &mut reconnect);
         show(ui, &downloads, time.elapsed_secs_f64());
     });

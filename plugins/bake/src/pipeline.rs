@@ -2,10 +2,10 @@ use core::fmt;
 use std::borrow::Cow;
 use std::path::Path;
 
-use veduta_cells::{Contents, PartitionSettings, partition};
+use veduta_cells::{Contents, PartitionSettings, ground_from_afar, partition};
 use veduta_city::{Cells, CityGraph, CityPlan, Finding, GraphOverrides, Id, Severity, file};
 use veduta_growth::plan::Stock;
-use veduta_store::{CityStats, CityWriter};
+use veduta_store::{CellParts, CityStats, CityWriter};
 
 use crate::{BakeError, Heights, Input, InputKind, lay_on_ground, overrides_beside, read_models};
 
@@ -195,7 +195,12 @@ pub fn bake_input(input: &Input, out: &Path, settings: &BakeSettings, progress: 
     }
     progress(Stage::Pack);
     let contents = Contents::new(&plan, &cells);
-    writer.cells(&plan, &cells, &|cell| (Cow::Owned(contents.shell(cell)), Cow::Owned(contents.sheet(cell))))?;
+    let parts = |cell: usize| {
+        let shell = contents.shell(cell);
+        let ground = Some(ground_from_afar(&shell));
+        CellParts { shell: Cow::Owned(shell), sheet: Cow::Owned(contents.sheet(cell)), ground }
+    };
+    writer.cells(&plan, &cells, &parts)?;
     // The index of a large city takes as much again as its cells: the plan need not be there meanwhile.
     drop(contents);
     drop(plan);

@@ -43,6 +43,8 @@ pub struct Missing {
     pub eye: (DVec2, f64),
     /// What it sees.
     pub seen: (DVec2, f64),
+    /// Whether it sees it from afar, as a district of the overview that walkers have about them.
+    pub is_district: bool,
 }
 
 /// What a proof found.
@@ -56,6 +58,8 @@ pub struct Proof {
     pub hits: u64,
     /// Rays that saw a cell that is missing.
     pub misses: u64,
+    /// Those of them that see a district in place of every such cell: no hole is seen there.
+    pub misses_with_districts: u64,
     /// One of them for each pair of cells.
     pub missing: Vec<Missing>,
     /// Area of what the visible sets hold, square metres, summed over all cells; the skyline apart. With
@@ -80,6 +84,8 @@ const TRIES: u64 = 64;
 /// What only a ray sees, and none beside it, is seen through a crack between two meshes that is no pixel wide: how far the rays beside
 /// it are turned, radians.
 const BESIDE: f64 = 1e-4;
+/// Walkers have the overview within this distance at least, metres: streaming's `overview_m`.
+const OVERVIEW_M: f64 = 500.0;
 /// Rays of an eye that look about, besides those to the cells that it should see.
 const ABOUT: u64 = 32;
 /// Eyes after which nothing new was seen are the last.
@@ -94,7 +100,7 @@ pub fn prove(index: &CityIndex, shells: &[CellShell], settings: &ProofSettings) 
     let cells: Vec<&CellEntry> = index.cells().map(|(_, cell)| cell).collect();
     let mut is_skyline = vec![false; cells.len()];
     index.regions_here().flat_map(|(_, region)| &region.skyline).for_each(|&cell| is_skyline[cell as usize] = true);
-    let town = Town { cells, is_skyline, shells, scene: Scene::new(shells), seed: settings.seed };
+    let town = Town { index, cells, is_skyline, shells, scene: Scene::new(shells), seed: settings.seed };
     let ray = |number: u64| {
         let cell = Draw::new(settings.seed, Id(number), "cell").below("cell", shells.len()) as u32;
         town.look_once(cell, number)
@@ -105,6 +111,8 @@ pub fn prove(index: &CityIndex, shells: &[CellShell], settings: &ProofSettings) 
     for look in looks {
         proof.hits += u64::from(look.hit);
         proof.misses += u64::from(!look.missing.is_empty());
+        let is_filled = !look.missing.is_empty() && look.missing.iter().all(|missing| missing.is_district);
+        proof.misses_with_districts += u64::from(is_filled);
         proof.missing.extend(look.missing.into_iter().filter(|missing| pairs.insert((missing.from, missing.cell))));
     }
     if settings.eyes_a_cell > 0 {
@@ -122,6 +130,7 @@ struct Look {
 }
 
 struct Town<'a> {
+    index: &'a CityIndex,
     cells: Vec<&'a CellEntry>,
     is_skyline: Vec<bool>,
     shells: &'a [CellShell],
@@ -141,13 +150,28 @@ impl Town<'_> {
         if !seen.iter().any(is_missing) || !self.is_wide(eye, direction, cell) {
             return Some(Look { hit, missing: Vec::new() });
         }
-        let told = |met: Hit| Missing { from: cell, cell: met.cell, eye: plan(eye), seen: plan(eye + direction * met.distance_m) };
+        let told = |met: Hit| Missing {
+            from: cell,
+            cell: met.cell,
+            eye: plan(eye),
+            seen: plan(eye + direction * met.distance_m),
+            is_district: self.is_district(met.cell, plan(eye).0),
+        };
         Some(Look { hit, missing: seen.into_iter().filter(is_missing).map(told).collect() })
     }
 
     /// Whether a cell is in the visible set of another, or on the skyline.
     fn sees(&self, from: u32, cell: u32) -> bool {
         self.cells[from as usize].visible.binary_search(&cell).is_ok() || self.is_skyline(cell)
+    }
+
+    /// Whether the overview that tells of a cell is about an eye.
+    fn is_district(&self, cell: u32, eye: DVec2) -> bool {
+        let region = self.index.region_of(cell).and_then(|number| self.index.regions.get(number as usize));
+        region.is_some_and(|region| {
+            let (low, high) = (region.bounds.0.to_metres(), region.bounds.1.to_metres());
+            eye.distance(eye.clamp(low, high)) <= OVERVIEW_M
+        })
     }
 
     fn is_skyline(&self, cell: u32) -> bool {

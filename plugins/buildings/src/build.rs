@@ -1,6 +1,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 use veduta_city::{CellShell, FacadeSheet, Level, Season};
@@ -28,21 +29,23 @@ pub struct BuildSettings {
     pub vertices_a_frame: usize,
     /// Most meshes in the making at a time.
     pub in_the_making: usize,
+    /// Cells that are told in an overview that reaches so near to a viewer are shown from afar as long as they do not stand; metres.
+    pub districts_m: f64,
 }
 
 impl Default for BuildSettings {
     fn default() -> Self {
-        Self { vertices_a_frame: 60_000, in_the_making: 16 }
+        Self { vertices_a_frame: 60_000, in_the_making: 16, districts_m: 700.0 }
     }
 }
 
 impl BuildSettings {
     /// What may be spent in this frame: while every viewer is in the dark nobody sees a hitch, and all that has come is built.
-    fn in_frame(&self, viewers: &Query<&Eye, With<Viewer>>) -> Self {
+    pub(crate) fn in_frame(&self, viewers: &Query<&Eye, With<Viewer>>) -> Self {
         if viewers.is_empty() || viewers.iter().any(|eye| eye.fade < 1.0) {
             return *self;
         }
-        Self { vertices_a_frame: usize::MAX, in_the_making: self.in_the_making.max(256) }
+        Self { vertices_a_frame: usize::MAX, in_the_making: self.in_the_making.max(256), ..*self }
     }
 }
 
@@ -178,6 +181,21 @@ fn make(order: Order, season: Season, has_cards: bool) -> Made {
     Made { meshes: meshes.collect(), order, season, error }
 }
 
+/// The material of meshes where no plugin provides any.
+#[derive(SystemParam)]
+pub(crate) struct Plain<'w, 's> {
+    materials: Option<ResMut<'w, Assets<StandardMaterial>>>,
+    handle: Local<'s, Option<Handle<StandardMaterial>>>,
+}
+
+impl Plain<'_, '_> {
+    /// `None` where nothing is drawn.
+    pub(crate) fn handle(&mut self) -> Option<Handle<StandardMaterial>> {
+        let materials = self.materials.as_mut()?;
+        Some(self.handle.get_or_insert_with(|| materials.add(StandardMaterial::default())).clone())
+    }
+}
+
 /// Spawns what is made, within the frame's budget.
 pub(crate) fn finish(
     mut commands: Commands,
@@ -186,8 +204,7 @@ pub(crate) fn finish(
     provided: Option<Res<MaterialsProvided>>,
     mut queue: ResMut<Queue>,
     mut assets: ResMut<Assets<Mesh>>,
-    mut materials: Option<ResMut<Assets<StandardMaterial>>>,
-    mut plain: Local<Option<Handle<StandardMaterial>>>,
+    mut plain: Plain,
     cells: Query<(&Cell, &CellContent)>,
     trees: Query<(Entity, &CellMesh, &ChildOf), With<MadeFor>>,
     mut standing: ResMut<StandingCells>,
@@ -234,10 +251,9 @@ pub(crate) fn finish(
                 child.insert(MadeFor(made.season));
             }
             if provided.is_none()
-                && let Some(materials) = materials.as_mut()
+                && let Some(handle) = plain.handle()
             {
-                let handle = plain.get_or_insert_with(|| materials.add(StandardMaterial::default()));
-                child.insert(MeshMaterial3d(handle.clone()));
+                child.insert(MeshMaterial3d(handle));
             }
         }
         if made.order.is_turned {

@@ -2,11 +2,17 @@
 //!
 //! ```text
 //!  CellReady ──► task pool: packets → MeshData → Mesh ──► spawn within the frame's budget ──► CellStands
+//!  City.overviews ──► task pool: districts → Mesh ──► spawn ──► shown where the cell does not stand
 //! ```
 //!
 //! Packets carry plans, not meshes: walls, roofs and ground are made on the walker's machine, off the main thread, and
 //! spawned as one mesh per cell and level. Trees are meshes of their own, cards at level 1 and bodies at level 2 (bodies at level 1
-//! where no plugin provides materials), made for the season that the clock and the city's latitude tell; when it turns, they are made anew and take the place of those that stood.
+//! where no plugin provides materials), made for the season that the clock and the city's latitude tell; when it turns, they are made
+//! anew and take the place of those that stood.
+//!
+//! What maps know of a city is enough to draw it from afar: of each part of the [`City`](veduta_ecs::City)'s overview that is here, the
+//! cells are drawn as districts (ground, houses under plain roofs, bridges) as long as they do not stand themselves. So there is a city
+//! below who flies, behind what rises over the roofs, and about who has just arrived.
 //!
 //! # Use
 //! ```no_run
@@ -27,6 +33,7 @@
 
 mod build;
 mod convert;
+mod district;
 mod season;
 
 use bevy::prelude::*;
@@ -50,9 +57,14 @@ impl Plugin for BuildingsPlugin {
             .register_type::<BuildSettings>()
             .init_resource::<CitySeason>()
             .init_resource::<build::Queue>()
+            .init_resource::<district::Districts>()
             .add_systems(
                 Update,
                 (season::find_season, build::turn_season, build::start, build::finish).chain().in_set(VedutaSystems::Build),
+            )
+            .add_systems(
+                Update,
+                (district::start, district::finish, district::show).chain().after(build::finish).in_set(VedutaSystems::Build),
             )
             .add_systems(
                 Update,

@@ -62,6 +62,7 @@
 //!   cell that cannot quite be seen and never loses one.
 //! * *Boolean operations on floats* (geo's front of the same engine): rounding back to the grid would open cracks.
 
+mod afar;
 mod assign;
 mod check;
 mod directions;
@@ -87,6 +88,7 @@ mod visible;
 /// Version of the partition: the same plan gives the same cells, portals and visible sets by one version; another may differ.
 pub const PARTITION_VERSION: u32 = 3;
 
+pub use afar::ground_from_afar;
 pub use check::{CellsError, check};
 pub use partition::{Partition, PartitionSettings, partition};
 pub use shell::{Contents, cell_shells, facade_sheets};

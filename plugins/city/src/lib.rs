@@ -75,7 +75,7 @@ pub use monument::{Design, Monument, MonumentError, MonumentTag, Monuments, Plac
 pub use object::{ObjectKind, StandingObject};
 pub use ornament::{Articulation, Balconies, BalconyPlaces, Niche, Oriel, Ornament, Parapet};
 pub use overrides::{GraphOverride, GraphOverrides, LinkEdit, ModelFile, OverrideError, Target};
-pub use overview::{HouseName, MAP_STEP, Overview, OverviewParts};
+pub use overview::{District, DistrictOf, HouseName, MAP_STEP, Massing, Overview, OverviewParts};
 pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, ObjectShell, VolumeShell};
 pub use place::{Place, PlaceKind, Viewpoint};
 pub use plan::{

@@ -1,13 +1,14 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    CityPlan, GRID_PER_METRE, GridPolygon, GridPos, GridRing, Place, PlanStreet, PlanTerrain, SurfaceKind, Volume, WaySpan,
+    CityPlan, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, Place, PlanRoof, PlanStreet, PlanTerrain, Rgb,
+    RoofShape, SurfaceKind, Volume, WaySpan,
 };
 
 /// Grid steps to which outlines on maps are rounded: a quarter of a metre.
 pub const MAP_STEP: i32 = GRID_PER_METRE / 4;
 
-/// What maps, search and routes need of a city or a part of it, without its façades.
+/// What maps, search and routes need of a city or a part of it, and what it looks like from afar: without its façades.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Overview {
@@ -16,19 +17,108 @@ pub struct Overview {
     pub terrain: PlanTerrain,
     /// Centre lines with names.
     pub streets: Vec<PlanStreet>,
-    /// What covers the ground, and where, in multiples of [`MAP_STEP`]. Yards are what is left.
-    pub areas: Vec<(SurfaceKind, GridPolygon)>,
-    /// Outlines of houses, and how high they stand above the ground at their first vertex, in multiples of [`MAP_STEP`]. A house of
-    /// several volumes has one entry for each outline that differs, one after another.
-    pub houses: Vec<(GridPolygon, i32)>,
+    /// What covers the ground, and where, in multiples of [`MAP_STEP`]: what is paved as one, without the courses that it is laid along.
+    pub ground: Vec<GroundPatch>,
+    /// Houses. One of several volumes has an entry for each outline that differs, one after another.
+    pub houses: Vec<Massing>,
     /// Names and numbers of those houses that have them.
     pub names: Vec<HouseName>,
     /// Spans of ways on bridges and below the ground.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub spans: Vec<WaySpan>,
-    /// Things with a name.
+    /// Things with a name, [rounded](Place::rounded).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub places: Vec<Place>,
+    /// Which cells ground, houses and spans belong to. Empty where there are no cells.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub districts: Vec<District>,
+}
+
+/// So many pieces of ground, houses and spans, after those of the districts before it, are what a cell looks like from afar.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct District {
+    /// Index of the cell.
+    pub cell: u32,
+    /// Entries of [`Overview::ground`].
+    pub ground: u32,
+    /// Entries of [`Overview::houses`].
+    pub houses: u32,
+    /// Entries of [`Overview::spans`].
+    pub spans: u32,
+}
+
+/// A house or a part of it on maps and from afar: an outline, raised to the eaves, under a roof.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Massing {
+    /// In multiples of [`MAP_STEP`].
+    pub outline: GridPolygon,
+    /// How high its top, the ridge of its roof, stands above the ground at its first vertex, in multiples of [`MAP_STEP`].
+    pub height: i32,
+    /// Its roof: height in multiples of [`MAP_STEP`], along or across the longest edge of the outline.
+    pub roof: PlanRoof,
+    /// Of its walls.
+    pub colour: Rgb,
+}
+
+impl Massing {
+    /// Colours are told in so many steps a channel.
+    const COLOURS: u8 = 15;
+
+    /// A white block, so high, for maps alone.
+    #[must_use]
+    pub const fn block(outline: GridPolygon, height: i32) -> Self {
+        let white = Rgb(255, 255, 255);
+        Self { outline, height, roof: PlanRoof { shape: RoofShape::Flat, height: 0, direction: 0, colour: white }, colour: white }
+    }
+
+    /// Of a volume; `None` if nothing of it is left on maps.
+    #[must_use]
+    pub fn of(volume: &Volume, terrain: &PlanTerrain) -> Option<Self> {
+        let outline = on_map(&volume.footprint)?;
+        let ground = volume.footprint.outer.first().map_or(0, |&pos| terrain.height(pos));
+        let height = rounded(volume.top().saturating_sub(ground));
+        let PlanRoof { shape, height: rise, direction, colour } = volume.roof;
+        let quarter = Self::nearest_quarter(&outline, direction);
+        let roof = PlanRoof {
+            shape,
+            height: rounded(rise.max(0)),
+            direction: Self::quarter_deg(&outline, quarter),
+            colour: coarse(colour),
+        };
+        Some(Self { outline, height, roof, colour: coarse(volume.colour) })
+    }
+
+    /// The direction that lies so many quarter turns from that of the outline's longest edge, whole degrees clockwise from north.
+    #[must_use]
+    pub fn quarter_deg(outline: &GridPolygon, quarter: u8) -> u16 {
+        let ring = &outline.outer;
+        let edges = ring.iter().zip(ring.iter().cycle().skip(1)).map(|(a, b)| b.to_metres() - a.to_metres());
+        let longest = edges.reduce(|long, edge| if edge.length_squared() > long.length_squared() { edge } else { long });
+        let edge = longest.unwrap_or_default();
+        let deg = libm::round(libm::atan2(edge.x, edge.y).to_degrees()) as i32 + i32::from(quarter) * 90;
+        deg.rem_euclid(360) as u16
+    }
+
+    /// How many quarter turns come nearest to a direction.
+    #[must_use]
+    pub fn nearest_quarter(outline: &GridPolygon, direction: u16) -> u8 {
+        let off = |quarter: &u8| {
+            let off = (i32::from(Self::quarter_deg(outline, *quarter)) - i32::from(direction)).rem_euclid(360);
+            off.min(360 - off)
+        };
+        (0..4).min_by_key(off).unwrap_or_default()
+    }
+}
+
+/// A colour to the nearest of the few that are told apart from afar.
+fn coarse(Rgb(r, g, b): Rgb) -> Rgb {
+    let coarse = |c: u8| {
+        let step = u8::MAX / Massing::COLOURS;
+        (c.saturating_add(step / 2) / step) * step
+    };
+    Rgb(coarse(r), coarse(g), coarse(b))
 }
 
 /// How people call a house.
@@ -48,7 +138,12 @@ impl Overview {
     #[must_use]
     pub fn of(plan: &CityPlan) -> Self {
         let everywhere = (GridPos(i32::MIN, i32::MIN), GridPos(i32::MAX, i32::MAX));
-        OverviewParts::new(plan, 1, |_| 0).overview(0, everywhere)
+        let is_told = |patch: &&GroundPatch| !matches!(patch.surface, SurfaceKind::Yard | SurfaceKind::Opening);
+        let ground: Vec<GroundPatch> = plan.ground.iter().filter(is_told).cloned().collect();
+        let (houses, spans) = [plan.houses.len(), plan.spans.len()].map(|count| (0..count as u32).collect::<Vec<_>>()).into();
+        let all = DistrictOf { cell: 0, ground: &ground, houses: &houses, spans: &spans };
+        let overview = OverviewParts::new(plan, 1, |_| 0).overview(0, everywhere, [all]);
+        Self { districts: Vec::new(), ..overview }
     }
 
     /// The overviews of parts of a city as one.
@@ -60,29 +155,41 @@ impl Overview {
             let first = whole.houses.len() as u32;
             whole.names.extend(part.names.iter().map(|name| HouseName { house: first + name.house, ..name.clone() }));
             whole.streets.extend_from_slice(&part.streets);
-            whole.areas.extend_from_slice(&part.areas);
+            whole.ground.extend_from_slice(&part.ground);
             whole.houses.extend_from_slice(&part.houses);
             whole.spans.extend_from_slice(&part.spans);
             whole.places.extend_from_slice(&part.places);
+            whole.districts.extend_from_slice(&part.districts);
             terrains.push(&part.terrain);
         }
         Self { terrain: PlanTerrain::joined(&terrains), ..whole }
     }
 
-    /// Adds an outline of a house, or raises the equal one that the house has already from `first` on.
-    fn add_outline(&mut self, first: usize, volume: &Volume, terrain: &PlanTerrain) {
-        let Some(outline) = on_map(&volume.footprint) else { return };
-        let ground = volume.footprint.outer.first().map_or(0, |&pos| terrain.height(pos));
-        let height = rounded(volume.top().saturating_sub(ground));
-        let known = self.houses.iter_mut().skip(first).find(|(known, _)| *known == outline);
-        match known {
-            Some((_, highest)) => *highest = height.max(*highest),
-            None => self.houses.push((outline, height)),
+    /// Adds a volume of a house, or raises that of an equal outline that the house has already from `first` on.
+    fn add_volume(&mut self, first: usize, volume: &Volume, terrain: &PlanTerrain) {
+        let Some(massing) = Massing::of(volume, terrain) else { return };
+        match self.houses.iter_mut().skip(first).find(|known| known.outline == massing.outline) {
+            Some(known) if known.height < massing.height => *known = massing,
+            Some(_) => {}
+            None => self.houses.push(massing),
         }
     }
 }
 
-/// Which things of a plan are told in which part of its overview: each in one.
+/// What of a plan belongs to a cell, as an overview is to tell it.
+#[derive(Debug, Clone, Copy)]
+pub struct DistrictOf<'a> {
+    /// Index of the cell.
+    pub cell: u32,
+    /// Its ground, as precise as may be.
+    pub ground: &'a [GroundPatch],
+    /// Houses whose roofs it carries, as indices of the plan.
+    pub houses: &'a [u32],
+    /// Spans of ways whose middles lie in it, as indices of the plan.
+    pub spans: &'a [u32],
+}
+
+/// Which streets and places of a plan are told in which part of its overview: each in one.
 #[derive(Debug)]
 pub struct OverviewParts<'a> {
     plan: &'a CityPlan,
@@ -93,15 +200,12 @@ pub struct OverviewParts<'a> {
 #[derive(Debug, Clone, Default)]
 struct Part {
     streets: Vec<u32>,
-    ground: Vec<u32>,
-    houses: Vec<u32>,
-    spans: Vec<u32>,
     places: Vec<u32>,
 }
 
 impl<'a> OverviewParts<'a> {
-    /// Sorts a plan's things into so many parts, by the place where each begins. What `part_of` puts into a part that there is not goes
-    /// into the last.
+    /// Sorts a plan's streets and places into so many parts, by the place where each begins. What `part_of` puts into a part that there is
+    /// not goes into the last.
     #[must_use]
     pub fn new(plan: &'a CityPlan, count: usize, part_of: impl Fn(GridPos) -> usize) -> Self {
         let mut parts = vec![Part::default(); count.max(1)];
@@ -112,50 +216,50 @@ impl<'a> OverviewParts<'a> {
         for (i, street) in plan.streets.iter().enumerate() {
             sort(|part| &mut part.streets, i, street.line.first().copied());
         }
-        for (i, patch) in plan.ground.iter().enumerate() {
-            if !matches!(patch.surface, SurfaceKind::Yard | SurfaceKind::Opening) {
-                sort(|part| &mut part.ground, i, patch.outline.outer.first().copied());
-            }
-        }
-        for (i, house) in plan.houses.iter().enumerate() {
-            sort(|part| &mut part.houses, i, house.volumes.first().and_then(|volume| volume.footprint.outer.first().copied()));
-        }
-        for (i, span) in plan.spans.iter().enumerate() {
-            sort(|part| &mut part.spans, i, span.stations.first().map(|station| station.left));
-        }
         for (i, place) in plan.places.iter().enumerate() {
             sort(|part| &mut part.places, i, Some(GridPos::from_metres(place.pos)));
         }
         Self { plan, parts }
     }
 
-    /// The overview of a part, with the elevations of the ground within some bounds.
+    /// The overview of a part, with what its cells look like from afar, and the elevations of the ground within some bounds. What is no
+    /// index of the plan is left out.
     ///
     /// # Panics
     /// If there is no such part.
     #[must_use]
-    pub fn overview(&self, part: usize, bounds: (GridPos, GridPos)) -> Overview {
+    pub fn overview<'d>(
+        &self,
+        part: usize,
+        bounds: (GridPos, GridPos),
+        districts: impl IntoIterator<Item = DistrictOf<'d>>,
+    ) -> Overview {
         let (plan, part) = (self.plan, &self.parts[part]);
-        let area = |&i: &u32| {
-            let patch = &plan.ground[i as usize];
-            Some((patch.surface, on_map(&patch.outline)?))
-        };
         let mut overview = Overview {
             terrain: plan.terrain.crop(bounds, GridPos(0, 0)),
             streets: part.streets.iter().map(|&i| plan.streets[i as usize].clone()).collect(),
-            areas: part.ground.iter().filter_map(area).collect(),
-            spans: part.spans.iter().map(|&i| plan.spans[i as usize].clone()).collect(),
-            places: part.places.iter().map(|&i| plan.places[i as usize].clone()).collect(),
+            places: part.places.iter().map(|&i| plan.places[i as usize].rounded()).collect(),
             ..Overview::default()
         };
-        for house in part.houses.iter().map(|&i| &plan.houses[i as usize]) {
-            let first = overview.houses.len();
-            house.volumes.iter().for_each(|volume| overview.add_outline(first, volume, &plan.terrain));
-            let is_called = !house.name.is_empty() || !house.number.is_empty();
-            if is_called && overview.houses.len() > first {
-                let (name, number) = (house.name.clone(), house.number.clone());
-                overview.names.push(HouseName { house: first as u32, name, number });
+        for of in districts {
+            let before = [overview.ground.len(), overview.houses.len(), overview.spans.len()];
+            let patch = |&GroundPatch { surface, ref outline, z, .. }: &GroundPatch| {
+                Some(GroundPatch { surface, outline: on_map(outline)?, z, course: None })
+            };
+            overview.ground.extend(of.ground.iter().filter_map(patch));
+            overview.spans.extend(of.spans.iter().filter_map(|&i| plan.spans.get(i as usize)).cloned());
+            for house in of.houses.iter().filter_map(|&i| plan.houses.get(i as usize)) {
+                let first = overview.houses.len();
+                house.volumes.iter().for_each(|volume| overview.add_volume(first, volume, &plan.terrain));
+                let is_called = !house.name.is_empty() || !house.number.is_empty();
+                if is_called && overview.houses.len() > first {
+                    let (name, number) = (house.name.clone(), house.number.clone());
+                    overview.names.push(HouseName { house: first as u32, name, number });
+                }
             }
+            let after = [overview.ground.len(), overview.houses.len(), overview.spans.len()];
+            let [ground, houses, spans] = core::array::from_fn(|i| (after[i] - before[i]) as u32);
+            overview.districts.push(District { cell: of.cell, ground, houses, spans });
         }
         overview
     }
@@ -180,46 +284,65 @@ fn on_map(polygon: &GridPolygon) -> Option<GridPolygon> {
 
 #[cfg(test)]
 mod tests {
-    use crate::{GroundPatch, House, Id, PlanRoof, Rgb, RoofShape};
+    use crate::{House, Id};
 
     use super::*;
 
-    #[test]
-    fn storeys_stacked_on_nearly_one_outline_are_one_entry_with_the_highest_top() {
-        let outline = |x| GridPolygon::simple(vec![GridPos(x, 0), GridPos(x + 9 * 256, 0), GridPos(x, 9 * 256)]);
-        let volume = |x, eaves| Volume {
+    fn outline(x: i32) -> GridPolygon {
+        GridPolygon::simple(vec![GridPos(x, 0), GridPos(x + 9 * 256, 0), GridPos(x, 8 * 256)])
+    }
+
+    fn volume(x: i32, eaves: i32) -> Volume {
+        Volume {
             footprint: outline(x),
             bottom: 0,
             eaves,
-            colour: Rgb::default(),
+            colour: Rgb(200, 101, 7),
             trim: Rgb::default(),
-            roof: PlanRoof { shape: RoofShape::Flat, height: 5, direction: 0, colour: Rgb::default() },
+            roof: PlanRoof { shape: RoofShape::Gabled, height: 300, direction: 350, colour: Rgb(255, 0, 42) },
             gable: Default::default(),
             walls: Vec::new(),
             arcades: Vec::new(),
-        };
-        let house = House {
-            id: Id(7),
-            name: String::new(),
-            number: "12".to_owned(),
-            style: 0,
-            floor: 0,
-            volumes: vec![volume(0, 100), volume(10, 3000), volume(512, 200)],
-            monument: None,
-        };
-        let plan = CityPlan { houses: vec![House { number: String::new(), ..house.clone() }, house], ..CityPlan::default() };
-        let overview = Overview::of(&plan);
-        assert_eq!(overview.houses[..2], [(outline(0), 3072), (outline(512), 256)]);
-        assert_eq!(overview.names, [HouseName { house: 2, name: String::new(), number: "12".to_owned() }]);
+        }
     }
+
+    fn house(number: &str, volumes: Vec<Volume>) -> House {
+        House { id: Id(7), name: String::new(), number: number.to_owned(), style: 0, floor: 0, volumes, monument: None }
+    }
+
     #[test]
-    fn every_thing_is_told_in_one_part() {
+    fn storeys_stacked_on_nearly_one_outline_are_one_entry_with_the_highest_top() {
+        let volumes = || vec![volume(0, 100), volume(10, 2780), volume(512, 200)];
+        let plan = CityPlan { houses: vec![house("", volumes()), house("12", volumes())], ..CityPlan::default() };
+        let overview = Overview::of(&plan);
+        let told = |massing: &Massing| (massing.outline.clone(), massing.height, massing.roof.height);
+        assert_eq!(overview.houses[..2].iter().map(told).collect::<Vec<_>>(), [(outline(0), 3072, 256), (outline(512), 512, 256)]);
+        assert_eq!(overview.names, [HouseName { house: 2, name: String::new(), number: "12".to_owned() }]);
+        assert!(overview.districts.is_empty());
+    }
+
+    #[test]
+    fn roofs_follow_their_outlines_and_colours_are_few() {
+        let massing = Massing::of(&volume(0, 1000), &PlanTerrain::default()).expect("an area");
+        // The longest edge leads from (2304, 0) to (0, 2048).
+        let leads = libm::round(libm::atan2(-9.0, 8.0).to_degrees()) as i32 + 360;
+        assert_eq!(i32::from(massing.roof.direction), leads, "the nearest to 350 of it and its quarter turns");
+        assert_eq!(massing.colour, Rgb(204, 102, 0));
+        assert_eq!(massing.roof.colour, Rgb(255, 0, 34));
+        for quarter in 0..4 {
+            let deg = Massing::quarter_deg(&massing.outline, quarter);
+            assert_eq!(Massing::nearest_quarter(&massing.outline, deg), quarter);
+        }
+    }
+
+    #[test]
+    fn every_thing_is_told_in_one_part_and_districts_in_order() {
         let at = |x: i32| GridPos(x * 1024, 0);
         let patch = |x: i32, surface| GroundPatch {
             surface,
             outline: GridPolygon::simple(vec![at(x), at(x + 5), GridPos(x * 1024, 5000)]),
-            z: 0,
-            course: None,
+            z: 3,
+            course: Some(1),
         };
         let street = |i: i32| PlanStreet {
             id: Id(i as u64),
@@ -232,15 +355,23 @@ mod tests {
         let plan = CityPlan {
             streets: (0..6).map(street).collect(),
             ground: vec![patch(1, SurfaceKind::Grass), patch(4, SurfaceKind::Yard), patch(4, SurfaceKind::Water)],
+            houses: vec![house("1", vec![volume(0, 100)]), house("2", vec![volume(0, 100), volume(900, 100)])],
             ..CityPlan::default()
         };
         let parts = OverviewParts::new(&plan, 2, |pos| usize::from(pos.0 >= 3 * 1024));
-        let [west, east] = [0, 1].map(|part| parts.overview(part, (at(0), at(9))));
+        let ground = [patch(1, SurfaceKind::Grass)];
+        let district = |cell, ground, houses| DistrictOf { cell, ground, houses, spans: &[] };
+        let west = parts.overview(0, (at(0), at(9)), [district(4, &ground, &[1, 9]), district(5, &[], &[0])]);
+        let east = parts.overview(1, (at(0), at(9)), []);
         let ids = |overview: &Overview| overview.streets.iter().map(|street| street.id.0).collect::<Vec<_>>();
         assert_eq!((ids(&west), ids(&east)), (vec![0, 1, 2], vec![3, 4, 5]));
-        let kinds = |overview: &Overview| overview.areas.iter().map(|(surface, _)| *surface).collect::<Vec<_>>();
-        assert_eq!((kinds(&west), kinds(&east)), (vec![SurfaceKind::Grass], vec![SurfaceKind::Water]));
-        assert_eq!(OverviewParts::new(&plan, 2, |_| 7).overview(1, (at(0), at(9))), Overview::of(&plan));
+        assert_eq!((west.ground.len(), west.ground[0].course, west.ground[0].z), (1, None, 3));
+        let told = |cell, ground, houses| District { cell, ground, houses, spans: 0 };
+        assert_eq!(west.districts, [told(4, 1, 2), told(5, 0, 1)]);
+        assert_eq!(west.names.iter().map(|name| (name.house, &*name.number)).collect::<Vec<_>>(), [(0, "2"), (2, "1")]);
+        let whole = Overview::of(&plan);
+        assert_eq!(whole.ground.iter().map(|patch| patch.surface).collect::<Vec<_>>(), [SurfaceKind::Grass, SurfaceKind::Water]);
+        assert_eq!(Overview::joined([&west, &east]).districts, west.districts);
     }
 
     #[test]

@@ -54,6 +54,26 @@ impl Place {
     pub const fn default_radius_m() -> f64 {
         25.0
     }
+
+    /// As overviews tell it: to whole centimetres and hundredths of degrees.
+    #[must_use]
+    pub fn rounded(&self) -> Self {
+        Self {
+            pos: self.pos.map(hundredth),
+            radius_m: hundredth(self.radius_m),
+            view: self.view.map(|view| Viewpoint {
+                pos: view.pos.map(hundredth),
+                eye_m: hundredth(view.eye_m),
+                heading_deg: hundredth(view.heading_deg),
+                pitch_deg: hundredth(view.pitch_deg),
+            }),
+            ..self.clone()
+        }
+    }
+}
+
+fn hundredth(n: f64) -> f64 {
+    libm::round(n * 100.0) / 100.0
 }
 
 /// A stand and a direction of view.

@@ -25,6 +25,8 @@ pub struct CellContent {
 /// What a mesh of a cell shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum CellMeshKind {
+    /// The cell from afar, made of the overview: shown as long as the cell does not stand. No child of the cell.
+    District,
     /// Ground, roofs and standing objects but trees: shown at every distance.
     Base,
     /// Walls of one level.
@@ -38,13 +40,13 @@ impl CellMeshKind {
     #[must_use]
     pub const fn level(self) -> Option<Level> {
         match self {
-            Self::Base => None,
+            Self::District | Self::Base => None,
             Self::Walls(level) | Self::Trees(level) => Some(level),
         }
     }
 }
 
-/// A mesh of a cell; a child of its [`Cell`]. Whoever provides materials answers its arrival, and hands the cell's fades to
+/// A mesh of a cell; a child of its [`Cell`], but for a [district](CellMeshKind::District). Whoever provides materials answers its arrival, and hands the cell's fades to
 /// the shader in the mesh's tag.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
 #[require(MeshTag)]

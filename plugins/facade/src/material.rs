@@ -201,7 +201,7 @@ fn dress_meshes(mut commands: Commands, in_use: Option<Res<CityMaterials>>, new:
     for (entity, mesh) in &new {
         let mut entity = commands.entity(entity);
         match mesh.kind {
-            CellMeshKind::Base => entity.insert(MeshMaterial3d(in_use.base.clone())),
+            CellMeshKind::Base | CellMeshKind::District => entity.insert(MeshMaterial3d(in_use.base.clone())),
             CellMeshKind::Trees(Level::One) => entity.insert(MeshMaterial3d(in_use.cards.clone())),
             CellMeshKind::Walls(level) | CellMeshKind::Trees(level) => {
                 entity.insert(MeshMaterial3d(in_use.levels[level.index()].clone()))

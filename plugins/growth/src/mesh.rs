@@ -3,6 +3,7 @@
 //! ```text
 //!  CellShell ──► ground, bridges, roofs, … ──────► MeshData     CellShell ──► collision
 //!  CellShell + FacadeSheet ──► level2 ───────────► MeshData
+//!  Overview ──► districts: CellShells ──► afar ──► MeshData
 //! ```
 //!
 //! Every function is pure and looks at one cell alone. Positions are metres in the engine's axes local to the cell: x east,
@@ -32,6 +33,7 @@
 //! Distance fields for hips (parabolic creases at inner corners), and sharing vertices between faces (every face has its own
 //! normal, tile and façade anyway).
 
+mod afar;
 mod arcade;
 pub(crate) mod bridge;
 mod collision;
@@ -58,6 +60,7 @@ mod wall;
 #[cfg(test)]
 mod proof;
 
+pub use afar::{afar, districts};
 pub use bridge::spans;
 pub use collision::{Collision, Pillar, Trimesh, collision};
 pub use data::{MeshData, MeshError};

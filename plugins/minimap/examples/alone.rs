@@ -4,7 +4,7 @@
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use veduta_city::{GridPolygon, GridPos, Id, Overview, Place, PlaceKind, PlanStreet, SurfaceKind};
+use veduta_city::{GridPolygon, GridPos, GroundPatch, Id, Massing, Overview, Place, PlaceKind, PlanStreet, SurfaceKind};
 use veduta_ecs::{City, Eye, JumpTo, Overviews, Viewer};
 use veduta_minimap::{MinimapPlugin, MinimapSettings};
 
@@ -28,15 +28,16 @@ fn rectangle(middle: (i32, i32), half: (i32, i32)) -> GridPolygon {
 fn village() -> City {
     let line = [(-120, 0), (0, 0), (120, 20)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec();
     let street = PlanStreet { id: Id(1), name: "Long Street".into(), line, width: 8 * 1024, walkable: true, layer: 0 };
-    let house = |(x, y)| (rectangle((x, y), (7, 6)), 9 * 1024);
+    let house = |(x, y)| Massing::block(rectangle((x, y), (7, 6)), 9 * 1024);
+    let patch = |surface, outline| GroundPatch { surface, outline, z: 0, course: None };
     let beside = [(-40, 45), (-20, 45), (0, 45), (20, 45), (40, 45), (-40, -45), (-20, -45), (0, -45), (20, -45)];
     let square = Place { name: "Market".into(), kind: PlaceKind::Square, pos: DVec2::new(0.0, 10.0), ..default() };
     let overview = Overview {
         streets: vec![street],
-        areas: vec![
-            (SurfaceKind::Cobbles, rectangle((0, 0), (50, 35))),
-            (SurfaceKind::Cobbles, rectangle((0, 0), (120, 4))),
-            (SurfaceKind::Water, rectangle((85, -40), (20, 15))),
+        ground: vec![
+            patch(SurfaceKind::Cobbles, rectangle((0, 0), (50, 35))),
+            patch(SurfaceKind::Cobbles, rectangle((0, 0), (120, 4))),
+            patch(SurfaceKind::Water, rectangle((85, -40), (20, 15))),
         ],
         houses: beside.map(house).to_vec(),
         places: vec![square],

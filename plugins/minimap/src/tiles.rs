@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy_egui::egui::Color32;
-use veduta_city::{GridPolygon, Overview, SurfaceKind};
+use veduta_city::{GridPolygon, Massing, Overview, SurfaceKind};
 use veduta_ecs::{Around, City, Eye, OverviewWants, Overviews, Viewer};
 
 use crate::{MapView, MinimapSettings};
@@ -104,22 +104,22 @@ impl PartTiles {
     }
 
     fn is_done(&self) -> bool {
-        self.done >= self.source.areas.len() + self.source.spans.len() + self.source.houses.len()
+        self.done >= self.source.ground.len() + self.source.spans.len() + self.source.houses.len()
     }
 
-    /// Areas first, then spans, then houses.
+    /// The ground first, then spans, then houses.
     fn cut_next(&mut self) {
         let source = Arc::clone(&self.source);
         let n = self.done;
         self.done += 1;
-        if let Some((surface, outline)) = source.areas.get(n) {
-            return ink(*surface).into_iter().for_each(|ink| self.add(0, outline, ink));
+        if let Some(patch) = source.ground.get(n) {
+            return ink(patch.surface).into_iter().for_each(|ink| self.add(0, &patch.outline, ink));
         }
-        let n = n - source.areas.len();
+        let n = n - source.ground.len();
         if let Some(span) = source.spans.get(n) {
             return ink(span.surface).filter(|_| !span.is_bore()).into_iter().for_each(|ink| self.add(0, &span.outline(), ink));
         }
-        if let Some((outline, height)) = source.houses.get(n - source.spans.len()) {
+        if let Some(Massing { outline, height, .. }) = source.houses.get(n - source.spans.len()) {
             self.add(1, outline, if *height > LANDMARK_TOP { LANDMARK } else { HOUSE });
         }
     }
@@ -170,7 +170,7 @@ mod tests {
     fn a_house_is_found_from_where_it_reaches_and_not_from_afar() {
         let side = 200 * 1024;
         let long = GridPolygon::simple(vec![GridPos(0, 0), GridPos(side, 0), GridPos(side, 9000), GridPos(0, 9000)]);
-        let overview = Overview { houses: vec![(long, 0)], ..Overview::default() };
+        let overview = Overview { houses: vec![Massing::block(long, 0)], ..Overview::default() };
         let mut app = App::new();
         app.init_resource::<MapTiles>().add_systems(Update, cut_tiles);
         app.insert_resource(City { overviews: Overviews::whole(overview), ..City::default() });
@@ -185,7 +185,8 @@ mod tests {
     #[test]
     fn parts_are_cut_as_they_come_and_dropped_as_they_go() {
         let house = |i: i32| GridPolygon::simple(vec![GridPos(i, 0), GridPos(i + 9000, 0), GridPos(i, 9000)]);
-        let part = Arc::new(Overview { houses: (0..600).map(|i| (house(i * 256), 0)).collect(), ..Overview::default() });
+        let part =
+            Arc::new(Overview { houses: (0..600).map(|i| Massing::block(house(i * 256), 0)).collect(), ..Overview::default() });
         let mut app = App::new();
         app.init_resource::<MapTiles>().add_systems(Update, cut_tiles);
         let mut overviews = Overviews::awaited([(GridPos(0, 0), GridPos(0, 0)); 2]);

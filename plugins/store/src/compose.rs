@@ -3,7 +3,8 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use veduta_city::{
-    Cell, CellShell, Cells, CityPlan, FacadeSheet, GRID_PER_METRE, GridPos, Level, OverviewParts, Palette, Style, WaySpan,
+    Cell, CellShell, Cells, CityPlan, DistrictOf, FacadeSheet, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, Level,
+    OverviewParts, Palette, Style, WaySpan,
 };
 
 use crate::index::encode_index;
@@ -45,24 +46,52 @@ pub(crate) fn head(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> R
     })
 }
 
-/// What is told of the packets of all cells in their entries of the index; the packets go to the sink.
+/// What is to be written of a cell.
+#[derive(Debug, Clone)]
+pub struct CellParts<'a> {
+    /// Level 1.
+    pub shell: Cow<'a, CellShell>,
+    /// Level 2: as many walls as the shell has.
+    pub sheet: Cow<'a, FacadeSheet>,
+    /// Its ground as the overview is to tell it, in the city's own coordinates; `None`: piece by piece as the shell does.
+    pub ground: Option<Vec<GroundPatch>>,
+}
+
+impl CellParts<'_> {
+    /// What the overview is to tell of the ground.
+    fn take_ground(&mut self) -> Vec<GroundPatch> {
+        self.ground.take().unwrap_or_else(|| {
+            let origin = self.shell.origin;
+            let place = |p: &GridPos| GridPos(p.0.wrapping_add(origin.0), p.1.wrapping_add(origin.1));
+            let ring = |ring: &GridRing| ring.iter().map(place).collect();
+            let placed = |of: &GridPolygon| GridPolygon { outer: ring(&of.outer), holes: of.holes.iter().map(ring).collect() };
+            let patch = |patch: &GroundPatch| GroundPatch { outline: placed(&patch.outline), ..patch.clone() };
+            self.shell.ground.iter().map(patch).collect()
+        })
+    }
+}
+
+/// What is told of the packets of all cells in their entries of the index, and what the overviews are to tell of their ground; the packets
+/// go to the sink.
 pub(crate) fn entries<'a>(
     plan: &CityPlan,
     cells: &Cells,
-    contents: &(dyn Fn(usize) -> (Cow<'a, CellShell>, Cow<'a, FacadeSheet>) + Sync),
+    contents: &(dyn Fn(usize) -> CellParts<'a> + Sync),
     stats: &mut CityStats,
     sink: &Sink<'_>,
-) -> Result<Vec<CellEntry>, StoreError> {
+) -> Result<(Vec<CellEntry>, Vec<Vec<GroundPatch>>), StoreError> {
     let count = cells.cells.len();
     let palettes = palettes(plan);
     let entries = side_by_side(count, &|i| {
-        let (shell, sheet) = contents(i);
+        let mut parts = contents(i);
         let told = |error: StoreError| match error {
             StoreError::Write { .. } => error,
             error => invalid(format!("cell {i} ({}): {error}", cells.cells[i].id)),
         };
-        entry((plan, &palettes), &cells.cells[i], (&shell, &sheet), sink).map_err(told)
+        let entry = entry((plan, &palettes), &cells.cells[i], (&parts.shell, &parts.sheet), sink).map_err(told)?;
+        Ok((entry, parts.take_ground()))
     })?;
+    let (entries, ground): (Vec<CellEntry>, _) = entries.into_iter().unzip();
     stats.cells += count as u64;
     for entry in &entries {
         stats.walls += u64::from(entry.walls);
@@ -70,7 +99,7 @@ pub(crate) fn entries<'a>(
             *sum += packet.map_or(0, |blob| u64::from(blob.bytes));
         }
     }
-    Ok(entries)
+    Ok((entries, ground))
 }
 
 /// The file of an index, which was read back. Its regions, made of the entries and of what cells tell of themselves, go to the sink.
@@ -192,7 +221,7 @@ const TERRAIN_MARGIN: i32 = 64 * GRID_PER_METRE;
 pub(crate) fn overviews(
     plan: &CityPlan,
     cells: &Cells,
-    entries: &[CellEntry],
+    (entries, ground): (&[CellEntry], &[Vec<GroundPatch>]),
     stats: &mut CityStats,
     sink: &Sink<'_>,
 ) -> Result<Vec<BlobRef>, StoreError> {
@@ -212,7 +241,12 @@ pub(crate) fn overviews(
             GridPos(wider(lo.0, -TERRAIN_MARGIN), wider(lo.1, -TERRAIN_MARGIN)),
             GridPos(wider(hi.0, TERRAIN_MARGIN), wider(hi.1, TERRAIN_MARGIN)),
         );
-        let overview = parts.overview(n, about);
+        let district = |cell: usize| {
+            let Cell { houses, spans, .. } = &cells.cells[cell];
+            DistrictOf { cell: cell as u32, ground: &ground[cell], houses, spans }
+        };
+        let overview = parts.overview(n, about, squares[n].1.clone().map(district));
+        valid::check_overview(&overview).map_err(invalid)?;
         let stored = encode_overview(&overview);
         let blob = BlobRef::of(&stored);
         read_back(&overview, &decode_overview(&stored, &blob)?)?;

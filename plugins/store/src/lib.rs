@@ -101,6 +101,7 @@ pub use blob::BlobRef;
 #[cfg(not(target_arch = "wasm32"))]
 pub use cache::{CacheReader, CacheStats};
 pub use client::{Client, ClientEvent, ClientSettings, ClientStats};
+pub use compose::CellParts;
 pub use error::{ReadError, StoreError};
 #[cfg(not(target_arch = "wasm32"))]
 pub use http::{HttpReader, HttpSettings};
@@ -118,7 +119,7 @@ pub use write::{CityWriter, write_city};
 extern crate self as veduta_store;
 
 /// Version of the format that this program writes and reads.
-pub const FORMAT_VERSION: u32 = 12;
+pub const FORMAT_VERSION: u32 = 13;
 
 /// Name of the index's file in a city's directory.
 pub const INDEX_NAME: &str = "city.veduta";

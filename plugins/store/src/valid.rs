@@ -3,7 +3,10 @@
 //! Plan positions stay within ±2³⁰ steps (1,048 km), positions within a cell and heights within ±2²⁷ (131 km): no sum or
 //! difference of two of them leaves 32 bits.
 
-use veduta_city::{CellShell, Course, GridPolygon, GridPos, HouseShell, Overview, SpanForm, SpanStation, VolumeShell, WaySpan};
+use veduta_city::{
+    CellShell, Course, District, GridPolygon, GridPos, GroundPatch, HouseShell, Massing, Overview, PlanTerrain, SpanForm,
+    SpanStation, VolumeShell, WaySpan,
+};
 
 use crate::blob::BlobKind;
 use crate::{BlobRef, CellEntry, CityIndex, Region, RegionEntry};
@@ -15,7 +18,10 @@ type Check = Result<(), String>;
 const MOST_FACES: u64 = 16_000_000;
 /// Most squares of the terrain that patches of ground are cut into, as if each filled the box about it.
 const MOST_SQUARES: u64 = 1 << 20;
-/// Most spans of ways of a cell, and how long all are together, metres: posts, sleepers and dashes on them are counted by that.
+/// As many in an overview, which tells of many cells.
+const MOST_SQUARES_AFAR: u64 = 1 << 22;
+/// Most spans of ways of a cell or an overview, and how long all are together, metres: posts, sleepers and dashes on them are counted by
+/// that.
 const MOST_SPANS: usize = 1 << 14;
 const MOST_SPANS_M: f64 = 100_000.0;
 /// Most markings of a span.
@@ -66,7 +72,7 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
     }
     check_polygon("its outline", &shell.outline, NEAR)?;
     shell.terrain.check().map_err(|reason| format!("its terrain: {reason}"))?;
-    if squares(shell) > MOST_SQUARES {
+    if squares(&shell.ground, &shell.terrain) > MOST_SQUARES {
         return Err(format!("its ground lies on more than {MOST_SQUARES} squares of its terrain"));
     }
     for (i, patch) in shell.ground.iter().enumerate() {
@@ -111,13 +117,7 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
     if shell.drawn_spans as usize > shell.spans.len() {
         return Err(format!("it draws {} of {} spans", shell.drawn_spans, shell.spans.len()));
     }
-    for (i, span) in shell.spans.iter().enumerate() {
-        check_span(span, NEAR).map_err(|reason| format!("span {i}: {reason}"))?;
-    }
-    let length: f64 = shell.spans.iter().map(length_m).sum();
-    if length > MOST_SPANS_M || shell.spans.len() > MOST_SPANS {
-        return Err(format!("its {} spans are {length:.0} m long", shell.spans.len()));
-    }
+    check_spans(&shell.spans, NEAR)?;
     for (i, design) in shell.designs.iter().enumerate() {
         design.check().map_err(|error| format!("design {i}: {error}"))?;
     }
@@ -166,9 +166,8 @@ fn check_span(span: &WaySpan, reach: u32) -> Check {
     span.markings.iter().flat_map(|m| [m.left.0, m.left.1, m.width]).try_for_each(|left| check_height("a marking", left))
 }
 
-/// How many squares between posts the patches of a cell may be cut into, at most.
-fn squares(shell: &CellShell) -> u64 {
-    let terrain = &shell.terrain;
+/// How many squares between posts some patches may be cut into, at most.
+fn squares(ground: &[GroundPatch], terrain: &PlanTerrain) -> u64 {
     let Some(rows) = terrain.heights.len().checked_div(terrain.columns as usize) else { return 0 };
     let posts = [(terrain.origin.0, terrain.columns as usize), (terrain.origin.1, rows)];
     let along = |low: i32, high: i32, (origin, count): (i32, usize)| {
@@ -176,7 +175,7 @@ fn squares(shell: &CellShell) -> u64 {
         let (from, to) = (i64::from(low).max(origin.into()), i64::from(high).min(end));
         ((to - from).max(0) / i64::from(terrain.step.max(1))) as u64 + 1
     };
-    let bounds = shell.ground.iter().filter_map(|patch| patch.outline.bounds());
+    let bounds = ground.iter().filter_map(|patch| patch.outline.bounds());
     bounds.map(|(low, high)| along(low.0, high.0, posts[0]) * along(low.1, high.1, posts[1])).fold(0, u64::saturating_add)
 }
 
@@ -218,18 +217,44 @@ fn check_volume(volume: &VolumeShell) -> Check {
     }
 }
 
+fn check_spans(spans: &[WaySpan], reach: u32) -> Check {
+    for (i, span) in spans.iter().enumerate() {
+        check_span(span, reach).map_err(|reason| format!("span {i}: {reason}"))?;
+    }
+    let length: f64 = spans.iter().map(length_m).sum();
+    if length > MOST_SPANS_M || spans.len() > MOST_SPANS {
+        return Err(format!("its {} spans are {length:.0} m long", spans.len()));
+    }
+    Ok(())
+}
+
 pub(crate) fn check_overview(overview: &Overview) -> Check {
-    for (i, (outline, height)) in overview.houses.iter().enumerate() {
+    if squares(&overview.ground, &overview.terrain) > MOST_SQUARES_AFAR {
+        return Err(format!("its ground lies on more than {MOST_SQUARES_AFAR} squares of its terrain"));
+    }
+    for (i, Massing { outline, height, roof, .. }) in overview.houses.iter().enumerate() {
         check_polygon("it", outline, FAR)
             .and_then(|()| check_height("its top", *height))
+            .and_then(|()| check_height("its roof", roof.height))
             .map_err(|reason| format!("outline {i} of a house: {reason}"))?;
     }
-    for (i, (_, outline)) in overview.areas.iter().enumerate() {
-        check_polygon("it", outline, FAR).map_err(|reason| format!("area {i}: {reason}"))?;
+    for (i, patch) in overview.ground.iter().enumerate() {
+        check_polygon("it", &patch.outline, FAR)
+            .and_then(|()| check_height("it", patch.z))
+            .map_err(|reason| format!("ground {i}: {reason}"))?;
     }
-    for (i, span) in overview.spans.iter().enumerate() {
-        check_span(span, FAR).map_err(|reason| format!("span {i}: {reason}"))?;
+    let sum = |of: fn(&District) -> u32| overview.districts.iter().map(|district| u64::from(of(district))).sum::<u64>();
+    let told = [
+        ("pieces of ground", sum(|district| district.ground), overview.ground.len()),
+        ("houses", sum(|district| district.houses), overview.houses.len()),
+        ("spans", sum(|district| district.spans), overview.spans.len()),
+    ];
+    for (what, of_districts, all) in told {
+        if !overview.districts.is_empty() && of_districts != all as u64 {
+            return Err(format!("its districts have {of_districts} {what} of {all}"));
+        }
     }
+    check_spans(&overview.spans, FAR)?;
     let mut in_streets = overview.streets.iter().flat_map(|street| &street.line);
     if let Some(pos) = in_streets.find(|&&pos| !is_within(pos, FAR)) {
         return Err(format!("something is at ({}, {}), too far", pos.0, pos.1));

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use veduta_city::{CellShell, Cells, CityPlan, FacadeSheet};
 
-use crate::compose::{self, invalid};
+use crate::compose::{self, CellParts, invalid};
 use crate::disk::Disk;
 use crate::{BlobRef, CellEntry, CityIndex, CityStats, INDEX_NAME, StoreError};
 
@@ -34,7 +34,8 @@ pub fn write_city(
         }
     }
     let mut writer = CityWriter::new(dir, plan)?;
-    writer.cells(plan, cells, &|cell| (Cow::Borrowed(&shells[cell]), Cow::Borrowed(&sheets[cell])))?;
+    let parts = |cell| CellParts { shell: Cow::Borrowed(&shells[cell]), sheet: Cow::Borrowed(&sheets[cell]), ground: None };
+    writer.cells(plan, cells, &parts)?;
     writer.finish(cells.clone())
 }
 
@@ -67,8 +68,8 @@ impl CityWriter {
         Ok(Self { dir: dir.to_owned(), files, index, entries: Vec::new(), overviews: Vec::new(), stats })
     }
 
-    /// Writes the packets of all cells, and the overviews of their regions. `contents` makes shell and sheet of each when they are wanted, on several threads: no more of
-    /// them are in memory at once than there are threads.
+    /// Writes the packets of all cells, and the overviews of their regions. `contents` makes the parts of each when they are wanted, on
+    /// several threads: no more of them are in memory at once than there are threads.
     ///
     /// # Errors
     /// As [`write_city`].
@@ -76,12 +77,13 @@ impl CityWriter {
         &mut self,
         plan: &CityPlan,
         cells: &Cells,
-        contents: &(dyn Fn(usize) -> (Cow<'a, CellShell>, Cow<'a, FacadeSheet>) + Sync),
+        contents: &(dyn Fn(usize) -> CellParts<'a> + Sync),
     ) -> Result<(), StoreError> {
         let files = &self.files;
         let sink = |blob: &BlobRef, stored: &[u8]| files.add(blob, stored);
-        self.entries = compose::entries(plan, cells, contents, &mut self.stats, &sink)?;
-        self.overviews = compose::overviews(plan, cells, &self.entries, &mut self.stats, &sink)?;
+        let (entries, ground) = compose::entries(plan, cells, contents, &mut self.stats, &sink)?;
+        self.overviews = compose::overviews(plan, cells, (&entries, &ground), &mut self.stats, &sink)?;
+        self.entries = entries;
         Ok(())
     }
 
@@ -281,8 +283,7 @@ mod tests {
     fn write_dying(city: &City, dir: &Path, steps: i64) -> bool {
         let write = || -> Result<CityStats, StoreError> {
             let mut writer = CityWriter::on(Disk::dying_after(steps), dir, &city.plan)?;
-            writer
-                .cells(&city.plan, &city.cells, &|cell| (Cow::Borrowed(&city.shells[cell]), Cow::Borrowed(&city.sheets[cell])))?;
+            writer.cells(&city.plan, &city.cells, &|cell| city.parts(cell))?;
             writer.finish(city.cells.clone())
         };
         match write() {

@@ -12,6 +12,7 @@ use veduta_store::{CityIndex, Client, ClientEvent, Packet, What, sheet_fits};
 use crate::fetch::Store;
 use crate::journal::{Event, Journal, Reason};
 use crate::link::Link;
+use crate::pace::Pace;
 use crate::{StreamingSettings, Wanted};
 
 /// Figures of streaming, for diagnostics and films.
@@ -84,6 +85,7 @@ pub(crate) fn deliver(world: &mut World) {
         // Freshly opened: nothing of an earlier city stays on the books.
         world.insert_resource(LoadedCells::default());
         world.insert_resource(StreamingStats::default());
+        world.insert_resource(Pace::default());
     }
     let now_s = world.resource::<Time>().elapsed_secs_f64() + world.resource::<RetryTime>().0;
     (store.now_s, store.link) = (now_s, *world.resource::<Link>());
@@ -129,6 +131,8 @@ pub(crate) fn deliver(world: &mut World) {
     give_up_overviews(world, &store.client, now_s);
     forget_idle(world, &mut store.client);
     let stats = store.client.stats();
+    let was_waiting = world.resource::<StreamingStats>().in_flight > 0;
+    world.resource_mut::<Pace>().pass(now_s, was_waiting, stats.bytes - before);
     let mut figures = world.resource_mut::<StreamingStats>();
     figures.in_flight = stats.in_flight;
     figures.failures = stats.failures;

@@ -6,12 +6,13 @@
 //! ```
 //!
 //! The current cell is followed by portal crossing. What the index tells of cells comes region by region, those about the viewer and of
-//! what is in sight first; parts of the overview, for maps and tours, when all in sight stands: those about the viewers, and what plugins
-//! ask for ([`OverviewWants`](veduta_ecs::OverviewWants)). Wanted are the cells of its visible set at level 1, nearest first, then their finer levels within [`StreamingSettings::level_2_m`], then level 1 of all that is seen
-//! from the cells next to it and from where an [`Itinerary`](veduta_ecs::Itinerary) leads: a cell opens
-//! ([`OpenCells`](veduta_ecs::OpenCells)) when nothing would be missing from there. A viewer
-//! above the roofs wants everything within [`StreamingSettings::flying_m`]. Levels of a cell arrive strictly in order. Nothing is read
-//! or decoded on the main thread.
+//! what is in sight first; parts of the overview, for maps, tours and the city from afar, when all in sight stands: those about the viewers,
+//! and what plugins ask for ([`OverviewWants`](veduta_ecs::OverviewWants)). Wanted are the cells of its visible set at level 1, nearest
+//! first, then their finer levels within [`StreamingSettings::level_2_m`], then level 1 of all that is seen from the cells next to it and
+//! from where an [`Itinerary`](veduta_ecs::Itinerary) leads: a cell opens ([`OpenCells`](veduta_ecs::OpenCells)) when nothing would be
+//! missing from there. A viewer above the roofs wants everything within [`StreamingSettings::flying_m`], and the overview beyond. Levels of
+//! a cell arrive strictly in order. Of finer levels no more is asked for than the line brings in a while: its [`Pace`] is measured. Nothing
+//! is read or decoded on the main thread.
 //!
 //! What a web server sent is kept in a [`StreamingCache`]. [`Wanted::why`] tells why a cell is wanted, and the [`Journal`] all that
 //! happened; it can be replayed to what is loaded. [`Reconnect`] asks at once for all that waits to be tried again.
@@ -38,6 +39,7 @@ mod follow;
 mod journal;
 mod link;
 mod look;
+mod pace;
 mod want;
 
 use bevy::prelude::*;
@@ -49,6 +51,7 @@ pub use follow::CurrentCell;
 pub use journal::{Entry, Event, Journal, JournalError, Reason, read_journal, replay, write_journal};
 pub use link::Link;
 pub use look::Streamed;
+pub use pace::Pace;
 pub use veduta_store::What;
 pub use want::{Wanted, Why};
 
@@ -80,7 +83,7 @@ pub enum StreamingSystems {
 pub struct StreamingSettings {
     /// Level 2 is wanted within this distance of a viewer, metres.
     pub level_2_m: f64,
-    /// A viewer above the roofs wants level 1 within this distance, metres.
+    /// A viewer above the roofs wants level 1 within this distance, metres; beyond it the overview's districts are to be seen.
     pub flying_m: f64,
     /// Height above the ground from which a viewer counts as flying, metres.
     pub flying_from_m: f64,
@@ -90,6 +93,8 @@ pub struct StreamingSettings {
     pub skyline_cells: u32,
     /// The overview is wanted within this distance of a viewer, metres.
     pub overview_m: f64,
+    /// The overview is wanted within this distance of a viewer above the roofs, metres.
+    pub overview_flying_m: f64,
     /// Seconds that a cell stays after it was last wanted.
     pub keep_s: f64,
     /// Most bytes of content that stay loaded, as sent; over it the furthest cells that are not in sight go first.
@@ -102,23 +107,28 @@ pub struct StreamingSettings {
     pub paused: bool,
     /// Highest level asked for.
     pub finest: u8,
+    /// Of levels beyond the first no more is asked for than comes within so many seconds at the [`Pace`] of the line, nearest first;
+    /// infinite for all, whatever the line.
+    pub finer_within_s: f64,
 }
 
 impl Default for StreamingSettings {
     fn default() -> Self {
         Self {
             level_2_m: 220.0,
-            flying_m: 700.0,
+            flying_m: 250.0,
             flying_from_m: 6.0,
             skyline_m: 2_000.0,
             skyline_cells: 48,
-            overview_m: 250.0,
+            overview_m: 500.0,
+            overview_flying_m: 700.0,
             keep_s: 10.0,
             memory_cap_bytes: 64 << 20,
             packets_a_frame: 16,
             bytes_a_frame: 64 << 10,
             paused: false,
             finest: 4,
+            finer_within_s: 20.0,
         }
     }
 }
@@ -135,6 +145,7 @@ impl Plugin for StreamingPlugin {
             .init_resource::<StreamingCache>()
             .init_resource::<Journal>()
             .init_resource::<Link>()
+            .init_resource::<Pace>()
             .register_type::<Link>()
             .add_message::<Reconnect>()
             .register_type::<StreamingSettings>()

@@ -7,8 +7,10 @@ use veduta_city::{GridPos, Level, Portal, metres};
 use veduta_ecs::{Around, Awaited, City, Eye, Itinerary, OpenCells, OverviewWants, StandingCells, Stop, Viewer};
 use veduta_store::CityIndex;
 
+use crate::deliver::LoadedCells;
 use crate::fetch::Store;
-use crate::{CurrentCell, StreamingSettings};
+use crate::pace::Pace;
+use crate::{CurrentCell, StreamingSettings, StreamingStats};
 
 /// What the viewers need now, most urgent first.
 #[derive(Resource, Debug, Clone, Default)]
@@ -26,13 +28,33 @@ pub struct Wanted {
     /// All regions whose cells the list was planned with.
     pub(crate) used: BTreeSet<u32>,
     /// Regions whose overviews are wanted, most urgent first.
-    pub(crate) overviews: Vec<u32>,
+    pub overviews: Vec<u32>,
     /// The order again, to be asked whether it has something.
     set: BTreeSet<(u32, Level)>,
     /// Counts the plans made for this city.
     pub(crate) generation: u64,
-    /// What the list was last planned for: a viewer's cell and position, coarsely; `None` if more is told by now.
-    planned_for: Option<Vec<(Option<u32>, IVec3)>>,
+    /// What the list was last planned for; `None` if more is told by now.
+    planned_for: Option<PlannedFor>,
+}
+
+/// What a plan was made for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct PlannedFor {
+    /// Cells and positions of viewers, and of where they will be, coarsely.
+    standpoints: Vec<(Option<u32>, IVec3)>,
+    /// So many bytes of finer levels were asked for at most.
+    finer_bytes: u64,
+    /// Bytes that had come by then, if more are wanted than that.
+    left_out_at: Option<u64>,
+}
+
+impl PlannedFor {
+    /// Whether the plan still serves: nobody has gone far, the pace is about the same, and it has work to do or never will.
+    fn serves(&self, standpoints: &[(Option<u32>, IVec3)], finer_bytes: u64, stats: &StreamingStats) -> bool {
+        let is_done = stats.in_flight == 0 && self.left_out_at.is_some_and(|bytes| bytes != stats.bytes_all);
+        let is_near = self.finer_bytes / 2 <= finer_bytes && finer_bytes / 2 <= self.finer_bytes;
+        self.standpoints == standpoints && is_near && !is_done
+    }
 }
 
 impl Wanted {
@@ -278,6 +300,7 @@ pub(crate) fn plan_wanted(
     store: Option<Res<Store>>,
     settings: Res<StreamingSettings>,
     viewers: Query<(&Eye, Option<&CurrentCell>, &Itinerary), With<Viewer>>,
+    (pace, stats, loaded): (Res<Pace>, Res<StreamingStats>, Option<Res<LoadedCells>>),
     mut wanted: ResMut<Wanted>,
 ) {
     let Some(index) = store.as_ref().and_then(|store| store.client.index()) else { return };
@@ -293,7 +316,10 @@ pub(crate) fn plan_wanted(
             core::iter::once(here).chain(stops).collect::<Vec<_>>()
         })
         .collect();
-    if wanted.planned_for.as_ref() == Some(&standpoints) && !settings.is_changed() {
+    // An unlimited number of bytes saturates.
+    let finer_bytes = pace.bytes_s().map_or(u64::MAX, |bytes_s| (bytes_s * settings.finer_within_s) as u64);
+    let serves = wanted.planned_for.as_ref().is_some_and(|planned| planned.serves(&standpoints, finer_bytes, &stats));
+    if serves && !settings.is_changed() {
         return;
     }
     let mut needs =
@@ -302,7 +328,9 @@ pub(crate) fn plan_wanted(
         needs.add(eye, current.and_then(|c| c.0));
         itinerary.0.iter().for_each(|stop| needs.add_stop(stop, eye));
     }
-    let (order, in_sight) = ranked(index, &needs.cells, &settings);
+    let is_loaded = |cell: u32, level: Level| loaded.as_ref().and_then(|loaded| loaded.level(cell)) >= Some(level);
+    let Ranked { order, in_sight, is_any_left_out } = ranked(index, &needs.cells, &settings, (finer_bytes, &is_loaded));
+    let left_out_at = is_any_left_out.then_some(stats.bytes_all);
     let [mut regions, later] = needs.missing;
     let regions_in_sight = regions.len();
     regions.extend(later.into_iter().filter(|region| !regions.contains(region)).collect::<Vec<_>>());
@@ -316,7 +344,7 @@ pub(crate) fn plan_wanted(
         used: needs.used,
         overviews: core::mem::take(&mut wanted.overviews),
         generation: wanted.generation + 1,
-        planned_for: Some(standpoints),
+        planned_for: Some(PlannedFor { standpoints, finer_bytes, left_out_at }),
     };
 }
 
@@ -330,7 +358,8 @@ pub(crate) fn plan_overviews(
     mut planned: Local<Vec<Around>>,
 ) {
     let Some(city) = city else { return };
-    let about = viewers.iter().map(|eye| Around::coarsely(eye.plan_pos, settings.overview_m));
+    let radius_m = |eye_m: f64| if eye_m >= settings.flying_from_m { settings.overview_flying_m } else { settings.overview_m };
+    let about = viewers.iter().map(|eye| Around::coarsely(eye.plan_pos, radius_m(eye.eye_m)));
     let circles: Vec<Around> = about.chain(wants.0.values().copied()).collect();
     // A city just opened has no list yet.
     if *planned == circles && !wanted.overviews.is_empty() {
@@ -400,9 +429,23 @@ fn distance_to((lo, hi): (GridPos, GridPos), plan_pos: DVec2) -> f64 {
 /// So near to a portal, what is seen from beyond it comes before the finer levels of what is in sight; metres.
 const NEXT_M: f64 = 20.0;
 
+/// What is wanted, in order.
+struct Ranked {
+    order: Vec<(u32, Level)>,
+    in_sight: Vec<u32>,
+    /// Whether finer levels are wanted that the line is too slow for.
+    is_any_left_out: bool,
+}
+
 /// Level 1 of all that is in sight, then of what is in sight from beyond a near portal, then the finer levels, then level 1 of what is
-/// farther ahead; nearest first, as far as the memory cap goes: what comes last is the first to be left out.
-fn ranked(index: &CityIndex, needs: &BTreeMap<u32, Need>, settings: &StreamingSettings) -> (Vec<(u32, Level)>, Vec<u32>) {
+/// farther ahead; nearest first, as far as the memory cap goes: what comes last is the first to be left out. Of finer levels that are not
+/// loaded, no more than so many bytes.
+fn ranked(
+    index: &CityIndex,
+    needs: &BTreeMap<u32, Need>,
+    settings: &StreamingSettings,
+    (mut finer_bytes, is_loaded): (u64, &dyn Fn(u32, Level) -> bool),
+) -> Ranked {
     let mut cells: Vec<(u32, Need)> = needs.iter().map(|(&cell, &need)| (cell, need)).collect();
     cells.sort_by(|a, b| {
         a.1.rank
@@ -425,10 +468,21 @@ fn ranked(index: &CityIndex, needs: &BTreeMap<u32, Need>, settings: &StreamingSe
     of_rank(0).for_each(|&(cell, _)| take(cell, Level::One));
     // Whoever is about to walk on must not stand before a shut door.
     of_rank(1).filter(|(_, need)| need.way_m <= NEXT_M).for_each(|&(cell, _)| take(cell, Level::One));
+    let mut is_any_left_out = false;
     for level in [Level::Two, Level::Three, Level::Four] {
         let is_allowed = |need: &Need| level <= need.finest && level as u8 <= settings.finest;
-        of_rank(0).filter(|(_, need)| is_allowed(need)).for_each(|&(cell, _)| take(cell, level));
+        for &(cell, _) in of_rank(0).filter(|(_, need)| is_allowed(need)) {
+            if !is_loaded(cell, level) {
+                let Some(left) = finer_bytes.checked_sub(bytes(cell, level).unwrap_or_default()) else {
+                    is_any_left_out = true;
+                    break;
+                };
+                finer_bytes = left;
+            }
+            take(cell, level);
+        }
     }
     of_rank(1).filter(|(_, need)| need.way_m > NEXT_M).for_each(|&(cell, _)| take(cell, Level::One));
-    (order, cells.iter().filter(|(_, need)| need.rank == 0).map(|(cell, _)| *cell).collect())
+    let in_sight = cells.iter().filter(|(_, need)| need.rank == 0).map(|(cell, _)| *cell).collect();
+    Ranked { order, in_sight, is_any_left_out }
 }

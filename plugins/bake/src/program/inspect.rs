@@ -63,6 +63,7 @@ pub(crate) fn inspect(city: &str, json: bool, proving: &Proving) -> Result<(), F
         if let Some(proof) = &proof {
             figures["proof"] = serde_json::json!({
                 "rays": proof.rays, "hits": proof.hits, "misses": proof.misses, "missing_pairs": proof.missing.len(),
+                "misses_with_districts": proof.misses_with_districts,
                 "excess": proof.excess(),
                 "missing": proof.missing.iter().map(|missing| serde_json::json!({
                     "from": missing.from, "cell": missing.cell,
@@ -100,12 +101,13 @@ const MOST_TOLD: usize = 10;
 fn tell(proof: &Proof, index: &CityIndex, json: bool) {
     if !json {
         println!(
-            "  {} rays through {} triangles: {} met something, {} saw what is missing from a visible set ({} pairs of cells)",
+            "  {} rays through {} triangles: {} met something, {} saw what is missing from a visible set ({} pairs of cells), {} of these as a district",
             proof.rays,
             proof.triangles,
             proof.hits,
             proof.misses,
-            proof.missing.len()
+            proof.missing.len(),
+            proof.misses_with_districts
         );
         if let Some(excess) = proof.excess() {
             println!("  visible sets hold {excess:.3} times the area that is seen, the skyline apart");

@@ -1,9 +1,12 @@
 use serde::{Deserialize, Serialize};
-use veduta_city::{GridPolygon, HouseName, MAP_STEP, Overview, PlanStreet, PlanTerrain, SurfaceKind, WaySpan};
+use veduta_city::{
+    District, GridPolygon, GroundPatch, HouseName, MAP_STEP, Massing, Overview, PlanRoof, PlanStreet, PlanTerrain, Rgb, RoofShape,
+    SurfaceKind, WaySpan,
+};
 
 use super::{
     Malformed,
-    columns::{Deltas, Ids, Pull, Texts},
+    columns::{Deltas, Ids, Pull, Table, TableWriter, Texts},
     places::WirePlaces,
     points::{PointWriter, Points, PullPoints},
     terrain::WireTerrain,
@@ -13,7 +16,7 @@ use super::{
 #[derive(Serialize, Deserialize)]
 pub(crate) struct WireOverview {
     terrain: WireTerrain,
-    /// Outlines of houses and areas, in steps of maps.
+    /// Outlines of houses and of the ground, in steps of maps.
     outlines: Points,
     /// Lines of streets.
     lines: Points,
@@ -23,20 +26,60 @@ pub(crate) struct WireOverview {
     widths: Vec<i32>,
     walkable: Vec<bool>,
     layers: Vec<i8>,
-    areas: Vec<SurfaceKind>,
-    heights: Vec<i32>,
+    ground: Vec<WireGround>,
+    houses: Vec<WireMassing>,
+    /// Colours of walls, then of roofs.
+    paints: Table<(u8, u8, u8)>,
     named: Deltas,
     spans: Vec<WaySpan>,
     places: WirePlaces,
+    /// Cells of districts.
+    cells: Deltas,
+    /// How many pieces of ground, houses and spans each has.
+    districts: Vec<(u32, u32, u32)>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct WireGround {
+    surface: SurfaceKind,
+    z: i32,
+}
+
+/// Heights in steps of maps.
+#[derive(Serialize, Deserialize)]
+struct WireMassing {
+    height: i32,
+    shape: RoofShape,
+    rise: i32,
+    /// How many quarter turns the roof's direction is from that of the longest edge.
+    quarter: u8,
+}
+
+impl WireMassing {
+    fn of(massing: &Massing) -> Self {
+        let PlanRoof { shape, height, direction, .. } = massing.roof;
+        let quarter = Massing::nearest_quarter(&massing.outline, direction);
+        Self { height: massing.height / MAP_STEP, shape, rise: height / MAP_STEP, quarter }
+    }
+
+    fn massing(self, outline: GridPolygon, [wall, roof]: [Rgb; 2]) -> Massing {
+        let height = self.rise.saturating_mul(MAP_STEP);
+        let roof =
+            PlanRoof { shape: self.shape, height, direction: Massing::quarter_deg(&outline, self.quarter & 3), colour: roof };
+        Massing { outline, height: self.height.saturating_mul(MAP_STEP), roof, colour: wall }
+    }
 }
 
 impl From<&Overview> for WireOverview {
     fn from(overview: &Overview) -> Self {
         let mut outlines = PointWriter::default();
-        let houses = overview.houses.iter().map(|(outline, _)| outline);
+        let houses = overview.houses.iter().map(|massing| &massing.outline);
         houses
-            .chain(overview.areas.iter().map(|(_, outline)| outline))
+            .chain(overview.ground.iter().map(|patch| &patch.outline))
             .for_each(|outline| outlines.polygon(&in_map_steps(outline)));
+        let mut paints = TableWriter::default();
+        let colours = overview.houses.iter().map(|massing| massing.colour);
+        colours.chain(overview.houses.iter().map(|massing| massing.roof.colour)).for_each(|Rgb(r, g, b)| paints.push(&(r, g, b)));
         let (mut lines, mut street_ids) = (PointWriter::default(), Ids::default());
         for street in &overview.streets {
             street_ids.push(street.id);
@@ -53,11 +96,14 @@ impl From<&Overview> for WireOverview {
             widths: overview.streets.iter().map(|street| street.width).collect(),
             walkable: overview.streets.iter().map(|street| street.walkable).collect(),
             layers: overview.streets.iter().map(|street| street.layer).collect(),
-            areas: overview.areas.iter().map(|&(surface, _)| surface).collect(),
-            heights: overview.houses.iter().map(|&(_, height)| height / MAP_STEP).collect(),
+            ground: overview.ground.iter().map(|patch| WireGround { surface: patch.surface, z: patch.z }).collect(),
+            houses: overview.houses.iter().map(WireMassing::of).collect(),
+            paints: paints.finish(),
             named: Deltas::of(overview.names.iter().map(|name| name.house as i32)),
             spans: overview.spans.clone(),
             places: WirePlaces::of(&overview.places),
+            cells: Deltas::of(overview.districts.iter().map(|district| district.cell as i32)),
+            districts: overview.districts.iter().map(|district| (district.ground, district.houses, district.spans)).collect(),
         }
     }
 }
@@ -69,9 +115,14 @@ impl TryFrom<WireOverview> for Overview {
         let mut points = wire.outlines.pull();
         let mut outline = || points.polygon().map(in_grid_steps);
         let mut texts = wire.texts.pull()?;
-        let heights = wire.heights.into_iter();
-        let houses = heights.map(|height| Ok((outline()?, height.saturating_mul(MAP_STEP)))).collect::<Result<_, _>>()?;
-        let areas = wire.areas.into_iter().map(|surface| Ok((surface, outline()?))).collect::<Result<_, _>>()?;
+        let mut paints = wire.paints.pull();
+        let mut paint = || paints.take_ref().map(|&(r, g, b)| Rgb(r, g, b));
+        let walls = wire.houses.iter().map(|_| paint()).collect::<Result<Vec<_>, _>>()?;
+        let houses = wire.houses.into_iter().zip(walls).map(|(row, wall)| Ok(row.massing(outline()?, [wall, paint()?])));
+        let houses = houses.collect::<Result<_, _>>()?;
+        paints.finish()?;
+        let patch = |WireGround { surface, z }| Ok(GroundPatch { surface, outline: outline()?, z, course: None });
+        let ground = wire.ground.into_iter().map(patch).collect::<Result<_, _>>()?;
         points.finish()?;
         let mut points = wire.lines.pull();
         let lines = Lines { ids: wire.street_ids, widths: wire.widths, walkable: wire.walkable, layers: wire.layers };
@@ -85,7 +136,14 @@ impl TryFrom<WireOverview> for Overview {
             .collect::<Result<_, _>>()?;
         texts.finish()?;
         let (terrain, places) = (PlanTerrain::try_from(wire.terrain)?, wire.places.pull()?);
-        Ok(Self { terrain, streets, areas, houses, names, spans: wire.spans, places })
+        let cells = wire.cells.numbers();
+        if cells.len() != wire.districts.len() {
+            return Err(Malformed::Reason("there are not as many districts as cells"));
+        }
+        let district =
+            |(cell, (ground, houses, spans)): (i32, (u32, u32, u32))| District { cell: cell as u32, ground, houses, spans };
+        let districts = cells.into_iter().zip(wire.districts).map(district).collect();
+        Ok(Self { terrain, streets, ground, houses, names, spans: wire.spans, places, districts })
     }
 }
 

@@ -1,6 +1,7 @@
 //! A small city made by hand: a street between two terraces, cut into cells, turned so that nothing lies along an axis.
 #![allow(dead_code, reason = "each test uses its own part")]
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -11,7 +12,7 @@ use veduta_city::{
     HouseShell, Id, ObjectKind, ObjectShell, Opening, Place, PlaceKind, PlanObject, PlanRoof, PlanStreet, Portal, PortalSide, Rgb,
     RoofShape, Storey, SurfaceKind, Viewpoint, Volume, VolumeShell, Wall, WallKind,
 };
-use veduta_store::{CityStats, StoreError, write_city};
+use veduta_store::{CellParts, CityStats, StoreError, write_city};
 
 /// A city ready to be written.
 pub struct City {
@@ -213,6 +214,12 @@ fn add_portals(city: &mut City, cell: &mut Cell, shell: &mut CellShell, c: usize
 }
 
 impl City {
+    #[allow(dead_code, reason = "not every test writes cell by cell")]
+    pub fn parts(&self, cell: usize) -> CellParts<'_> {
+        let (shell, sheet) = (Cow::Borrowed(&self.shells[cell]), Cow::Borrowed(&self.sheets[cell]));
+        CellParts { shell, sheet, ground: None }
+    }
+
     pub fn write(&self, dir: &Path) -> Result<CityStats, StoreError> {
         write_city(dir, &self.plan, &self.cells, &self.shells, &self.sheets)
     }

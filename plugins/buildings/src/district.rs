@@ -1,0 +1,150 @@
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+
+use bevy::light::NotShadowCaster;
+use bevy::prelude::*;
+use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
+use veduta_city::{GridPos, Level, Overview};
+use veduta_ecs::{Around, CellMesh, CellMeshKind, City, Eye, MaterialsProvided, Overviews, StandingCells, Viewer, WorldOrigin};
+use veduta_growth::mesh;
+
+use crate::build::{BuildSettings, Building, Plain};
+use crate::convert::mesh_from;
+
+/// What the cells of the overview's parts look like from afar: a mesh for each, shown as long as the cell itself does not stand.
+#[derive(Resource, Default)]
+pub(crate) struct Districts {
+    parts: BTreeMap<u32, Part>,
+    /// Where parts were last looked for.
+    about: Vec<Around>,
+}
+
+struct Part {
+    source: Arc<Overview>,
+    work: Work,
+    /// Those that are spawned, by cell.
+    spawned: Vec<(u32, Entity)>,
+}
+
+enum Work {
+    Task(Task<VecDeque<Made>>),
+    Made(VecDeque<Made>),
+}
+
+struct Made {
+    cell: u32,
+    origin: GridPos,
+    mesh: Mesh,
+    vertices: usize,
+}
+
+/// Makes a mesh of each cell that an overview tells of. Pure.
+fn make(overview: &Overview) -> VecDeque<Made> {
+    let made = mesh::districts(overview).filter_map(|(cell, shell)| {
+        let data = mesh::afar(&shell);
+        let vertices = data.positions.len();
+        (vertices > 0).then(|| Made { cell, origin: shell.origin, mesh: mesh_from(data), vertices })
+    });
+    made.collect()
+}
+
+/// Begins with the parts that have come, and lets go of those that are gone or far away.
+pub(crate) fn start(
+    mut commands: Commands,
+    city: Option<Res<City>>,
+    settings: Res<BuildSettings>,
+    building: Res<Building>,
+    viewers: Query<&Eye, With<Viewer>>,
+    mut districts: ResMut<Districts>,
+) {
+    let about: Vec<Around> = viewers.iter().map(|eye| Around::coarsely(eye.plan_pos, settings.districts_m)).collect();
+    let is_city_new = city.as_ref().is_some_and(|city| city.is_changed());
+    if about == districts.about && !is_city_new && (city.is_some() || districts.parts.is_empty()) {
+        return;
+    }
+    let overviews = city.as_ref().map(|city| &city.overviews);
+    let near = |all: &Overviews| about.iter().flat_map(|&circle| all.within(circle).collect::<Vec<_>>()).collect::<Vec<u32>>();
+    let wanted: BTreeMap<u32, &Arc<Overview>> =
+        overviews.into_iter().flat_map(|all| near(all).into_iter().filter_map(|part| Some((part, all.get(part)?)))).collect();
+    districts.parts.retain(|part, of| {
+        let stays = wanted.get(part).is_some_and(|overview| Arc::ptr_eq(overview, &of.source));
+        if !stays {
+            of.spawned.iter().for_each(|&(_, entity)| commands.entity(entity).despawn());
+        }
+        stays
+    });
+    for (part, overview) in wanted {
+        districts.parts.entry(part).or_insert_with(|| {
+            let source = Arc::clone(overview);
+            let work = match *building {
+                Building::Inline => Work::Made(make(&source)),
+                Building::Pool => {
+                    let overview = Arc::clone(&source);
+                    Work::Task(AsyncComputeTaskPool::get().spawn(async move { make(&overview) }))
+                }
+            };
+            Part { source, work, spawned: Vec::new() }
+        });
+    }
+    districts.about = about;
+}
+
+/// Spawns what is made, within its share of the frame's budget.
+pub(crate) fn finish(
+    mut commands: Commands,
+    settings: Res<BuildSettings>,
+    viewers: Query<&Eye, With<Viewer>>,
+    origin: Res<WorldOrigin>,
+    standing: Res<StandingCells>,
+    provided: Option<Res<MaterialsProvided>>,
+    mut districts: ResMut<Districts>,
+    mut assets: ResMut<Assets<Mesh>>,
+    mut plain: Plain,
+) {
+    let most = settings.in_frame(&viewers).vertices_a_frame / SHARE;
+    let mut vertices = 0;
+    for part in districts.parts.values_mut() {
+        if let Work::Task(task) = &mut part.work {
+            let Some(made) = check_ready(task) else { continue };
+            part.work = Work::Made(made);
+        }
+        let Work::Made(made) = &mut part.work else { continue };
+        while vertices < most
+            && let Some(Made { cell, origin: at, mesh, vertices: count }) = made.pop_front()
+        {
+            vertices += count;
+            let mut entity = commands.spawn((
+                CellMesh { cell, kind: CellMeshKind::District },
+                Mesh3d(assets.add(mesh)),
+                Transform::from_translation(origin.world_from_grid(at)),
+                visibility(&standing, cell),
+                NotShadowCaster,
+            ));
+            if provided.is_none()
+                && let Some(handle) = plain.handle()
+            {
+                entity.insert(MeshMaterial3d(handle));
+            }
+            part.spawned.push((cell, entity.id()));
+        }
+    }
+}
+
+/// The whole frame's budget is so many times as much.
+const SHARE: usize = 4;
+
+/// Shows districts where their cells do not stand.
+pub(crate) fn show(standing: Res<StandingCells>, districts: Res<Districts>, mut meshes: Query<&mut Visibility, With<CellMesh>>) {
+    if !standing.is_changed() {
+        return;
+    }
+    for &(cell, entity) in districts.parts.values().flat_map(|part| &part.spawned) {
+        if let Ok(mut shown) = meshes.get_mut(entity) {
+            shown.set_if_neq(visibility(&standing, cell));
+        }
+    }
+}
+
+fn visibility(standing: &StandingCells, cell: u32) -> Visibility {
+    if standing.levels(cell).has(Level::One) { Visibility::Hidden } else { Visibility::Visible }
+}
