@@ -147,7 +147,8 @@ impl Studio {
             image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
             app.world_mut().resource_mut::<Assets<Image>>().add(image)
         };
-        app.world_mut().resource_mut::<StreamingSettings>().packets_a_frame = usize::MAX;
+        let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
+        (settings.packets_a_frame, settings.finer_within_s) = (usize::MAX, f64::INFINITY);
         let viewer = app.world_mut().spawn((camera(), RenderTarget::Image(target.clone().into()), Viewer)).id();
         while app.plugins_state() == PluginsState::Adding {
             bevy::tasks::tick_global_task_pools_on_main_thread();
@@ -234,7 +235,9 @@ impl Studio {
         let world = self.app.world();
         let (standing, wanted) = (world.resource::<StandingCells>(), world.resource::<Wanted>());
         let lacks = |&&(cell, level): &&(u32, veduta::city::Level)| !standing.levels(cell).has(level);
-        let is_here = |part: u32| world.get_resource::<City>().is_some_and(|city| city.overviews.get(part).is_some());
+        // An empty one stands in for one that cannot be had.
+        let overview = |part: u32| world.get_resource::<City>()?.overviews.get(part).filter(|it| !it.districts.is_empty());
+        let is_here = |part: u32| overview(part).is_some();
         Missing {
             cells: wanted.order.iter().filter(lacks).map(|&(cell, _)| cell).collect(),
             regions: wanted.regions.iter().copied().collect(),

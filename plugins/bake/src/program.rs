@@ -163,6 +163,8 @@ enum Bench {
     Cells(bench::CellsBench),
     /// Grow a city and make its meshes: how fast.
     Growth(bench::GrowthBench),
+    /// Make all meshes of a city from its packets: how fast, and from which bandwidth on ready ones would come sooner.
+    Meshes(bench::MeshesBench),
     /// Find the straight skeletons of footprints: how fast, and whether each has one.
     Roofs(bench::RoofsBench),
 }
@@ -260,6 +262,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
         Command::Bench(Bench::Thinning(thinning)) => bench::thinning(&thinning)?,
         Command::Bench(Bench::Cells(cells)) => bench::cells(&cells)?,
         Command::Bench(Bench::Growth(growth)) => bench::growth(&growth)?,
+        Command::Bench(Bench::Meshes(meshes)) => bench::meshes(&meshes)?,
         Command::Bench(Bench::Roofs(roofs)) => bench::roofs(&roofs)?,
         Command::Serve { city, port } => serve::serve(&city, port)?,
     }

@@ -43,7 +43,7 @@ pub struct Missing {
     pub eye: (DVec2, f64),
     /// What it sees.
     pub seen: (DVec2, f64),
-    /// Whether it sees it from afar, as a district of the overview that walkers have about them.
+    /// Whether it is told in the overview that walkers have about them: what is solid of it is seen as a district.
     pub is_district: bool,
 }
 
@@ -58,7 +58,7 @@ pub struct Proof {
     pub hits: u64,
     /// Rays that saw a cell that is missing.
     pub misses: u64,
-    /// Those of them that see a district in place of every such cell: no hole is seen there.
+    /// Those of them for whom the district of every such cell is within reach.
     pub misses_with_districts: u64,
     /// One of them for each pair of cells.
     pub missing: Vec<Missing>,

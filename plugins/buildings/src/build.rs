@@ -25,11 +25,12 @@ pub enum Building {
 #[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq)]
 #[reflect(Resource)]
 pub struct BuildSettings {
-    /// Most vertices handed to the engine a frame; a single mesh may exceed it alone.
+    /// Most vertices handed to the engine a frame, and a quarter as many of districts; a single mesh may exceed it alone.
     pub vertices_a_frame: usize,
     /// Most meshes in the making at a time.
     pub in_the_making: usize,
-    /// Cells that are told in an overview that reaches so near to a viewer are shown from afar as long as they do not stand; metres.
+    /// Cells that are told in an overview that reaches so near to a viewer are shown from afar as long as they do not stand, metres; none
+    /// if 0.
     pub districts_m: f64,
 }
 

@@ -57,15 +57,20 @@ pub(crate) fn start(
     viewers: Query<&Eye, With<Viewer>>,
     mut districts: ResMut<Districts>,
 ) {
-    let about: Vec<Around> = viewers.iter().map(|eye| Around::coarsely(eye.plan_pos, settings.districts_m)).collect();
+    let reach_m = settings.districts_m;
+    let about: Vec<Around> = match reach_m > 0.0 {
+        true => viewers.iter().map(|eye| Around::coarsely(eye.plan_pos, reach_m)).collect(),
+        false => Vec::new(),
+    };
     let is_city_new = city.as_ref().is_some_and(|city| city.is_changed());
     if about == districts.about && !is_city_new && (city.is_some() || districts.parts.is_empty()) {
         return;
     }
     let overviews = city.as_ref().map(|city| &city.overviews);
-    let near = |all: &Overviews| about.iter().flat_map(|&circle| all.within(circle).collect::<Vec<_>>()).collect::<Vec<u32>>();
+    let parts_near =
+        |all: &Overviews| about.iter().flat_map(|&circle| all.within(circle).collect::<Vec<_>>()).collect::<Vec<u32>>();
     let wanted: BTreeMap<u32, &Arc<Overview>> =
-        overviews.into_iter().flat_map(|all| near(all).into_iter().filter_map(|part| Some((part, all.get(part)?)))).collect();
+        overviews.into_iter().flat_map(|all| parts_near(all).into_iter().filter_map(|part| Some((part, all.get(part)?)))).collect();
     districts.parts.retain(|part, of| {
         let stays = wanted.get(part).is_some_and(|overview| Arc::ptr_eq(overview, &of.source));
         if !stays {
@@ -89,7 +94,7 @@ pub(crate) fn start(
     districts.about = about;
 }
 
-/// Spawns what is made, within its share of the frame's budget.
+/// Spawns what is made, within a budget of its own.
 pub(crate) fn finish(
     mut commands: Commands,
     settings: Res<BuildSettings>,
@@ -101,7 +106,7 @@ pub(crate) fn finish(
     mut assets: ResMut<Assets<Mesh>>,
     mut plain: Plain,
 ) {
-    let most = settings.in_frame(&viewers).vertices_a_frame / SHARE;
+    let most = (settings.in_frame(&viewers).vertices_a_frame / SHARE).max(1);
     let mut vertices = 0;
     for part in districts.parts.values_mut() {
         if let Work::Task(task) = &mut part.work {
@@ -130,7 +135,7 @@ pub(crate) fn finish(
     }
 }
 
-/// The whole frame's budget is so many times as much.
+/// The budget of the cells themselves is so many times as much.
 const SHARE: usize = 4;
 
 /// Shows districts where their cells do not stand.

@@ -12,7 +12,7 @@
 //!
 //! What maps know of a city is enough to draw it from afar: of each part of the [`City`](veduta_ecs::City)'s overview that is here, the
 //! cells are drawn as districts (ground, houses under plain roofs, bridges) as long as they do not stand themselves. So there is a city
-//! below who flies, behind what rises over the roofs, and about who has just arrived.
+//! below who flies, and behind what rises over the roofs.
 //!
 //! # Use
 //! ```no_run

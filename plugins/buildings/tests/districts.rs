@@ -94,6 +94,7 @@ fn districts_are_made_on_the_pool_and_lie_where_the_plan_says() {
     app.insert_resource(WorldOrigin { plan: GridPos(10 * M, 0) });
     let began = Instant::now();
     while districts(&mut app)[0].is_empty() && began.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(1));
         app.update();
     }
     assert_eq!(districts(&mut app)[0], [3, 4]);

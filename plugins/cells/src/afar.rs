@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use veduta_city::{CellShell, GridPolygon, GridPos, GridRing, GroundPatch, SurfaceKind};
+use veduta_city::{CellShell, GridRing, GroundPatch, SurfaceKind};
 
 use crate::overlay::{Keep, combine, turned_rings};
 
@@ -40,7 +40,12 @@ pub fn ground_from_afar(shell: &CellShell) -> Vec<GroundPatch> {
         let (surface, z) = most(patches);
         let rings: Vec<GridRing> = patches.iter().flat_map(|patch| turned_rings(&patch.outline)).collect();
         let pieces = combine(Keep::First, rings, [], false).into_iter();
-        afar.extend(pieces.map(|piece| GroundPatch { surface, outline: placed(piece, shell.origin), z, course: None }));
+        afar.extend(pieces.map(|piece| GroundPatch {
+            surface,
+            outline: piece.map(|pos| pos.wrapping_add(shell.origin)),
+            z,
+            course: None,
+        }));
     }
     afar
 }
@@ -54,16 +59,10 @@ fn most(patches: &[&GroundPatch]) -> (SurfaceKind, i32) {
     areas.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or((SurfaceKind::Yard, 0), |(most, _)| most)
 }
 
-/// Wraps at the grid's end instead of failing there.
-fn placed(mut polygon: GridPolygon, origin: GridPos) -> GridPolygon {
-    for pos in core::iter::once(&mut polygon.outer).chain(&mut polygon.holes).flatten() {
-        *pos = GridPos(pos.0.wrapping_add(origin.0), pos.1.wrapping_add(origin.1));
-    }
-    polygon
-}
-
 #[cfg(test)]
 mod tests {
+    use veduta_city::{GridPolygon, GridPos};
+
     use super::*;
 
     #[test]

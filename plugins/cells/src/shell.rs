@@ -39,7 +39,7 @@ impl<'a> Contents<'a> {
         let (courses, numbers) = courses(plan, &pieces, origin);
         let patch = |(patch, piece): (&GroundPatch, GridPolygon)| {
             let course = patch.course.and_then(|course| numbers.get(&course).copied());
-            GroundPatch { surface: patch.surface, outline: moved(&piece, origin), z: patch.z, course }
+            GroundPatch { surface: patch.surface, outline: piece.map(|p| p.wrapping_sub(origin)), z: patch.z, course }
         };
         let ground: Vec<GroundPatch> = pieces.into_iter().map(patch).collect();
         let houses = houses(plan, cell, origin);
@@ -49,7 +49,7 @@ impl<'a> Contents<'a> {
         let spans = spans(plan, cell, &self.decks, origin);
         CellShell {
             origin,
-            outline: moved(&cell.outline, origin),
+            outline: cell.outline.map(|p| p.wrapping_sub(origin)),
             terrain: terrain(plan, origin, &ground, (&houses, spans.get(..cell.spans.len()).unwrap_or_default())),
             ground,
             courses,
@@ -106,7 +106,7 @@ fn courses(plan: &CityPlan, ground: &[(&GroundPatch, GridPolygon)], origin: Grid
     }
     let part = |(&number, &(first, last)): (&u32, &(usize, usize))| {
         let part = plan.courses.get(number as usize)?.part(first, last);
-        Some((number, Course { line: part.line.iter().map(|&p| local(p, origin)).collect(), ..part }))
+        Some((number, Course { line: part.line.iter().map(|&p| p.wrapping_sub(origin)).collect(), ..part }))
     };
     let parts: Vec<(u32, Course)> = needed.iter().filter_map(part).collect();
     if parts.iter().map(|part| part.1.line.len()).sum::<usize>() > Course::MOST_VERTICES {
@@ -140,16 +140,6 @@ fn origin(cell: &Cell) -> GridPos {
     GridPos(middle(lo.0, hi.0), middle(lo.1, hi.1))
 }
 
-/// Relative to an origin; wraps at the grid's end instead of failing there.
-fn local(p: GridPos, origin: GridPos) -> GridPos {
-    GridPos(p.0.wrapping_sub(origin.0), p.1.wrapping_sub(origin.1))
-}
-
-fn moved(polygon: &GridPolygon, origin: GridPos) -> GridPolygon {
-    let ring = |ring: &GridRing| ring.iter().map(|&p| local(p, origin)).collect();
-    GridPolygon { outer: ring(&polygon.outer), holes: polygon.holes.iter().map(ring).collect() }
-}
-
 /// Houses with a wall or the roof here, ascending, each with its volumes that have something here.
 fn houses(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<HouseShell> {
     let mut here: Vec<u32> = cell.walls.iter().map(|w| w.0).chain(cell.houses.iter().copied()).collect();
@@ -162,8 +152,10 @@ fn houses(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<HouseShell> {
         let walls = &cell.walls[first..cell.walls.partition_point(|w| w.0 <= h)];
         let volumes = (0..=u16::MAX).zip(&house.volumes).filter_map(|(v, volume)| {
             let walls: Vec<u16> = walls.iter().filter(|w| w.1 == v).map(|w| w.2).collect();
-            (has_roof || !walls.is_empty())
-                .then(|| VolumeShell { footprint: moved(&volume.footprint, origin), ..VolumeShell::of(volume, walls, has_roof) })
+            (has_roof || !walls.is_empty()).then(|| VolumeShell {
+                footprint: volume.footprint.map(|p| p.wrapping_sub(origin)),
+                ..VolumeShell::of(volume, walls, has_roof)
+            })
         });
         let is_monument = house.monument.is_some();
         Some(HouseShell { style: house.style, floor: house.floor, volumes: volumes.collect(), is_monument })
@@ -211,7 +203,8 @@ impl Designs {
 /// Monuments of the houses whose roofs the cell carries.
 fn monuments(plan: &CityPlan, cell: &Cell, origin: GridPos, designs: &mut Designs) -> Vec<PlacedMonument> {
     let placed = cell.houses.iter().filter_map(|&h| plan.houses.get(h as usize)?.monument);
-    let here = |m: PlacedMonument| Some(PlacedMonument { design: designs.index(plan, m.design)?, pos: local(m.pos, origin), ..m });
+    let here =
+        |m: PlacedMonument| Some(PlacedMonument { design: designs.index(plan, m.design)?, pos: m.pos.wrapping_sub(origin), ..m });
     placed.filter_map(here).collect()
 }
 
@@ -219,14 +212,14 @@ fn objects(plan: &CityPlan, cell: &Cell, origin: GridPos, designs: &mut Designs)
     let objects = cell.objects.iter().filter_map(|&o| plan.objects.get(o as usize));
     let mut here = |object: &PlanObject| {
         let monument = object.monument.and_then(|design| designs.index(plan, design));
-        ObjectShell { pos: local(object.pos, origin), monument, ..ObjectShell::of(object) }
+        ObjectShell { pos: object.pos.wrapping_sub(origin), monument, ..ObjectShell::of(object) }
     };
     objects.map(&mut here).collect()
 }
 
 fn markings(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<Marking> {
     let markings = cell.markings.iter().filter_map(|&m| plan.markings.get(m as usize));
-    markings.map(|m| Marking { line: m.line.iter().map(|&p| local(p, origin)).collect(), ..m.clone() }).collect()
+    markings.map(|m| Marking { line: m.line.iter().map(|&p| p.wrapping_sub(origin)).collect(), ..m.clone() }).collect()
 }
 
 /// Spans that the cell draws, then those that others draw over it.
@@ -235,12 +228,12 @@ fn spans(plan: &CityPlan, cell: &Cell, decks: &[Option<Bounds>], origin: GridPos
     let touches = |(low, high): Bounds| low.0 <= hi.0 && lo.0 <= high.0 && low.1 <= hi.1 && lo.1 <= high.1;
     let others = (0..).zip(decks).filter(|(b, bounds)| bounds.is_some_and(touches) && cell.spans.binary_search(b).is_err());
     let here = cell.spans.iter().copied().chain(others.map(|(b, _)| b));
-    let station = |s: &SpanStation| SpanStation { left: local(s.left, origin), right: local(s.right, origin), z: s.z };
+    let station = |s: &SpanStation| SpanStation { left: s.left.wrapping_sub(origin), right: s.right.wrapping_sub(origin), z: s.z };
     let spans = here.filter_map(|b| plan.spans.get(b as usize));
     spans.map(|span| WaySpan { stations: span.stations.iter().map(station).collect(), ..span.clone() }).collect()
 }
 
 fn blind(cells: &Cells, cell: &Cell, origin: GridPos) -> Vec<(GridPos, GridPos)> {
     let portals = cell.portals.iter().filter_map(|&p| cells.portals.get(p as usize)).filter(|portal| portal.is_blind());
-    portals.map(|portal| (local(portal.ends.0, origin), local(portal.ends.1, origin))).collect()
+    portals.map(|portal| (portal.ends.0.wrapping_sub(origin), portal.ends.1.wrapping_sub(origin))).collect()
 }

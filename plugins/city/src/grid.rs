@@ -22,6 +22,18 @@ pub struct GridPos(
 );
 
 impl GridPos {
+    /// The position that an offset leads to; goes on at the grid's other end instead of failing.
+    #[must_use]
+    pub const fn wrapping_add(self, off: Self) -> Self {
+        Self(self.0.wrapping_add(off.0), self.1.wrapping_add(off.1))
+    }
+
+    /// The offset that leads here from another position; as [`GridPos::wrapping_add`].
+    #[must_use]
+    pub const fn wrapping_sub(self, from: Self) -> Self {
+        Self(self.0.wrapping_sub(from.0), self.1.wrapping_sub(from.1))
+    }
+
     /// The nearest grid position to a plan position in metres; saturates at the grid's end.
     #[must_use]
     pub fn from_metres(plan_pos: DVec2) -> Self {
@@ -120,6 +132,13 @@ pub struct GridPolygon {
 }
 
 impl GridPolygon {
+    /// The polygon of what becomes of each vertex.
+    #[must_use]
+    pub fn map(&self, mut to: impl FnMut(GridPos) -> GridPos) -> Self {
+        let mut ring = |ring: &GridRing| ring.iter().map(|&pos| to(pos)).collect();
+        Self { outer: ring(&self.outer), holes: self.holes.iter().map(&mut ring).collect() }
+    }
+
     /// A polygon without holes.
     #[must_use]
     pub fn simple(outer: GridRing) -> Self {

@@ -17,7 +17,8 @@ pub struct Overview {
     pub terrain: PlanTerrain,
     /// Centre lines with names.
     pub streets: Vec<PlanStreet>,
-    /// What covers the ground, and where, in multiples of [`MAP_STEP`]: what is paved as one, without the courses that it is laid along.
+    /// What covers the ground but openings, and where, in multiples of [`MAP_STEP`], without the courses that it is laid along. Of a city
+    /// with cells what is paved is one piece a cell.
     pub ground: Vec<GroundPatch>,
     /// Houses. One of several volumes has an entry for each outline that differs, one after another.
     pub houses: Vec<Massing>,
@@ -138,10 +139,8 @@ impl Overview {
     #[must_use]
     pub fn of(plan: &CityPlan) -> Self {
         let everywhere = (GridPos(i32::MIN, i32::MIN), GridPos(i32::MAX, i32::MAX));
-        let is_told = |patch: &&GroundPatch| !matches!(patch.surface, SurfaceKind::Yard | SurfaceKind::Opening);
-        let ground: Vec<GroundPatch> = plan.ground.iter().filter(is_told).cloned().collect();
         let (houses, spans) = [plan.houses.len(), plan.spans.len()].map(|count| (0..count as u32).collect::<Vec<_>>()).into();
-        let all = DistrictOf { cell: 0, ground: &ground, houses: &houses, spans: &spans };
+        let all = DistrictOf { cell: 0, ground: &plan.ground, houses: &houses, spans: &spans };
         let overview = OverviewParts::new(plan, 1, |_| 0).overview(0, everywhere, [all]);
         Self { districts: Vec::new(), ..overview }
     }
@@ -246,7 +245,8 @@ impl<'a> OverviewParts<'a> {
             let patch = |&GroundPatch { surface, ref outline, z, .. }: &GroundPatch| {
                 Some(GroundPatch { surface, outline: on_map(outline)?, z, course: None })
             };
-            overview.ground.extend(of.ground.iter().filter_map(patch));
+            let is_there = |patch: &&GroundPatch| patch.surface != SurfaceKind::Opening;
+            overview.ground.extend(of.ground.iter().filter(is_there).filter_map(patch));
             overview.spans.extend(of.spans.iter().filter_map(|&i| plan.spans.get(i as usize)).cloned());
             for house in of.houses.iter().filter_map(|&i| plan.houses.get(i as usize)) {
                 let first = overview.houses.len();
@@ -370,7 +370,10 @@ mod tests {
         assert_eq!(west.districts, [told(4, 1, 2), told(5, 0, 1)]);
         assert_eq!(west.names.iter().map(|name| (name.house, &*name.number)).collect::<Vec<_>>(), [(0, "2"), (2, "1")]);
         let whole = Overview::of(&plan);
-        assert_eq!(whole.ground.iter().map(|patch| patch.surface).collect::<Vec<_>>(), [SurfaceKind::Grass, SurfaceKind::Water]);
+        assert_eq!(
+            whole.ground.iter().map(|patch| patch.surface).collect::<Vec<_>>(),
+            [SurfaceKind::Grass, SurfaceKind::Yard, SurfaceKind::Water]
+        );
         assert_eq!(Overview::joined([&west, &east]).districts, west.districts);
     }
 

@@ -102,6 +102,12 @@ pub struct SpanMarking {
 }
 
 impl WaySpan {
+    /// Whether it lies above the ground.
+    #[must_use]
+    pub const fn is_bridge(&self) -> bool {
+        matches!(self.form, SpanForm::Arches | SpanForm::Girder)
+    }
+
     /// Whether it lies below the ground with a roof of earth.
     #[must_use]
     pub const fn is_bore(&self) -> bool {

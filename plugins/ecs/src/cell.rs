@@ -46,8 +46,8 @@ impl CellMeshKind {
     }
 }
 
-/// A mesh of a cell; a child of its [`Cell`], but for a [district](CellMeshKind::District). Whoever provides materials answers its arrival, and hands the cell's fades to
-/// the shader in the mesh's tag.
+/// A mesh of a cell; a child of its [`Cell`], but for a [district](CellMeshKind::District). Whoever provides materials answers its arrival,
+/// and hands the cell's fades to the shader in the mesh's tag.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
 #[require(MeshTag)]
 pub struct CellMesh {

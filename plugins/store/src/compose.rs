@@ -3,8 +3,8 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use veduta_city::{
-    Cell, CellShell, Cells, CityPlan, DistrictOf, FacadeSheet, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, Level,
-    OverviewParts, Palette, Style, WaySpan,
+    Cell, CellShell, Cells, CityPlan, DistrictOf, FacadeSheet, GRID_PER_METRE, GridPos, GroundPatch, Level, OverviewParts, Palette,
+    Style, WaySpan,
 };
 
 use crate::index::encode_index;
@@ -62,10 +62,8 @@ impl CellParts<'_> {
     fn take_ground(&mut self) -> Vec<GroundPatch> {
         self.ground.take().unwrap_or_else(|| {
             let origin = self.shell.origin;
-            let place = |p: &GridPos| GridPos(p.0.wrapping_add(origin.0), p.1.wrapping_add(origin.1));
-            let ring = |ring: &GridRing| ring.iter().map(place).collect();
-            let placed = |of: &GridPolygon| GridPolygon { outer: ring(&of.outer), holes: of.holes.iter().map(ring).collect() };
-            let patch = |patch: &GroundPatch| GroundPatch { outline: placed(&patch.outline), ..patch.clone() };
+            let place = |patch: &GroundPatch| patch.outline.map(|pos| pos.wrapping_add(origin));
+            let patch = |patch: &GroundPatch| GroundPatch { outline: place(patch), ..patch.clone() };
             self.shell.ground.iter().map(patch).collect()
         })
     }
@@ -246,6 +244,7 @@ pub(crate) fn overviews(
             DistrictOf { cell: cell as u32, ground: &ground[cell], houses, spans }
         };
         let overview = parts.overview(n, about, squares[n].1.clone().map(district));
+        // Before it is told: numbers that are none are told as others.
         valid::check_overview(&overview).map_err(invalid)?;
         let stored = encode_overview(&overview);
         let blob = BlobRef::of(&stored);

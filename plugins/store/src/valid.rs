@@ -20,7 +20,9 @@ const MOST_FACES: u64 = 16_000_000;
 const MOST_SQUARES: u64 = 1 << 20;
 /// As many in an overview, which tells of many cells.
 const MOST_SQUARES_AFAR: u64 = 1 << 22;
-/// Most spans of ways of a cell or an overview, and how long all are together, metres: posts, sleepers and dashes on them are counted by
+/// Cells of an overview that count, however many it says it has.
+const MOST_CELLS: usize = 128;
+/// Most spans of ways of a cell, and how long all are together, metres: posts, sleepers and dashes on them are counted by
 /// that.
 const MOST_SPANS: usize = 1 << 14;
 const MOST_SPANS_M: f64 = 100_000.0;
@@ -117,7 +119,7 @@ pub(crate) fn check_shell(shell: &CellShell) -> Check {
     if shell.drawn_spans as usize > shell.spans.len() {
         return Err(format!("it draws {} of {} spans", shell.drawn_spans, shell.spans.len()));
     }
-    check_spans(&shell.spans, NEAR)?;
+    check_spans(&shell.spans, NEAR, 1)?;
     for (i, design) in shell.designs.iter().enumerate() {
         design.check().map_err(|error| format!("design {i}: {error}"))?;
     }
@@ -217,12 +219,13 @@ fn check_volume(volume: &VolumeShell) -> Check {
     }
 }
 
-fn check_spans(spans: &[WaySpan], reach: u32) -> Check {
+/// Spans of so many cells.
+fn check_spans(spans: &[WaySpan], reach: u32, cells: usize) -> Check {
     for (i, span) in spans.iter().enumerate() {
         check_span(span, reach).map_err(|reason| format!("span {i}: {reason}"))?;
     }
     let length: f64 = spans.iter().map(length_m).sum();
-    if length > MOST_SPANS_M || spans.len() > MOST_SPANS {
+    if length > MOST_SPANS_M * cells as f64 || spans.len() > MOST_SPANS * cells {
         return Err(format!("its {} spans are {length:.0} m long", spans.len()));
     }
     Ok(())
@@ -243,6 +246,9 @@ pub(crate) fn check_overview(overview: &Overview) -> Check {
             .and_then(|()| check_height("it", patch.z))
             .map_err(|reason| format!("ground {i}: {reason}"))?;
     }
+    if !overview.districts.is_sorted_by(|a, b| a.cell < b.cell) {
+        return Err("its districts are not told in the order of their cells, each once".to_owned());
+    }
     let sum = |of: fn(&District) -> u32| overview.districts.iter().map(|district| u64::from(of(district))).sum::<u64>();
     let told = [
         ("pieces of ground", sum(|district| district.ground), overview.ground.len()),
@@ -254,7 +260,8 @@ pub(crate) fn check_overview(overview: &Overview) -> Check {
             return Err(format!("its districts have {of_districts} {what} of {all}"));
         }
     }
-    check_spans(&overview.spans, FAR)?;
+    check_districts(overview)?;
+    check_spans(&overview.spans, FAR, overview.districts.len().clamp(1, MOST_CELLS))?;
     let mut in_streets = overview.streets.iter().flat_map(|street| &street.line);
     if let Some(pos) = in_streets.find(|&&pos| !is_within(pos, FAR)) {
         return Err(format!("something is at ({}, {}), too far", pos.0, pos.1));
@@ -267,6 +274,23 @@ pub(crate) fn check_overview(overview: &Overview) -> Check {
     for name in &overview.names {
         if name.house as usize >= overview.houses.len() {
             return Err(format!("a name is given to house number {} of {}", name.house, overview.houses.len()));
+        }
+    }
+    Ok(())
+}
+
+/// Fails if something of a district lies so far from the rest of it that positions in it would not be those of a cell.
+fn check_districts(overview: &Overview) -> Check {
+    let mut ground = overview.ground.iter().map(|patch| patch.outline.bounds());
+    let mut houses = overview.houses.iter().map(|massing| massing.outline.bounds());
+    let mut spans = overview.spans.iter().map(|span| span.outline().bounds());
+    for (n, district) in overview.districts.iter().enumerate() {
+        let of_ground = ground.by_ref().take(district.ground as usize);
+        let of_houses = houses.by_ref().take(district.houses as usize);
+        let all = of_ground.chain(of_houses).chain(spans.by_ref().take(district.spans as usize)).flatten();
+        let bounds = all.reduce(|(lo, hi), (l, h)| (GridPos(lo.0.min(l.0), lo.1.min(l.1)), GridPos(hi.0.max(h.0), hi.1.max(h.1))));
+        if bounds.is_some_and(|(lo, hi)| lo.0.abs_diff(hi.0).max(lo.1.abs_diff(hi.1)) > NEAR) {
+            return Err(format!("district {n} reaches too far"));
         }
     }
     Ok(())

@@ -69,7 +69,8 @@ impl CityWriter {
     }
 
     /// Writes the packets of all cells, and the overviews of their regions. `contents` makes the parts of each when they are wanted, on
-    /// several threads: no more of them are in memory at once than there are threads.
+    /// several threads: of shells and sheets no more are in memory at once than there are threads, the ground of all until the overviews are
+    /// written.
     ///
     /// # Errors
     /// As [`write_city`].

@@ -97,7 +97,12 @@ impl Store {
 
     /// Whether level 1 of a cell cannot be had.
     pub fn gave_up(&self, cell: u32) -> bool {
-        self.client.gave_up(cell, Level::One, self.now_s)
+        self.gave_up_level(cell, Level::One)
+    }
+
+    /// Whether a level of a cell cannot be had.
+    pub fn gave_up_level(&self, cell: u32, level: Level) -> bool {
+        self.client.gave_up(cell, level, self.now_s)
     }
 
     /// Whether a region cannot be had.

@@ -93,7 +93,8 @@ pub struct StreamingSettings {
     pub skyline_cells: u32,
     /// The overview is wanted within this distance of a viewer, metres.
     pub overview_m: f64,
-    /// The overview is wanted within this distance of a viewer above the roofs, metres.
+    /// The overview is wanted within this distance of a viewer above the roofs, metres. Districts are made of it as far as
+    /// `BuildSettings::districts_m` goes.
     pub overview_flying_m: f64,
     /// Seconds that a cell stays after it was last wanted.
     pub keep_s: f64,
@@ -147,6 +148,7 @@ impl Plugin for StreamingPlugin {
             .init_resource::<Link>()
             .init_resource::<Pace>()
             .register_type::<Link>()
+            .register_type::<Pace>()
             .add_message::<Reconnect>()
             .register_type::<StreamingSettings>()
             .configure_sets(Update, (Open, Follow, Want, Deliver, Release).chain().in_set(VedutaSystems::Stream))

@@ -2,7 +2,8 @@ use bevy::prelude::*;
 
 /// How many bytes a second have come of late while something was on its way, over whatever line there is: small packets over a late
 /// line come slowly, too. By the app's time.
-#[derive(Resource, Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq, Default)]
+#[reflect(Resource)]
 pub struct Pace {
     bytes: f64,
     /// Seconds in which they came.
@@ -15,6 +16,8 @@ pub struct Pace {
 impl Pace {
     /// What came so many seconds of waiting ago counts for a third.
     const MEMORY_S: f64 = 4.0;
+    /// No wait counts for longer: after an outage the line is soon as fast as before.
+    const LONGEST_S: f64 = 30.0;
     /// So long one must have waited for a line to be called slow.
     const LEAST_S: f64 = 0.5;
 
@@ -24,7 +27,7 @@ impl Pace {
         if !was_waiting || passed_s == 0.0 {
             return;
         }
-        self.waited_s += passed_s;
+        self.waited_s = (self.waited_s + passed_s).min(Self::LONGEST_S);
         if bytes > 0 {
             let waited_s = core::mem::take(&mut self.waited_s);
             let stays = (-waited_s / Self::MEMORY_S).exp();
@@ -38,6 +41,14 @@ impl Pace {
     pub fn bytes_s(&self) -> Option<f64> {
         let waited_s = self.came_in_s + self.waited_s;
         (waited_s >= Self::LEAST_S).then(|| self.bytes / waited_s)
+    }
+
+    /// Bytes that come within so many seconds; no limit as long as nobody can tell, and for infinitely many.
+    pub(crate) fn bytes_within(&self, seconds: f64) -> u64 {
+        match self.bytes_s() {
+            Some(bytes_s) if seconds.is_finite() => (bytes_s * seconds) as u64,
+            _ => u64::MAX,
+        }
     }
 }
 
@@ -78,6 +89,18 @@ mod tests {
         }
         let slow = pace.bytes_s().expect("known");
         assert!((150.0..310.0).contains(&slow), "{slow}");
+    }
+
+    #[test]
+    fn an_outage_is_soon_forgotten() {
+        let mut pace = Pace::default();
+        wait(&mut pace, 10.0, 1_000);
+        wait(&mut pace, 600.0, 0);
+        assert!(pace.bytes_s().is_some_and(|bytes_s| bytes_s < 10_000.0), "{pace:?}");
+        assert!(pace.bytes_within(2.0) < 20_000);
+        assert_eq!((pace.bytes_within(f64::INFINITY), Pace::default().bytes_within(2.0)), (u64::MAX, u64::MAX));
+        wait(&mut pace, 15.0, 1_000);
+        assert!(pace.bytes_s().is_some_and(|bytes_s| bytes_s > 20_000.0), "{pace:?}");
     }
 
     #[test]

@@ -42,18 +42,22 @@ pub struct Wanted {
 struct PlannedFor {
     /// Cells and positions of viewers, and of where they will be, coarsely.
     standpoints: Vec<(Option<u32>, IVec3)>,
-    /// So many bytes of finer levels were asked for at most.
+    /// So many bytes of finer levels were to be asked for at most, and were.
     finer_bytes: u64,
-    /// Bytes that had come by then, if more are wanted than that.
+    asked_bytes: u64,
+    /// Bytes that had come by then, if more is wanted than that.
     left_out_at: Option<u64>,
 }
 
 impl PlannedFor {
     /// Whether the plan still serves: nobody has gone far, the pace is about the same, and it has work to do or never will.
     fn serves(&self, standpoints: &[(Option<u32>, IVec3)], finer_bytes: u64, stats: &StreamingStats) -> bool {
+        let keeps_pace = match self.left_out_at {
+            None => self.asked_bytes <= finer_bytes,
+            Some(_) => self.finer_bytes / 2 <= finer_bytes && finer_bytes / 2 <= self.finer_bytes,
+        };
         let is_done = stats.in_flight == 0 && self.left_out_at.is_some_and(|bytes| bytes != stats.bytes_all);
-        let is_near = self.finer_bytes / 2 <= finer_bytes && finer_bytes / 2 <= self.finer_bytes;
-        self.standpoints == standpoints && is_near && !is_done
+        self.standpoints == standpoints && keeps_pace && !is_done
     }
 }
 
@@ -295,7 +299,8 @@ fn rank(why: Why) -> u8 {
 /// Metres a second at which a walker comes to a portal: by that, what is to be seen in so many seconds is compared with it.
 const PACE_M_S: f64 = 1.4;
 
-/// Plans anew when a viewer has changed cell or moved eight metres, or more of the city is told.
+/// Plans anew when a viewer has changed cell or moved eight metres, when more of the city is told, when the line has become slower than what
+/// is asked for, or can bring what was left out.
 pub(crate) fn plan_wanted(
     store: Option<Res<Store>>,
     settings: Res<StreamingSettings>,
@@ -316,8 +321,7 @@ pub(crate) fn plan_wanted(
             core::iter::once(here).chain(stops).collect::<Vec<_>>()
         })
         .collect();
-    // An unlimited number of bytes saturates.
-    let finer_bytes = pace.bytes_s().map_or(u64::MAX, |bytes_s| (bytes_s * settings.finer_within_s) as u64);
+    let finer_bytes = pace.bytes_within(settings.finer_within_s);
     let serves = wanted.planned_for.as_ref().is_some_and(|planned| planned.serves(&standpoints, finer_bytes, &stats));
     if serves && !settings.is_changed() {
         return;
@@ -328,8 +332,12 @@ pub(crate) fn plan_wanted(
         needs.add(eye, current.and_then(|c| c.0));
         itinerary.0.iter().for_each(|stop| needs.add_stop(stop, eye));
     }
-    let is_loaded = |cell: u32, level: Level| loaded.as_ref().and_then(|loaded| loaded.level(cell)) >= Some(level);
-    let Ranked { order, in_sight, is_any_left_out } = ranked(index, &needs.cells, &settings, (finer_bytes, &is_loaded));
+    // What is here, or will not come, costs the line nothing.
+    let is_free = |cell: u32, level: Level| {
+        let is_loaded = loaded.as_ref().and_then(|loaded| loaded.level(cell)) >= Some(level);
+        is_loaded || store.as_ref().is_some_and(|store| store.gave_up_level(cell, level))
+    };
+    let Ranked { order, in_sight, asked_bytes, is_any_left_out } = ranked(index, &needs.cells, &settings, (finer_bytes, &is_free));
     let left_out_at = is_any_left_out.then_some(stats.bytes_all);
     let [mut regions, later] = needs.missing;
     let regions_in_sight = regions.len();
@@ -344,7 +352,7 @@ pub(crate) fn plan_wanted(
         used: needs.used,
         overviews: core::mem::take(&mut wanted.overviews),
         generation: wanted.generation + 1,
-        planned_for: Some(PlannedFor { standpoints, finer_bytes, left_out_at }),
+        planned_for: Some(PlannedFor { standpoints, finer_bytes, asked_bytes, left_out_at }),
     };
 }
 
@@ -433,18 +441,20 @@ const NEXT_M: f64 = 20.0;
 struct Ranked {
     order: Vec<(u32, Level)>,
     in_sight: Vec<u32>,
+    /// Bytes of finer levels among it that are to come over the line.
+    asked_bytes: u64,
     /// Whether finer levels are wanted that the line is too slow for.
     is_any_left_out: bool,
 }
 
 /// Level 1 of all that is in sight, then of what is in sight from beyond a near portal, then the finer levels, then level 1 of what is
-/// farther ahead; nearest first, as far as the memory cap goes: what comes last is the first to be left out. Of finer levels that are not
-/// loaded, no more than so many bytes.
+/// farther ahead; nearest first, as far as the memory cap goes: what comes last is the first to be left out. Of finer levels that
+/// are not free, no more than so many bytes, but the first.
 fn ranked(
     index: &CityIndex,
     needs: &BTreeMap<u32, Need>,
     settings: &StreamingSettings,
-    (mut finer_bytes, is_loaded): (u64, &dyn Fn(u32, Level) -> bool),
+    (finer_bytes, is_free): (u64, &dyn Fn(u32, Level) -> bool),
 ) -> Ranked {
     let mut cells: Vec<(u32, Need)> = needs.iter().map(|(&cell, &need)| (cell, need)).collect();
     cells.sort_by(|a, b| {
@@ -456,10 +466,18 @@ fn ranked(
     });
     let bytes = |cell: u32, level: Level| index.cell(cell).and_then(|entry| entry.packet(level)).map(|blob| u64::from(blob.bytes));
     let (mut order, mut sum, mut reached) = (Vec::new(), 0, BTreeMap::<u32, Level>::new());
+    let (mut asked_bytes, mut is_any_left_out) = (0, false);
     let mut take = |cell: u32, level: Level| {
         // A finer level without the one before it is of no use.
         let is_next = reached.get(&cell).map_or(0, |last| last.index() + 1) == level.index();
         let Some(size) = bytes(cell, level).filter(|size| is_next && sum + size <= settings.memory_cap_bytes) else { return };
+        let costs = if level == Level::One || is_free(cell, level) { 0 } else { size };
+        // However slow the line, the first comes in the end.
+        if costs > 0 && asked_bytes > 0 && asked_bytes + costs > finer_bytes {
+            is_any_left_out = true;
+            return;
+        }
+        asked_bytes += costs;
         sum += size;
         reached.insert(cell, level);
         order.push((cell, level));
@@ -468,21 +486,11 @@ fn ranked(
     of_rank(0).for_each(|&(cell, _)| take(cell, Level::One));
     // Whoever is about to walk on must not stand before a shut door.
     of_rank(1).filter(|(_, need)| need.way_m <= NEXT_M).for_each(|&(cell, _)| take(cell, Level::One));
-    let mut is_any_left_out = false;
     for level in [Level::Two, Level::Three, Level::Four] {
         let is_allowed = |need: &Need| level <= need.finest && level as u8 <= settings.finest;
-        for &(cell, _) in of_rank(0).filter(|(_, need)| is_allowed(need)) {
-            if !is_loaded(cell, level) {
-                let Some(left) = finer_bytes.checked_sub(bytes(cell, level).unwrap_or_default()) else {
-                    is_any_left_out = true;
-                    break;
-                };
-                finer_bytes = left;
-            }
-            take(cell, level);
-        }
+        of_rank(0).filter(|(_, need)| is_allowed(need)).for_each(|&(cell, _)| take(cell, level));
     }
     of_rank(1).filter(|(_, need)| need.way_m > NEXT_M).for_each(|&(cell, _)| take(cell, Level::One));
     let in_sight = cells.iter().filter(|(_, need)| need.rank == 0).map(|(cell, _)| *cell).collect();
-    Ranked { order, in_sight, is_any_left_out }
+    Ranked { order, in_sight, asked_bytes, is_any_left_out }
 }

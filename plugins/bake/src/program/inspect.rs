@@ -66,7 +66,7 @@ pub(crate) fn inspect(city: &str, json: bool, proving: &Proving) -> Result<(), F
                 "misses_with_districts": proof.misses_with_districts,
                 "excess": proof.excess(),
                 "missing": proof.missing.iter().map(|missing| serde_json::json!({
-                    "from": missing.from, "cell": missing.cell,
+                    "from": missing.from, "cell": missing.cell, "is_district": missing.is_district,
                     "eye": [missing.eye.0.x, missing.eye.0.y, missing.eye.1],
                     "seen": [missing.seen.0.x, missing.seen.0.y, missing.seen.1],
                 })).collect::<Vec<_>>(),
@@ -101,7 +101,8 @@ const MOST_TOLD: usize = 10;
 fn tell(proof: &Proof, index: &CityIndex, json: bool) {
     if !json {
         println!(
-            "  {} rays through {} triangles: {} met something, {} saw what is missing from a visible set ({} pairs of cells), {} of these as a district",
+            "  {} rays through {} triangles: {} met something, {} saw what is missing from a visible set ({} pairs of cells), {} \
+             of these where its district is within reach",
             proof.rays,
             proof.triangles,
             proof.hits,

@@ -1,8 +1,8 @@
 //! What cells look like from afar, made of an overview.
 
 use veduta_city::{
-    CellShell, District, GRID_PER_METRE, Gable, GridPolygon, GridPos, GridRing, GroundPatch, HouseShell, Massing, Overview,
-    SpanForm, SpanStation, VolumeShell, WaySpan,
+    CellShell, District, GRID_PER_METRE, Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Massing, Overview, SpanStation,
+    VolumeShell, WaySpan,
 };
 
 use super::data::MeshData;
@@ -22,14 +22,10 @@ pub fn districts(overview: &Overview) -> impl Iterator<Item = (u32, CellShell)> 
             ground: ground.by_ref().take(patches as usize).collect(),
             houses: houses.by_ref().take(massings as usize).collect(),
             // What leads below the ground is not seen from afar.
-            spans: spans.by_ref().take(ways as usize).filter(|span| is_bridge(span)).collect(),
+            spans: spans.by_ref().take(ways as usize).filter(|span| span.is_bridge()).collect(),
         };
         (cell, parts.shell(overview))
     })
-}
-
-const fn is_bridge(span: &WaySpan) -> bool {
-    matches!(span.form, SpanForm::Arches | SpanForm::Girder)
 }
 
 /// The mesh of such a shell. Centres are as those of the parts that it is made of.
@@ -62,9 +58,8 @@ impl Parts<'_> {
         let middle = bounds.0.midpoint(bounds.1);
         let whole = |steps: i32| steps.div_euclid(GRID_PER_METRE) * GRID_PER_METRE;
         let origin = GridPos(whole(middle.0), whole(middle.1));
-        let local = |pos: GridPos| GridPos(pos.0.wrapping_sub(origin.0), pos.1.wrapping_sub(origin.1));
-        let ring = |ring: &GridRing| ring.iter().map(|&pos| local(pos)).collect();
-        let moved = |of: &GridPolygon| GridPolygon { outer: ring(&of.outer), holes: of.holes.iter().map(ring).collect() };
+        let local = |pos: GridPos| pos.wrapping_sub(origin);
+        let moved = |of: &GridPolygon| of.map(local);
         let patch = |patch: &&GroundPatch| GroundPatch { outline: moved(&patch.outline), ..(*patch).clone() };
         let station = |station: &SpanStation| SpanStation { left: local(station.left), right: local(station.right), ..*station };
         let span = |span: &&WaySpan| WaySpan { stations: span.stations.iter().map(station).collect(), ..(*span).clone() };

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
-    District, GridPolygon, GroundPatch, HouseName, MAP_STEP, Massing, Overview, PlanRoof, PlanStreet, PlanTerrain, Rgb, RoofShape,
-    SurfaceKind, WaySpan,
+    District, GridPolygon, GridPos, GroundPatch, HouseName, MAP_STEP, Massing, Overview, PlanRoof, PlanStreet, PlanTerrain, Rgb,
+    RoofShape, SurfaceKind, WaySpan,
 };
 
 use super::{
@@ -113,7 +113,7 @@ impl TryFrom<WireOverview> for Overview {
 
     fn try_from(wire: WireOverview) -> Result<Self, Malformed> {
         let mut points = wire.outlines.pull();
-        let mut outline = || points.polygon().map(in_grid_steps);
+        let mut outline = || points.polygon().map(|outline| in_grid_steps(&outline));
         let mut texts = wire.texts.pull()?;
         let mut paints = wire.paints.pull();
         let mut paint = || paints.take_ref().map(|&(r, g, b)| Rgb(r, g, b));
@@ -147,20 +147,13 @@ impl TryFrom<WireOverview> for Overview {
     }
 }
 
-fn scaled(mut polygon: GridPolygon, scale: impl Fn(i32) -> i32) -> GridPolygon {
-    for pos in core::iter::once(&mut polygon.outer).chain(&mut polygon.holes).flatten() {
-        (pos.0, pos.1) = (scale(pos.0), scale(pos.1));
-    }
-    polygon
-}
-
 /// An outline on a map, told by the steps of maps.
 fn in_map_steps(outline: &GridPolygon) -> GridPolygon {
-    scaled(outline.clone(), |steps| steps.div_euclid(MAP_STEP))
+    outline.map(|pos| GridPos(pos.0.div_euclid(MAP_STEP), pos.1.div_euclid(MAP_STEP)))
 }
 
-fn in_grid_steps(outline: GridPolygon) -> GridPolygon {
-    scaled(outline, |steps| steps.saturating_mul(MAP_STEP))
+fn in_grid_steps(outline: &GridPolygon) -> GridPolygon {
+    outline.map(|pos| GridPos(pos.0.saturating_mul(MAP_STEP), pos.1.saturating_mul(MAP_STEP)))
 }
 
 /// Columns of streets.

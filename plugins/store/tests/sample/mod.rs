@@ -214,7 +214,6 @@ fn add_portals(city: &mut City, cell: &mut Cell, shell: &mut CellShell, c: usize
 }
 
 impl City {
-    #[allow(dead_code, reason = "not every test writes cell by cell")]
     pub fn parts(&self, cell: usize) -> CellParts<'_> {
         let (shell, sheet) = (Cow::Borrowed(&self.shells[cell]), Cow::Borrowed(&self.sheets[cell]));
         CellParts { shell, sheet, ground: None }

@@ -34,10 +34,13 @@ impl Figure {
 impl fmt::Display for Figure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, value, unit, peer, peer_value } = self;
-        let digits = if *value < 10.0 && *unit != "1" { 4 } else { 0 };
-        write!(f, "| {name} | {value:.digits$} | {unit} | ")?;
+        let digits = |value: f64| if value < 10.0 && *unit != "1" { 4 } else { 0 };
+        write!(f, "| {name} | {value:.0$} | {unit} | ", digits(*value))?;
         match (peer, peer_value) {
-            (Some(peer), Some(theirs)) => write!(f, "{peer} | {theirs:.0} | {:.0} |", value / theirs),
+            (Some(peer), Some(theirs)) => {
+                let ratio = value / theirs;
+                write!(f, "{peer} | {theirs:.0$} | {ratio:.1$} |", digits(*theirs), if ratio < 10.0 { 3 } else { 0 })
+            }
             _ => write!(f, "– | – | – |"),
         }
     }
