@@ -16,12 +16,8 @@ enum Class {
 }
 
 impl Class {
-    const fn of(patch: &GroundPatch) -> Option<Self> {
-        match patch.surface {
-            SurfaceKind::Opening => None,
-            paved if paved.is_public() => Some(Self::Paved),
-            kind => Some(Self::Kind(kind, patch.z)),
-        }
+    const fn of(patch: &GroundPatch) -> Self {
+        if patch.surface.is_public() { Self::Paved } else { Self::Kind(patch.surface, patch.z) }
     }
 }
 
@@ -31,9 +27,7 @@ impl Class {
 pub fn ground_from_afar(shell: &CellShell) -> Vec<GroundPatch> {
     let mut classes: BTreeMap<Class, Vec<&GroundPatch>> = BTreeMap::new();
     for patch in &shell.ground {
-        if let Some(class) = Class::of(patch) {
-            classes.entry(class).or_default().push(patch);
-        }
+        classes.entry(Class::of(patch)).or_default().push(patch);
     }
     let mut afar = Vec::new();
     for patches in classes.values() {
@@ -85,13 +79,18 @@ mod tests {
             strip(8, 10, SurfaceKind::Mosaic, 150),
             strip(10, 15, SurfaceKind::Grass, 0),
             strip(15, 16, SurfaceKind::Grass, 0),
-            strip(16, 17, SurfaceKind::Opening, 0),
+            strip(16, 17, SurfaceKind::Yard, 0),
             strip(17, 18, SurfaceKind::Grass, 0),
         ];
         let afar = ground_from_afar(&CellShell { origin: GridPos(m, 0), ground, ..CellShell::default() });
         let told = |patch: &GroundPatch| (patch.surface, patch.z, patch.outline.area_m2(), patch.outline.outer.len());
-        let expected =
-            [(SurfaceKind::Cobbles, 0, 90.0, 4), (SurfaceKind::Grass, 0, 54.0, 4), (SurfaceKind::Grass, 0, 9.0, 4)].to_vec();
+        let expected = [
+            (SurfaceKind::Cobbles, 0, 90.0, 4),
+            (SurfaceKind::Grass, 0, 54.0, 4),
+            (SurfaceKind::Grass, 0, 9.0, 4),
+            (SurfaceKind::Yard, 0, 9.0, 4),
+        ]
+        .to_vec();
         assert_eq!(afar.iter().map(told).collect::<Vec<_>>(), expected);
         assert_eq!(afar[0].outline.bounds(), Some((GridPos(m, 0), GridPos(10 * m, 10 * m))));
         assert!(afar.iter().all(|patch| patch.course.is_none()));

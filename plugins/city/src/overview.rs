@@ -354,7 +354,9 @@ mod tests {
         };
         let plan = CityPlan {
             streets: (0..6).map(street).collect(),
-            ground: vec![patch(1, SurfaceKind::Grass), patch(4, SurfaceKind::Yard), patch(4, SurfaceKind::Water)],
+            ground: [SurfaceKind::Grass, SurfaceKind::Opening, SurfaceKind::Yard, SurfaceKind::Water]
+                .map(|kind| patch(4, kind))
+                .to_vec(),
             houses: vec![house("1", vec![volume(0, 100)]), house("2", vec![volume(0, 100), volume(900, 100)])],
             ..CityPlan::default()
         };
