@@ -7,9 +7,9 @@ use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 /// Lens, film and grade. AgX keeps bright walls from clipping but greys colours, so some of both is given back.
 #[must_use]
 pub fn camera() -> impl Bundle {
-    let section = ColorGradingSection { contrast: 1.1, ..default() };
+    let section = ColorGradingSection { contrast: 1.16, ..default() };
     let grade = ColorGrading {
-        global: ColorGradingGlobal { post_saturation: 1.14, ..default() },
+        global: ColorGradingGlobal { post_saturation: 1.2, ..default() },
         shadows: section,
         midtones: section,
         highlights: section,

@@ -85,6 +85,9 @@ enum Command {
         /// Day of the year: the sun's height and the season.
         #[arg(long, default_value_t = 160, value_parser = clap::value_parser!(u16).range(1..=366))]
         day: u16,
+        /// How wet the streets are, 0 (dry) to 1 (puddles).
+        #[arg(long, default_value_t = 0.0, value_parser = |text: &str| within(text, 0.0, 1.0))]
+        wet: f64,
         /// Vertical field of view, degrees.
         #[arg(long, default_value_t = 55.0, value_parser = |text: &str| within(text, 5.0, 150.0))]
         fov: f64,
@@ -173,8 +176,8 @@ fn command(command: Option<Command>) -> Result<(), Failure> {
             let out = out.unwrap_or_else(|| film::default_out(&tour));
             film::film(&FilmOrder { tour, out, size, fps, profile, from_s: from, to_s: to, json })
         }
-        Some(Command::Shot { city, at, out, size, hour, day, fov, profile }) => {
-            shot::shot(&ShotOrder { city: cities::open(city.as_deref())?, at, out, size, hour, day, fov_deg: fov, profile })
+        Some(Command::Shot { city, at, out, size, hour, day, wet, fov, profile }) => {
+            shot::shot(&ShotOrder { city: cities::open(city.as_deref())?, at, out, size, hour, day, wet, fov_deg: fov, profile })
         }
         Some(Command::Gallery { out, sheets, only, size, profile }) => {
             gallery::gallery(&GalleryOrder { out, sheets, only, size, profile })

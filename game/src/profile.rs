@@ -3,6 +3,7 @@
 use bevy::anti_alias::fxaa::Fxaa;
 use bevy::anti_alias::smaa::Smaa;
 use bevy::core_pipeline::prepass::DepthPrepass;
+use bevy::pbr::ScreenSpaceAmbientOcclusion;
 use bevy::prelude::*;
 use bevy::render::render_resource::WgpuAdapterInfo;
 use bevy::render::renderer::RenderAdapterInfo;
@@ -93,8 +94,9 @@ fn dress_cameras(mut commands: Commands, profile: Res<Profile>, new: Query<Entit
         camera.insert(DepthPrepass);
         match *profile {
             Profile::Low => camera.insert((Msaa::Off, Fxaa::default())),
-            Profile::Medium => camera.insert((Msaa::Off, Smaa::default())),
-            Profile::High | Profile::Ultra => camera.insert(Msaa::Sample4),
+            Profile::Medium | Profile::High | Profile::Ultra => {
+                camera.insert((Msaa::Off, Smaa::default(), ScreenSpaceAmbientOcclusion::default()))
+            }
         };
     }
 }

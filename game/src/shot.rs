@@ -56,6 +56,8 @@ pub struct ShotOrder {
     pub hour: f64,
     /// Day of the year, 1 to 366.
     pub day: u16,
+    /// How wet the streets are, 0 to 1.
+    pub wet: f64,
     /// Vertical field of view, degrees.
     pub fov_deg: f64,
     /// Quality.
@@ -99,6 +101,7 @@ pub fn picture(order: &ShotOrder) -> Result<Picture, Failure> {
     studio.set_eye(Eye { fov_deg: order.fov_deg, ..eye });
     let mut clock = studio.world().resource_mut::<CityClock>();
     (clock.hour, clock.day) = (order.hour, order.day);
+    studio.world().resource_mut::<Weather>().wet = order.wet as f32;
     // A picture has no before: levels stand at once.
     studio.world().resource_mut::<FadeSettings>().seconds = 0.0;
     studio.advance(core::time::Duration::ZERO);

@@ -32,6 +32,8 @@ pub enum Tile {
     Carved,
     /// Leaded glass: church windows.
     Glass,
+    /// Opal panes of a lamp, which glow at night.
+    Lantern,
     /// A tree in leaf as it is seen from afar, on a card: see [`TreeCard`](crate::tree::TreeCard). The kind is one of
     /// [`ObjectKind::TREES`].
     LeafyTree(ObjectKind),
@@ -77,7 +79,7 @@ const BARE: [ObjectKind; 5] = [ObjectKind::Tree, ObjectKind::Poplar, ObjectKind:
 
 impl Tile {
     /// Number of layers.
-    pub const COUNT: usize = 1 + OPENINGS.len() + 3 + SURFACES.len() + 5 + ObjectKind::TREES.len() + BARE.len();
+    pub const COUNT: usize = 1 + OPENINGS.len() + 3 + SURFACES.len() + 6 + ObjectKind::TREES.len() + BARE.len();
 
     /// The card of a kind of tree, in leaf or bare.
     #[must_use]
@@ -157,8 +159,9 @@ impl Tile {
             Self::Leaves => stuffs + 2,
             Self::Carved => stuffs + 3,
             Self::Glass => stuffs + 4,
-            Self::LeafyTree(kind) => stuffs + 5 + position(ObjectKind::TREES.iter().position(|&k| k == kind)),
-            Self::BareTree(kind) => stuffs + 5 + ObjectKind::TREES.len() + position(BARE.iter().position(|&k| k == kind)),
+            Self::Lantern => stuffs + 5,
+            Self::LeafyTree(kind) => stuffs + 6 + position(ObjectKind::TREES.iter().position(|&k| k == kind)),
+            Self::BareTree(kind) => stuffs + 6 + ObjectKind::TREES.len() + position(BARE.iter().position(|&k| k == kind)),
         }
     }
 
@@ -168,7 +171,7 @@ impl Tile {
             .chain(OPENINGS.map(Self::Bay))
             .chain([Self::RoofTile, Self::Slate, Self::Metal])
             .chain(SURFACES.map(Self::Ground))
-            .chain([Self::Stone, Self::Wood, Self::Leaves, Self::Carved, Self::Glass])
+            .chain([Self::Stone, Self::Wood, Self::Leaves, Self::Carved, Self::Glass, Self::Lantern])
             .chain(ObjectKind::TREES.map(Self::LeafyTree))
             .chain(BARE.map(Self::BareTree))
     }
@@ -182,6 +185,7 @@ impl Tile {
             Self::Plaster => (4.0, 4.0),
             Self::RoofTile | Self::Slate | Self::Metal | Self::Stone | Self::Wood | Self::Leaves | Self::Carved => (2.0, 2.0),
             Self::Glass => (1.2, 1.2),
+            Self::Lantern => (0.5, 0.5),
             Self::Ground(SurfaceKind::Cobbles | SurfaceKind::Mosaic) => (1.6, 1.6),
             Self::Ground(SurfaceKind::Water) => (8.0, 8.0),
             Self::Ground(_) => (3.2, 3.2),

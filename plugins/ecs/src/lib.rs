@@ -16,6 +16,7 @@
 
 mod cell;
 mod clock;
+mod daylight;
 mod eye;
 mod ground;
 mod overview;
@@ -30,6 +31,7 @@ pub use cell::{
     MaterialsProvided, OpenCells, StandingCells,
 };
 pub use clock::CityClock;
+pub use daylight::{Daylight, Weather};
 pub use eye::{Eye, Itinerary, Steering, Stop, Viewer};
 pub use ground::{Footing, Ground};
 pub use overview::{Around, OverviewWants, Overviews};
@@ -50,11 +52,15 @@ impl Plugin for EcsPlugin {
             .init_resource::<OverviewWants>()
             .init_resource::<Steering>()
             .init_resource::<CityClock>()
+            .init_resource::<Weather>()
+            .init_resource::<Daylight>()
             .register_type::<Eye>()
             .register_type::<Viewer>()
             .register_type::<Footing>()
             .register_type::<LevelFade>()
             .register_type::<CityClock>()
+            .register_type::<Weather>()
+            .register_type::<Daylight>()
             .add_message::<CellEntered>()
             .add_message::<CellReady>()
             .add_message::<CellStands>()

@@ -1,57 +1,52 @@
-// Tiles, level switching per façade, and surface relief by normals, on top of Bevy's standard material.
+// Tiles, level switching per façade, weathering, glass and relief by normals, on top of Bevy's standard material.
 #import bevy_pbr::{
     pbr_fragment::pbr_input_from_standard_material,
     pbr_functions::{apply_pbr_lighting, main_pass_post_lighting_processing},
     forward_io::{VertexOutput, FragmentOutput},
     mesh_functions,
-    mesh_view_bindings::view,
+    mesh_view_bindings::{globals, view},
 }
 
-#import veduta_facade::levels::{Facade, bayer, is_cut, is_drawn, is_turned_to, keeps}
+#import veduta_facade::levels::{Facade, bayer, is_cut, is_drawn, is_turned_to, keeps, reaches}
+#import veduta_facade::surface::{ground_wear, hash, puddle, roof_cover, wall_paint}
+#import veduta_facade::glass::{fresnel, mirrored, room}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
 @group(#{MATERIAL_BIND_GROUP}) @binding(101) var colour_tiles: texture_2d_array<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(102) var tile_sampler: sampler;
 @group(#{MATERIAL_BIND_GROUP}) @binding(103) var normal_tiles: texture_2d_array<f32>;
 
-fn hash(p: vec2<f32>) -> f32 {
-    let q = fract(p * vec2<f32>(0.1031, 0.1030));
-    let r = dot(q, q.yx + 33.33);
-    return fract((q.x + r) * (q.y + r) * 57.31);
-}
+// Layers that are more than paint: bays of windows and doors, water, lanterns.
+const FIRST_BAY: i32 = 1;
+const LAST_BAY: i32 = 16;
+const SHOP: i32 = 12;
+const WATER: i32 = 27;
+const LANTERN: i32 = 34;
 
-// Smooth noise, 0 to 1, by value at whole numbers.
-fn noise(p: vec2<f32>) -> f32 {
-    let i = floor(p);
-    let f = smoothstep(vec2<f32>(0.0), vec2<f32>(1.0), p - i);
-    let low = mix(hash(i), hash(i + vec2<f32>(1.0, 0.0)), f.x);
-    let high = mix(hash(i + vec2<f32>(0.0, 1.0)), hash(i + vec2<f32>(1.0, 1.0)), f.x);
-    return mix(low, high, f.y);
-}
-
-// Wear in metres, where tiles repeat in centimetres: walls mottled, ground trodden in paths and stained.
-fn wear(at: vec3<f32>, up: f32) -> f32 {
-    if abs(up) > 0.9 {
-        return 0.84 + 0.20 * noise(at.xz * 0.13) + 0.10 * noise(at.xz * 0.61 + 7.0);
-    }
-    return 0.93 + 0.13 * noise(vec2<f32>(at.x + at.z, at.y * 0.7) * 0.33);
-}
+// Luminance of a lit lantern and of a room by its lamp, candela per square metre.
+const LANTERN_GLOW: f32 = 1800.0;
+const ROOM_GLOW: f32 = 420.0;
 
 @fragment
 fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
     let level = i32(facade.near_level.w);
+    let layer = i32(in.color.a + 0.5);
     // All that looks at neighbouring pixels comes before any of them is dropped.
     let across = dpdx(in.world_position.xyz);
     let down = dpdy(in.world_position.xyz);
     let uv_across = dpdx(in.uv);
     let uv_down = dpdy(in.uv);
-    let layer = i32(in.color.a + 0.5);
-    let tile = textureSample(colour_tiles, tile_sampler, in.uv, layer);
-    let relief = textureSample(normal_tiles, tile_sampler, in.uv, layer);
+    let is_water = layer == WATER;
+    let drift = select(vec2<f32>(0.0), vec2<f32>(0.021, 0.013) * globals.time, is_water);
+    let tile = textureSample(colour_tiles, tile_sampler, in.uv + drift, layer);
+    let relief = textureSample(normal_tiles, tile_sampler, in.uv + drift, layer);
+    // The swell of water runs another way than its ripples.
+    let swell = textureSample(normal_tiles, tile_sampler, in.uv.yx * 0.43 - drift.yx * 0.7, layer);
     let model = mesh_functions::get_world_from_local(in.instance_index);
     let centre = (model * vec4<f32>(in.uv_b.x, 0.0, in.uv_b.y, 1.0)).xz;
     let away = distance(centre, view.world_position.xz);
-    if !keeps(facade, in.position.xy, away, mesh_functions::get_tag(in.instance_index)) { discard; }
+    let tag = mesh_functions::get_tag(in.instance_index);
+    if !keeps(facade, in.position.xy, away, tag) { discard; }
     if is_cut(facade) {
         if !is_drawn(relief.a, in.position.xy) { discard; }
         let back = view.world_from_view[2].xyz;
@@ -62,17 +57,17 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 
     // What the layer is off a whole number tells the floor's height, in 1,024 m.
     let height = in.world_position.y - (in.color.a - f32(layer)) * 1024.0;
-    // Where alpha is 1 the tile modulates the vertex colour about one half; where it is 0 it stands as it is.
-    let albedo = mix(tile.rgb, 2.0 * tile.rgb * in.color.rgb, tile.a) * wear(in.world_position.xyz, in.world_normal.y);
-
-    var pbr_input = pbr_input_from_standard_material(in, is_front);
-    pbr_input.material.base_color = vec4<f32>(albedo, 1.0);
-    // Of a card it is the cover that is told, and leaves are dull.
-    pbr_input.material.perceptual_roughness = select(clamp(relief.a, 0.08, 1.0), 0.85, is_cut(facade));
+    let wet = facade.zenith_wet.w;
+    let night = facade.horizon_night.w;
+    let at = in.world_position.xyz;
+    let to_eye = normalize(view.world_position - at);
+    // Level 3 is composed here: how much of it is seen at this distance.
+    let near = reaches(facade, away, vec4<f32>(1.0)).z * select(0.0, 1.0, level > 1) + smoothstep(60.0, 15.0, distance(at, view.world_position)) * select(0.0, 1.0, level == 0);
 
     let n = normalize(in.world_normal);
+    let is_level = abs(n.y) > 0.9;
     var tangent = vec3<f32>(1.0, 0.0, 0.0);
-    if abs(n.y) < 0.9 {
+    if !is_level {
         tangent = normalize(cross(vec3<f32>(0.0, 1.0, 0.0), n));
     } else {
         // Paving is laid in any direction: along u as it lies on the screen.
@@ -81,21 +76,88 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         if dot(along, along) > 1e-20 { tangent = normalize(along); }
     }
     let bitangent = cross(n, tangent);
-    let bump = relief.xyz * 2.0 - 1.0;
-    pbr_input.N = normalize(tangent * bump.x + bitangent * bump.y + n * max(bump.z, 0.2));
+
+    // Where alpha is 1 the tile modulates the vertex colour about one half; where it is 0 it stands as it is.
+    var albedo = mix(tile.rgb, 2.0 * tile.rgb * in.color.rgb, tile.a);
+    var roughness = select(clamp(relief.a, 0.08, 1.0), 0.85, is_cut(facade));
+    var bump = relief.xyz * 2.0 - 1.0;
+    var emissive = vec3<f32>(0.0);
+    var mirrors = select(0.0, 1.0, is_water);
+    let seed = hash(floor(centre * 4.0));
+    if is_water {
+        bump = normalize(vec3<f32>(0.5 * bump.xy + 0.5 * (swell.xy * 2.0 - 1.0), 1.0));
+        roughness = 0.08;
+    } else if is_level {
+        albedo *= ground_wear(at.xz, near);
+        if n.y > 0.0 && wet > 0.0 && level == 0 {
+            // A film of water darkens and shines; where it stands it is level.
+            let pool = puddle(at.xz, wet);
+            albedo *= mix(1.0, 0.5, wet * mix(0.75, 1.0, pool));
+            roughness = mix(roughness, mix(0.42, 0.10, pool), wet);
+            bump = mix(bump, vec3<f32>(0.0, 0.0, 1.0), pool);
+            mirrors = wet * mix(0.12, 0.9, pool);
+        }
+    } else if n.y > 0.25 {
+        albedo *= roof_cover(at, seed, near);
+        roughness = mix(roughness, 0.4, 0.6 * wet);
+    } else if !is_cut(facade) {
+        let paint = wall_paint(dot(at, tangent), height, seed, near);
+        albedo *= mix(mix(vec3<f32>(1.0), paint, 0.45), paint, tile.a);
+    }
+    let bumped = normalize(tangent * bump.x + bitangent * bump.y + n * max(bump.z, 0.2));
+
+    let is_glass = layer >= FIRST_BAY && layer <= LAST_BAY && level > 1 && tile.a < 0.25 && relief.a < 0.3;
+    if is_glass {
+        // Roughness tells cloth from clear glass.
+        let cloth = smoothstep(0.13, 0.2, relief.a);
+        let bay = floor(in.uv) + floor(centre * 3.0) + vec2<f32>(floor(height / 3.3) * 7.0, 0.0);
+        let own = hash(bay);
+        let is_shop = layer == SHOP;
+        let lit = night * select(0.0, 1.0, own < select(0.34, 0.8, is_shop));
+        let lamp = mix(vec3<f32>(1.0, 0.60, 0.26), vec3<f32>(1.0, 0.76, 0.48), fract(own * 17.0));
+        if near > 0.0 && !is_shop {
+            // Bays a metre, by how the texture lies on the wall.
+            let per_m = vec2<f32>(
+                length(vec2<f32>(uv_across.x, uv_down.x)) / max(length(vec2<f32>(dot(across, tangent), dot(down, tangent))), 1e-6),
+                length(vec2<f32>(uv_across.y, uv_down.y)) / max(length(vec2<f32>(across.y, down.y)), 1e-6),
+            );
+            let look = vec3<f32>(-dot(to_eye, tangent) * per_m.x, to_eye.y * per_m.y, dot(to_eye, n) * per_m.x);
+            let behind = room(fract(in.uv), look, own);
+            let day = behind.albedo * behind.light * 0.30;
+            let clear = near * (1.0 - cloth);
+            albedo = mix(albedo, day + 0.12 * albedo, clear);
+            emissive += lit * lamp * ROOM_GLOW * (0.35 + 0.65 * behind.light) * behind.albedo * 1.6 * clear;
+        }
+        // From afar, and through cloth, a lit window is an even glow.
+        let veil = mix(1.0 - near, 1.0, max(cloth, select(0.0, 1.0, is_shop)));
+        emissive += lit * lamp * ROOM_GLOW * mix(0.45, 2.2 * dot(tile.rgb, vec3<f32>(0.33)), 0.5) * veil;
+        // Every pane hangs a little askew.
+        let pane = floor(vec2<f32>(fract(in.uv.x) * 6.0, fract(in.uv.y) * 7.0)) + bay * 5.0;
+        let askew = (vec2<f32>(hash(pane), hash(pane + 3.7)) - 0.5) * 0.05;
+        let face = normalize(n + tangent * (askew.x + 0.3 * bump.x) + bitangent * (askew.y + 0.3 * bump.y));
+        let toward = reflect(-to_eye, face);
+        let share = fresnel(dot(face, to_eye)) * (1.0 - 0.6 * cloth);
+        emissive += share * mirrored(toward, facade.zenith_wet.xyz, facade.horizon_night.xyz);
+        roughness = max(roughness, 0.2);
+    } else if mirrors > 0.0 {
+        let toward = reflect(-to_eye, bumped);
+        let share = mirrors * fresnel(dot(bumped, to_eye));
+        emissive += share * mirrored(vec3<f32>(toward.x, abs(toward.y), toward.z), facade.zenith_wet.xyz, facade.horizon_night.xyz);
+    } else if layer == LANTERN {
+        emissive += night * LANTERN_GLOW * vec3<f32>(1.0, 0.70, 0.36) * tile.rgb;
+    }
+
+    var pbr_input = pbr_input_from_standard_material(in, is_front);
+    pbr_input.material.base_color = vec4<f32>(albedo, 1.0);
+    pbr_input.material.perceptual_roughness = roughness;
+    pbr_input.material.emissive = vec4<f32>(emissive, 1.0);
+    pbr_input.N = bumped;
 
     // Contact shade where walls meet the ground, and less sky the deeper a wall stands in its street.
-    let foot = mix(0.55, 1.0, smoothstep(-0.2, 1.6, height)) * mix(0.7, 1.0, smoothstep(0.0, 14.0, height));
+    let foot = mix(0.45, 1.0, smoothstep(-0.2, 1.4, height)) * mix(0.62, 1.0, smoothstep(0.0, 15.0, height));
     let wall = 1.0 - abs(select(n.y, pbr_input.N.y, is_cut(facade)));
     pbr_input.diffuse_occlusion *= vec3<f32>(mix(1.0, foot, wall));
-
-    // Lit windows at night: glass is what is dark and smooth on a wall.
-    if facade.far_lit.w > 0.0 && level > 1 && tile.a < 0.2 && relief.a < 0.3 {
-        let bay = floor(in.uv) + floor(centre * 3.0) + vec2<f32>(floor(height / 3.3) * 7.0, 0.0);
-        if hash(bay) < facade.far_lit.w {
-            pbr_input.material.emissive = vec4<f32>(vec3<f32>(1.0, 0.66, 0.32) * 900.0, 1.0);
-        }
-    }
+    if is_glass { pbr_input.specular_occlusion = 0.0; }
 
     var out: FragmentOutput;
     out.color = apply_pbr_lighting(pbr_input);

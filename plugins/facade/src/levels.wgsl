@@ -3,8 +3,9 @@
 
 struct Facade {
     near_level: vec4<f32>,
-    far_lit: vec4<f32>,
-    cut: vec4<f32>,
+    far_cut: vec4<f32>,
+    zenith_wet: vec4<f32>,
+    horizon_night: vec4<f32>,
 }
 
 // Half the angle between the directions of a tree's cards, and half of that over which neighbours take turns; radians.
@@ -43,7 +44,7 @@ fn is_drawn(cover: f32, pixel: vec2<f32>) -> bool {
 
 // Whether what is drawn are cards, which their tiles do not fill: the normal's alpha tells how much of a pixel is covered.
 fn is_cut(facade: Facade) -> bool {
-    return facade.cut.x > 0.0;
+    return facade.far_cut.w > 0.0;
 }
 
 // Threshold of the 8×8 Bayer pattern at a pixel, in (0, 1): bits of x and x^y interleaved, most significant last.
@@ -63,8 +64,8 @@ fn fades(tag: u32) -> vec4<f32> {
 // Reach of each level at a distance: level n keeps a pixel where reach(n + 1) <= threshold < reach(n).
 fn reaches(facade: Facade, distance: f32, fade: vec4<f32>) -> vec4<f32> {
     let near = facade.near_level.xyz;
-    let far = max(facade.far_lit.xyz, near + vec3<f32>(0.001));
-    let allowed = step(vec3<f32>(0.001), facade.far_lit.xyz);
+    let far = max(facade.far_cut.xyz, near + vec3<f32>(0.001));
+    let allowed = step(vec3<f32>(0.001), facade.far_cut.xyz);
     let close = allowed * clamp((far - vec3<f32>(distance)) / (far - near), vec3<f32>(0.0), vec3<f32>(1.0));
     let four = fade.w * close.z;
     let three = max(four, fade.z * close.y);

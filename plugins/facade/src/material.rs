@@ -8,7 +8,7 @@ use bevy::render::render_resource::{
 };
 use bevy::shader::{ShaderRef, load_shader_library};
 use veduta_city::Level;
-use veduta_ecs::{CellMesh, CellMeshKind, VedutaSystems};
+use veduta_ecs::{CellMesh, CellMeshKind, Daylight, VedutaSystems, Weather};
 use veduta_texture::paint_tiles;
 
 use crate::NewCellMesh;
@@ -61,13 +61,21 @@ impl LevelDistances {
 pub struct FacadeUniform {
     /// `x, y, z`: near ends of the bands 1|2, 2|3, 3|4; `w`: this material's level, 0 for what shows at every distance.
     near_level: Vec4,
-    /// `x, y, z`: far ends of the bands; `w`: share of windows that are lit, 0 to 1.
-    far_lit: Vec4,
-    /// `x`: 1 where what is drawn are cards, which their tiles do not fill.
-    cut: Vec4,
+    /// `x, y, z`: far ends of the bands; `w`: 1 where what is drawn are cards, which their tiles do not fill.
+    far_cut: Vec4,
+    /// `x, y, z`: luminance of the sky overhead, candela per square metre; `w`: how wet ground is, 0 to 1.
+    zenith_wet: Vec4,
+    /// `x, y, z`: luminance of the sky at the horizon; `w`: 0 by day, 1 at night.
+    horizon_night: Vec4,
 }
 
-/// Extends the standard material by tiles and level switching.
+impl FacadeUniform {
+    fn lit(light: &Daylight, wet: f32) -> Self {
+        Self { zenith_wet: light.zenith.extend(wet), horizon_night: light.horizon.extend(light.night), ..Self::default() }
+    }
+}
+
+/// Extends the standard material by tiles, level switching, weathering and glass.
 #[derive(Asset, AsBindGroup, Reflect, Debug, Clone)]
 pub struct FacadeExtension {
     #[uniform(100)]
@@ -97,30 +105,21 @@ pub struct CityMaterials {
     cards: Handle<CityMaterial>,
 }
 
-/// Share of windows that are lit, 0 to 1, is set from outside through the materials.
 impl CityMaterials {
     fn handles(&self) -> impl Iterator<Item = &Handle<CityMaterial>> {
         [&self.base, &self.cards].into_iter().chain(&self.levels)
-    }
-
-    /// Sets the share of lit windows, 0 to 1, if it differs by more than a hundredth.
-    pub fn light_windows(&self, share: f32, assets: &mut Assets<CityMaterial>) {
-        for handle in self.handles() {
-            let differs = assets.get(handle).is_some_and(|m| (m.extension.uniform.far_lit.w - share).abs() > 0.01);
-            if differs && let Some(mut material) = assets.get_mut(handle) {
-                material.extension.uniform.far_lit.w = share;
-            }
-        }
     }
 }
 
 pub(crate) fn build(app: &mut App) {
     load_shader_library!(app, "levels.wgsl");
+    load_shader_library!(app, "surface.wgsl");
+    load_shader_library!(app, "glass.wgsl");
     embedded_asset!(app, "facade.wgsl");
     embedded_asset!(app, "prepass.wgsl");
     app.add_plugins(MaterialPlugin::<CityMaterial>::default())
         .add_systems(Startup, paint)
-        .add_systems(Update, (set_distances, dress_meshes).chain().in_set(VedutaSystems::Show));
+        .add_systems(Update, (set_distances, set_light, dress_meshes).chain().in_set(VedutaSystems::Show));
 }
 
 /// Seed of the stock tiles: one workshop for every city, so that the same tiles are painted everywhere.
@@ -130,6 +129,8 @@ fn paint(
     mut commands: Commands,
     quality: Res<TileQuality>,
     distances: Res<LevelDistances>,
+    light: Res<Daylight>,
+    weather: Res<Weather>,
     mut images: ResMut<Assets<Image>>,
     mut materials: ResMut<Assets<CityMaterial>>,
 ) {
@@ -168,8 +169,8 @@ fn paint(
             extension: FacadeExtension {
                 uniform: FacadeUniform {
                     near_level: Vec4::new(a, b, c, level),
-                    far_lit: Vec4::new(d, e, f, 0.0),
-                    cut: Vec4::X * f32::from(u8::from(is_cut)),
+                    far_cut: Vec4::new(d, e, f, f32::from(u8::from(is_cut))),
+                    ..FacadeUniform::lit(&light, weather.wet)
                 },
                 colour: colour.clone(),
                 normal: normal.clone(),
@@ -190,7 +191,35 @@ fn set_distances(distances: Res<LevelDistances>, in_use: Option<Res<CityMaterial
         let Some(mut material) = assets.get_mut(handle) else { continue };
         let u = &mut material.extension.uniform;
         u.near_level = Vec3::from_array(distances.near).extend(u.near_level.w);
-        u.far_lit = Vec3::from_array(distances.far).extend(u.far_lit.w);
+        u.far_cut = Vec3::from_array(distances.far).extend(u.far_cut.w);
+    }
+}
+
+/// How much light or weather must change for the materials to be told: a change costs each of them a new bind group.
+const LEAST_CHANGE: f32 = 0.01;
+
+/// Tells the materials what glass mirrors, how dark and how wet it is.
+fn set_light(
+    light: Res<Daylight>,
+    weather: Res<Weather>,
+    in_use: Option<Res<CityMaterials>>,
+    mut assets: ResMut<Assets<CityMaterial>>,
+    mut told: Local<FacadeUniform>,
+) {
+    let Some(in_use) = in_use else { return };
+    let now = FacadeUniform::lit(&light, weather.wet);
+    let scale = now.zenith_wet.truncate().max(now.horizon_night.truncate()).max_element().max(1.0);
+    let unit = Vec3::splat(scale).extend(1.0);
+    let differs = |a: Vec4, b: Vec4| ((a - b) / unit).abs().max_element() > LEAST_CHANGE;
+    if !differs(now.zenith_wet, told.zenith_wet) && !differs(now.horizon_night, told.horizon_night) {
+        return;
+    }
+    *told = now;
+    for handle in in_use.handles() {
+        if let Some(mut material) = assets.get_mut(handle) {
+            let u = &mut material.extension.uniform;
+            (u.zenith_wet, u.horizon_night) = (now.zenith_wet, now.horizon_night);
+        }
     }
 }
 
@@ -216,6 +245,21 @@ fn dress_meshes(mut commands: Commands, in_use: Option<Res<CityMaterials>>, new:
 #[cfg(test)]
 mod tests {
     use veduta_city::tree::TreeCard;
+    use veduta_city::{Opening, SurfaceKind, Tile};
+
+    #[test]
+    fn the_shader_knows_the_layers_that_are_more_than_paint() {
+        let source = include_str!("facade.wgsl");
+        let layer = |name: &str| -> usize {
+            let line = source.lines().find(|line| line.contains(&format!("const {name}:"))).expect("the constant");
+            line.rsplit('=').next().and_then(|value| value.trim().trim_end_matches(';').parse().ok()).expect("a number")
+        };
+        let bays: Vec<usize> = Tile::all().filter(|tile| matches!(tile, Tile::Bay(_))).map(Tile::index).collect();
+        assert_eq!(bays, (layer("FIRST_BAY")..=layer("LAST_BAY")).collect::<Vec<_>>());
+        assert_eq!(layer("SHOP"), Tile::Bay(Opening::Shop).index());
+        assert_eq!(layer("WATER"), Tile::Ground(SurfaceKind::Water).index());
+        assert_eq!(layer("LANTERN"), Tile::Lantern.index());
+    }
 
     #[test]
     fn the_shader_knows_in_how_many_directions_cards_look_and_how_they_lean() {

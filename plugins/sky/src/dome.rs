@@ -4,7 +4,7 @@ use bevy::light::{NotShadowCaster, NotShadowReceiver};
 use bevy::prelude::*;
 use bevy::render::render_resource::{AsBindGroup, ShaderType};
 use bevy::shader::ShaderRef;
-use veduta_ecs::{VedutaSystems, Viewer};
+use veduta_ecs::{VedutaSystems, Viewer, Weather};
 
 use crate::Light;
 
@@ -69,6 +69,7 @@ fn raise(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
 
 fn tint(
     light: Res<Light>,
+    weather: Res<Weather>,
     time: Res<Time>,
     mut materials: ResMut<Assets<SkyMaterial>>,
     dome: Query<&MeshMaterial3d<SkyMaterial>, With<Dome>>,
@@ -79,7 +80,7 @@ fn tint(
             zenith: p.zenith.extend(p.sky),
             horizon: p.horizon.extend(p.night),
             sun: light.sun.direction().extend((time.elapsed_secs() * 0.5).floor() * 0.004),
-            key: p.key.extend(0.45),
+            key: p.key.extend(weather.clouds.clamp(0.0, 1.0)),
         };
         if materials.get(handle).is_some_and(|m| m.uniform != uniform)
             && let Some(mut material) = materials.get_mut(handle)

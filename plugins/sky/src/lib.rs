@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!  CityClock, City.anchor ──► sun (altitude, azimuth) ──► palette ──► key light, sky dome, fill, fog, exposure
+//!                                                              └────► Daylight ──► lamps; other plugins' materials
 //! ```
 //!
 //! The sun stands where it stands in the city's latitude at that day and hour. One palette of light is drawn from its
@@ -27,6 +28,7 @@
 //! software renderer.
 
 mod dome;
+mod lamps;
 mod light;
 mod palette;
 mod sun;
@@ -35,6 +37,7 @@ use bevy::prelude::*;
 use veduta_ecs::{CityClock, VedutaSystems};
 
 pub use dome::SkyMaterial;
+pub use lamps::LampSettings;
 pub use light::{KeyLight, SkySettings};
 pub use palette::Palette;
 pub use sun::{SunPosition, sun_position};
@@ -56,14 +59,16 @@ impl Plugin for SkyPlugin {
     fn build(&self, app: &mut App) {
         veduta_ecs::ensure(app);
         app.init_resource::<SkySettings>()
+            .init_resource::<LampSettings>()
             .register_type::<SkySettings>()
+            .register_type::<LampSettings>()
             .insert_resource(Light::at(50.0, CityClock::default()))
             .add_systems(Update, (light::run_clock, light::find_light).chain().in_set(VedutaSystems::Show));
         if app.is_plugin_added::<bevy::pbr::PbrPlugin>() {
             dome::build(app);
             app.add_systems(Startup, light::hang_lights).add_systems(
                 Update,
-                (light::aim_lights, light::stretch_shadows, light::dress_viewers)
+                (light::aim_lights, light::stretch_shadows, light::dress_viewers, lamps::light_lamps)
                     .chain()
                     .after(light::find_light)
                     .in_set(VedutaSystems::Show),

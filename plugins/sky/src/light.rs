@@ -4,7 +4,7 @@ use bevy::light::{
 };
 use bevy::pbr::{DistanceFog, FogFalloff};
 use bevy::prelude::*;
-use veduta_ecs::{City, CityClock, Eye, Viewer};
+use veduta_ecs::{City, CityClock, Daylight, Eye, Viewer};
 
 use crate::Light;
 
@@ -28,7 +28,7 @@ pub struct SkySettings {
 
 impl Default for SkySettings {
     fn default() -> Self {
-        Self { shadows: true, shadow_m: 220.0, cascades: 3, shadow_map: 2048, visibility_m: 3_200.0, lat_deg: 50.0 }
+        Self { shadows: true, shadow_m: 220.0, cascades: 3, shadow_map: 2048, visibility_m: 4_500.0, lat_deg: 50.0 }
     }
 }
 
@@ -45,9 +45,11 @@ pub(crate) fn run_clock(time: Res<Time>, mut clock: ResMut<CityClock>) {
 }
 
 /// Finds the light of this moment.
-pub(crate) fn find_light(clock: Res<CityClock>, city: Option<Res<City>>, settings: Res<SkySettings>, mut light: ResMut<Light>) {
+pub(crate) fn find_light(clock: Res<CityClock>, city: Option<Res<City>>, settings: Res<SkySettings>, mut light: ResMut<Light>, mut told: ResMut<Daylight>) {
     let lat_deg = city.map_or(settings.lat_deg, |city| city.anchor.lat);
     light.set_if_neq(Light::at(lat_deg, *clock));
+    let p = light.palette;
+    told.set_if_neq(Daylight { zenith: p.zenith * p.sky, horizon: p.horizon * p.sky, night: p.night });
 }
 
 /// Hangs the key light.

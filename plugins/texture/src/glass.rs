@@ -143,6 +143,16 @@ fn drape(cloth: Cloth, u: f32, v: f32) -> (f32, f32) {
     }
 }
 
+/// Opal glass that tiles: milky, a little cloudy.
+pub(crate) fn opal(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
+    let clouds = Noise::new(draw.bits("clouds"), 3, 3);
+    let milk = srgb(0x00F2_E4C4);
+    Canvas::tiling(size, size_m, |u, v| {
+        let cloud = clouds.at(u, v);
+        Texel { own: milk * (0.86 + 0.1 * cloud), tint: Vec3::ZERO, height: 0.0005 * cloud, rough: 0.35 }
+    })
+}
+
 /// Leaded glass that tiles: lozenges of old glass, each at its own tilt, between cames of lead and upright bars; coloured by the
 /// vertex.
 pub(crate) fn leaded(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {

@@ -234,6 +234,7 @@ impl Workshop {
             Tile::Leaves => soil::leaves(size, size_m, draw),
             Tile::Carved => stone::carved(size, size_m, draw),
             Tile::Glass => glass::leaded(size, size_m, draw),
+            Tile::Lantern => glass::opal(size, size_m, draw),
             Tile::LeafyTree(kind) | Tile::BareTree(kind) => {
                 // A tree is one tree in leaf and bare.
                 let draw = Draw::new(self.seed, Id(Tile::LeafyTree(kind).index() as u64), "card");

@@ -82,7 +82,7 @@ pub mod prelude {
     pub use crate::buildings::BuildingsPlugin;
     pub use crate::ecs::{
         CellEntered, CellReady, CellReleased, CellStands, City, CityClock, CityFailed, CityOpened, Eye, Footing, Ground, JumpTo,
-        OpenCity, Steering, VedutaSystems, Viewer,
+        OpenCity, Steering, VedutaSystems, Viewer, Weather,
     };
     pub use crate::facade::{FacadePlugin, LevelDistances};
     pub use crate::guide::GuidePlugin;

@@ -155,7 +155,7 @@ impl<'a> Maker<'a> {
         self.turned(8, &[(0.2, 0.0), (0.2, 0.12), (0.13, 0.2), (0.12, 0.62), (0.07, 0.72), (0.045, 3.2), (0.1, 3.28)], iron);
         self.sculptor.block((0.0, 0.0), (0.34, 0.02), (3.02, 3.06), iron);
         self.turned(6, &[(0.05, 3.28), (0.13, 3.4)], iron);
-        self.turned(6, &[(0.13, 3.4), (0.23, 3.92)], self.paint(LANTERN, Tile::Plaster));
+        self.turned(6, &[(0.13, 3.4), (0.23, 3.92)], self.paint(LANTERN, Tile::Lantern));
         self.turned(6, &[(0.28, 3.92), (0.1, 4.08), (0.06, 4.1), (0.0, 4.2)], iron);
     }
 
