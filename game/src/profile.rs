@@ -7,6 +7,7 @@ use bevy::pbr::ScreenSpaceAmbientOcclusion;
 use bevy::prelude::*;
 use bevy::render::render_resource::WgpuAdapterInfo;
 use bevy::render::renderer::RenderAdapterInfo;
+use veduta::buildings::BuildSettings;
 use veduta::facade::TileQuality;
 use veduta::prelude::*;
 
@@ -76,12 +77,19 @@ impl Profile {
         StreamingSettings { level_2_m, ..default() }
     }
 
+    /// What is built.
+    #[must_use]
+    pub fn buildings(self) -> BuildSettings {
+        BuildSettings { relief_m: f64::from(self.levels().far[2]), ..default() }
+    }
+
     /// Inserts what the profile sets.
     pub fn apply(self, app: &mut App) {
         app.insert_resource(self)
             .insert_resource(self.sky())
             .insert_resource(self.levels())
             .insert_resource(self.streaming())
+            .insert_resource(self.buildings())
             .add_systems(Update, dress_cameras);
     }
 }
@@ -110,4 +118,5 @@ pub(crate) fn adapt(adapter: Option<Res<RenderAdapterInfo>>, mut commands: Comma
     commands.insert_resource(profile.sky());
     commands.insert_resource(profile.levels());
     commands.insert_resource(profile.streaming());
+    commands.insert_resource(profile.buildings());
 }

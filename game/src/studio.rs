@@ -17,7 +17,7 @@ use bevy::time::TimeUpdateStrategy;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use image::RgbaImage;
-use veduta::buildings::{Building, BuildingsPlugin};
+use veduta::buildings::{BuildSettings, Building, BuildingsPlugin};
 use veduta::ecs::StandingCells;
 use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
@@ -140,7 +140,7 @@ impl Studio {
             SkyPlugin,
             TourPlugin::default(),
         ))
-        .insert_resource(veduta::buildings::BuildSettings { vertices_a_frame: usize::MAX, in_the_making: 64, ..default() })
+        .insert_resource(BuildSettings { vertices_a_frame: usize::MAX, in_the_making: 64, ..profile.buildings() })
         .insert_resource(OpenCity(city.to_owned()));
         let target = {
             let mut image = Image::new_target_texture(size.width, size.height, TextureFormat::Rgba8UnormSrgb, None);

@@ -32,11 +32,13 @@ pub struct BuildSettings {
     /// Cells that are told in an overview that reaches so near to a viewer are shown from afar as long as they do not stand, metres; none
     /// if 0.
     pub districts_m: f64,
+    /// Walls of cells that are nearer to a viewer get their relief (level 4), metres; none if 0. Not less than where the material shows it.
+    pub relief_m: f64,
 }
 
 impl Default for BuildSettings {
     fn default() -> Self {
-        Self { vertices_a_frame: 60_000, in_the_making: 16, districts_m: 700.0 }
+        Self { vertices_a_frame: 60_000, in_the_making: 16, districts_m: 700.0, relief_m: 30.0 }
     }
 }
 
@@ -107,8 +109,22 @@ pub(crate) struct Queue {
     turning: Vec<(Entity, Level)>,
 }
 
+impl Queue {
+    /// Orders a level of a cell that stands, unless it is under way.
+    pub(crate) fn order_once(&mut self, ready: CellReady, content: &CellContent) {
+        let is_same = |order: &Order| order.ready == ready && !order.is_turned;
+        let is_making = |work: &Work| match work {
+            Work::Task(order, _) => is_same(order),
+            Work::Done(made) => is_same(&made.order),
+        };
+        if !self.waiting.iter().any(is_same) && !self.making.iter().any(is_making) {
+            self.waiting.push_back(Order::new(ready, content));
+        }
+    }
+}
+
 enum Work {
-    Task(Task<Made>),
+    Task(Order, Task<Made>),
     Done(Box<Made>),
 }
 
@@ -138,7 +154,10 @@ pub(crate) fn start(
         }
         let work = match *building {
             Building::Inline => Work::Done(Box::new(make(order, season, has_cards))),
-            Building::Pool => Work::Task(AsyncComputeTaskPool::get().spawn(async move { make(order, season, has_cards) })),
+            Building::Pool => {
+                let own = order.clone();
+                Work::Task(order, AsyncComputeTaskPool::get().spawn(async move { make(own, season, has_cards) }))
+            }
         };
         queue.making.push_back(work);
     }
@@ -166,7 +185,13 @@ fn make(order: Order, season: Season, has_cards: bool) -> Made {
                 Some(Err(e)) => error = Some(e.to_string()),
                 None => error = Some("its façade sheet is not here".to_owned()),
             },
-            level => error = Some(format!("{level} is not made by this version")),
+            Level::Four => match order.sheet.as_ref().map(|sheet| mesh::level4(shell, sheet)) {
+                Some(Ok(data)) => parts.push((CellMeshKind::Walls(level), data)),
+                Some(Err(e)) => error = Some(e.to_string()),
+                None => error = Some("its façade sheet is not here".to_owned()),
+            },
+            // Level 3 of generated walls is composed by the material on level 2's mesh.
+            Level::Three => error = Some("no mesh is made of it".to_owned()),
         }
     }
     match level {
@@ -217,10 +242,10 @@ pub(crate) fn finish(
         let made = match queue.making.pop_front() {
             None => break,
             Some(Work::Done(made)) => *made,
-            Some(Work::Task(mut task)) => match check_ready(&mut task) {
+            Some(Work::Task(order, mut task)) => match check_ready(&mut task) {
                 Some(made) => made,
                 None => {
-                    queue.making.push_front(Work::Task(task));
+                    queue.making.push_front(Work::Task(order, task));
                     break;
                 }
             },

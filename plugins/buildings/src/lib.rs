@@ -14,6 +14,10 @@
 //! cells are drawn as districts (ground, houses under plain roofs, bridges) as long as they do not stand themselves. So there is a city
 //! below who flies, and behind what rises over the roofs.
 //!
+//! Walls near a viewer stand in relief (level 4): windows and doors behind the wall, sills, surrounds and hoods before it, made of the same
+//! packets as level 2. The mesh tells by how much each vertex lies off its wall ([`ATTRIBUTE_RELIEF`](veduta_ecs::ATTRIBUTE_RELIEF)), so that a
+//! material can let it rise.
+//!
 //! # Use
 //! ```no_run
 //! use bevy::prelude::*;
@@ -34,6 +38,7 @@
 mod build;
 mod convert;
 mod district;
+mod relief;
 mod season;
 
 use bevy::prelude::*;
@@ -60,7 +65,7 @@ impl Plugin for BuildingsPlugin {
             .init_resource::<district::Districts>()
             .add_systems(
                 Update,
-                (season::find_season, build::turn_season, build::start, build::finish).chain().in_set(VedutaSystems::Build),
+                (season::find_season, build::turn_season, relief::order, build::start, build::finish).chain().in_set(VedutaSystems::Build),
             )
             .add_systems(
                 Update,

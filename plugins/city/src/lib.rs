@@ -38,6 +38,7 @@ mod id;
 mod limits;
 pub mod monument;
 mod object;
+pub mod opening;
 mod ornament;
 mod overrides;
 mod overview;

@@ -3,7 +3,7 @@
 
 struct Facade {
     near_level: vec4<f32>,
-    far_cut: vec4<f32>,
+    far_kind: vec4<f32>,
     zenith_wet: vec4<f32>,
     horizon_night: vec4<f32>,
 }
@@ -42,9 +42,10 @@ fn is_drawn(cover: f32, pixel: vec2<f32>) -> bool {
     return cover > 0.2 + 0.6 * grain;
 }
 
-// Whether what is drawn are cards, which their tiles do not fill: the normal's alpha tells how much of a pixel is covered.
+// What is drawn: walls (0), cards of trees (1), which their tiles do not fill: the normal's alpha tells how much of a pixel is covered; or
+// bodies of trees (2), of which there is nothing finer.
 fn is_cut(facade: Facade) -> bool {
-    return facade.far_cut.w > 0.0;
+    return facade.far_kind.w == 1.0;
 }
 
 // Threshold of the 8×8 Bayer pattern at a pixel, in (0, 1): bits of x and x^y interleaved, most significant last.
@@ -61,13 +62,29 @@ fn fades(tag: u32) -> vec4<f32> {
     return vec4<f32>(f32(tag & 255u), f32((tag >> 8u) & 255u), f32((tag >> 16u) & 255u), f32(tag >> 24u)) / 255.0;
 }
 
+// Share of level 4's fade, and of its band of distances, in which it takes the place of the levels before; in the rest its relief rises.
+const FLAT_FADE: f32 = 0.25;
+const FLAT_BAND: f32 = 0.125;
+
+// How far the band of level 4 has been crossed, from 0 at its far end to 1 at its near one.
+fn nearness(facade: Facade, distance: f32) -> f32 {
+    let allowed = step(0.001, facade.far_kind.z);
+    return allowed * clamp((facade.far_kind.z - distance) / max(facade.far_kind.z - facade.near_level.z, 0.001), 0.0, 1.0);
+}
+
+// How far the relief of a façade has risen: 0 where level 4 takes over, flat as what was there before, to 1.
+fn relief_scale(facade: Facade, distance: f32, tag: u32) -> f32 {
+    let faded = clamp((fades(tag).w - FLAT_FADE) / (1.0 - FLAT_FADE), 0.0, 1.0);
+    return faded * clamp((nearness(facade, distance) - FLAT_BAND) / (1.0 - FLAT_BAND), 0.0, 1.0);
+}
+
 // Reach of each level at a distance: level n keeps a pixel where reach(n + 1) <= threshold < reach(n).
 fn reaches(facade: Facade, distance: f32, fade: vec4<f32>) -> vec4<f32> {
     let near = facade.near_level.xyz;
-    let far = max(facade.far_cut.xyz, near + vec3<f32>(0.001));
-    let allowed = step(vec3<f32>(0.001), facade.far_cut.xyz);
+    let far = max(facade.far_kind.xyz, near + vec3<f32>(0.001));
+    let allowed = step(vec3<f32>(0.001), facade.far_kind.xyz);
     let close = allowed * clamp((far - vec3<f32>(distance)) / (far - near), vec3<f32>(0.0), vec3<f32>(1.0));
-    let four = fade.w * close.z;
+    let four = min(fade.w / FLAT_FADE, 1.0) * min(nearness(facade, distance) / FLAT_BAND, 1.0);
     let three = max(four, fade.z * close.y);
     let two = max(three, fade.y * close.x);
     return vec4<f32>(max(two, fade.x), two, three, four);
@@ -80,6 +97,6 @@ fn keeps(facade: Facade, pixel: vec2<f32>, distance: f32, tag: u32) -> bool {
     let reach = reaches(facade, distance, fades(tag));
     let threshold = bayer(vec2<u32>(pixel));
     var finer = 0.0;
-    if level < 4 { finer = reach[level]; }
+    if level < 4 && facade.far_kind.w != 2.0 { finer = reach[level]; }
     return threshold < reach[level - 1] && threshold >= finer;
 }

@@ -1,14 +1,15 @@
 use bevy::asset::{RenderAssetUsages, embedded_asset};
 use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::light::NotShadowCaster;
-use bevy::pbr::{ExtendedMaterial, MaterialExtension};
+use bevy::mesh::MeshVertexBufferLayoutRef;
+use bevy::pbr::{ExtendedMaterial, MaterialExtension, MaterialExtensionKey, MaterialExtensionPipeline};
 use bevy::prelude::*;
 use bevy::render::render_resource::{
-    AsBindGroup, Extent3d, ShaderType, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
+    AsBindGroup, Extent3d, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
 };
 use bevy::shader::{ShaderRef, load_shader_library};
 use veduta_city::Level;
-use veduta_ecs::{CellMesh, CellMeshKind, Daylight, VedutaSystems, Weather};
+use veduta_ecs::{ATTRIBUTE_RELIEF, CellMesh, CellMeshKind, Daylight, VedutaSystems, Weather};
 use veduta_texture::paint_tiles;
 
 use crate::NewCellMesh;
@@ -61,8 +62,8 @@ impl LevelDistances {
 pub struct FacadeUniform {
     /// `x, y, z`: near ends of the bands 1|2, 2|3, 3|4; `w`: this material's level, 0 for what shows at every distance.
     near_level: Vec4,
-    /// `x, y, z`: far ends of the bands; `w`: 1 where what is drawn are cards, which their tiles do not fill.
-    far_cut: Vec4,
+    /// `x, y, z`: far ends of the bands; `w`: what is drawn, see [`Kind`].
+    far_kind: Vec4,
     /// `x, y, z`: luminance of the sky overhead, candela per square metre; `w`: how wet ground is, 0 to 1.
     zenith_wet: Vec4,
     /// `x, y, z`: luminance of the sky at the horizon; `w`: 0 by day, 1 at night.
@@ -87,7 +88,45 @@ pub struct FacadeExtension {
     normal: Handle<Image>,
 }
 
+/// Where the vertex shaders expect the relief.
+const RELIEF_LOCATION: u32 = 8;
+
+/// What a material draws, as its shader knows it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// Walls and all that is shown at every distance.
+    Walls = 0,
+    /// Cards of trees, which their tiles do not fill.
+    Cards = 1,
+    /// Bodies of trees, of which there is nothing finer.
+    Bodies = 2,
+}
+
 impl MaterialExtension for FacadeExtension {
+    fn vertex_shader() -> ShaderRef {
+        "embedded://veduta_facade/vertex.wgsl".into()
+    }
+
+    fn prepass_vertex_shader() -> ShaderRef {
+        "embedded://veduta_facade/prepass_vertex.wgsl".into()
+    }
+
+    fn specialize(
+        _: &MaterialExtensionPipeline,
+        descriptor: &mut RenderPipelineDescriptor,
+        layout: &MeshVertexBufferLayoutRef,
+        _: MaterialExtensionKey<Self>,
+    ) -> Result<(), SpecializedMeshPipelineError> {
+        if layout.0.contains(ATTRIBUTE_RELIEF) {
+            let relief = layout.0.get_layout(&[ATTRIBUTE_RELIEF.at_shader_location(RELIEF_LOCATION)])?;
+            if let Some(buffer) = descriptor.vertex.buffers.first_mut() {
+                buffer.attributes.extend(relief.attributes);
+            }
+            descriptor.vertex.shader_defs.push("VERTEX_RELIEF".into());
+        }
+        Ok(())
+    }
+
     fn fragment_shader() -> ShaderRef {
         "embedded://veduta_facade/facade.wgsl".into()
     }
@@ -103,11 +142,12 @@ pub struct CityMaterials {
     base: Handle<CityMaterial>,
     levels: [Handle<CityMaterial>; 4],
     cards: Handle<CityMaterial>,
+    bodies: Handle<CityMaterial>,
 }
 
 impl CityMaterials {
     fn handles(&self) -> impl Iterator<Item = &Handle<CityMaterial>> {
-        [&self.base, &self.cards].into_iter().chain(&self.levels)
+        [&self.base, &self.cards, &self.bodies].into_iter().chain(&self.levels)
     }
 }
 
@@ -115,6 +155,8 @@ pub(crate) fn build(app: &mut App) {
     load_shader_library!(app, "levels.wgsl");
     load_shader_library!(app, "surface.wgsl");
     load_shader_library!(app, "glass.wgsl");
+    embedded_asset!(app, "vertex.wgsl");
+    embedded_asset!(app, "prepass_vertex.wgsl");
     embedded_asset!(app, "facade.wgsl");
     embedded_asset!(app, "prepass.wgsl");
     app.add_plugins(MaterialPlugin::<CityMaterial>::default())
@@ -155,7 +197,7 @@ fn paint(
     };
     let colour = array(tiles.colour, TextureFormat::Rgba8UnormSrgb);
     let normal = array(tiles.normal, TextureFormat::Rgba8Unorm);
-    let mut material = |level: f32, is_cut: bool| {
+    let mut material = |level: f32, kind: Kind| {
         let [a, b, c] = distances.near;
         let [d, e, f] = distances.far;
         materials.add(CityMaterial {
@@ -169,7 +211,7 @@ fn paint(
             extension: FacadeExtension {
                 uniform: FacadeUniform {
                     near_level: Vec4::new(a, b, c, level),
-                    far_cut: Vec4::new(d, e, f, f32::from(u8::from(is_cut))),
+                    far_kind: Vec4::new(d, e, f, f32::from(kind as u8)),
                     ..FacadeUniform::lit(&light, weather.wet)
                 },
                 colour: colour.clone(),
@@ -177,9 +219,9 @@ fn paint(
             },
         })
     };
-    let (base, cards) = (material(0.0, false), material(1.0, true));
-    let levels = [1.0, 2.0, 3.0, 4.0].map(|level| material(level, false));
-    commands.insert_resource(CityMaterials { base, levels, cards });
+    let levels = [1.0, 2.0, 3.0, 4.0].map(|level| material(level, Kind::Walls));
+    let (base, cards, bodies) = (material(0.0, Kind::Walls), material(1.0, Kind::Cards), material(2.0, Kind::Bodies));
+    commands.insert_resource(CityMaterials { base, levels, cards, bodies });
 }
 
 fn set_distances(distances: Res<LevelDistances>, in_use: Option<Res<CityMaterials>>, mut assets: ResMut<Assets<CityMaterial>>) {
@@ -191,7 +233,7 @@ fn set_distances(distances: Res<LevelDistances>, in_use: Option<Res<CityMaterial
         let Some(mut material) = assets.get_mut(handle) else { continue };
         let u = &mut material.extension.uniform;
         u.near_level = Vec3::from_array(distances.near).extend(u.near_level.w);
-        u.far_cut = Vec3::from_array(distances.far).extend(u.far_cut.w);
+        u.far_kind = Vec3::from_array(distances.far).extend(u.far_kind.w);
     }
 }
 
@@ -232,9 +274,8 @@ fn dress_meshes(mut commands: Commands, in_use: Option<Res<CityMaterials>>, new:
         match mesh.kind {
             CellMeshKind::Base | CellMeshKind::District => entity.insert(MeshMaterial3d(in_use.base.clone())),
             CellMeshKind::Trees(Level::One) => entity.insert(MeshMaterial3d(in_use.cards.clone())),
-            CellMeshKind::Walls(level) | CellMeshKind::Trees(level) => {
-                entity.insert(MeshMaterial3d(in_use.levels[level.index()].clone()))
-            }
+            CellMeshKind::Trees(_) => entity.insert(MeshMaterial3d(in_use.bodies.clone())),
+            CellMeshKind::Walls(level) => entity.insert(MeshMaterial3d(in_use.levels[level.index()].clone())),
         };
         if matches!(mesh.kind, CellMeshKind::Walls(level) if level != Level::One) {
             entity.insert(NotShadowCaster);

@@ -1,11 +1,12 @@
 //! Ways into houses: the sandstone portal, the plain door, the carriage gate. They stand on the bay's foot.
 
+use veduta_city::Opening;
 use veduta_city::draw::Draw;
 
 use crate::bay::{BAY, MIDDLE};
 use crate::canvas::{Canvas, Rect, Texel, disc, srgb, stroke};
 use crate::glass::{Cloth, glaze};
-use crate::hole::{Head, Hole, reveal, shade_recess};
+use crate::hole::{Hole, reveal, shade_recess};
 use crate::moulding::{cornice, keystone, surround};
 use crate::noise::{falloff, floor, hash, word};
 use crate::stone::{Sandstone, steps, stone_ring};
@@ -46,7 +47,7 @@ fn fanlight(canvas: &mut Canvas, hole: &Hole, foot: f32, timber: &Timber, draw: 
 /// Round-arched sandstone portal with voussoirs, a double door of oxblood timber under a fanlight, two steps.
 pub(crate) fn portal(canvas: &mut Canvas, draw: Draw) {
     let stone = Sandstone::new(draw, BAY);
-    let hole = Hole::new(Rect::standing(MIDDLE, 0.0, 1.72, 2.88), Head::Round);
+    let hole = Hole::of(Opening::Portal);
     stone_ring(canvas, &hole, 0.34, (0.34, 11.0), 0.07, &stone);
     for side in [-1.0, 1.0] {
         let at = MIDDLE + side * 1.035;
@@ -76,7 +77,7 @@ pub(crate) fn portal(canvas: &mut Canvas, draw: Draw) {
 /// Plain panelled door of bottle green with a light above, in a moulded surround under a small cornice.
 pub(crate) fn door(canvas: &mut Canvas, draw: Draw) {
     let stone = Sandstone::new(draw, BAY);
-    let hole = Hole::new(Rect::standing(MIDDLE, 0.0, 1.16, 2.82), Head::Flat);
+    let hole = Hole::of(Opening::Door);
     let trim = Texel::trim(1.05);
     surround(canvas, &hole, 0.19, trim);
     for side in [-1.0, 1.0] {
@@ -109,7 +110,7 @@ pub(crate) fn door(canvas: &mut Canvas, draw: Draw) {
 /// Carriage gate: segmental arch of stone, planked leaves with iron straps and studs, a wicket, guard stones at its foot.
 pub(crate) fn gate(canvas: &mut Canvas, draw: Draw) {
     let stone = Sandstone::new(draw, BAY);
-    let hole = Hole::new(Rect::standing(MIDDLE, 0.0, 2.14, 2.95), Head::Segment(0.42));
+    let hole = Hole::of(Opening::Gate);
     stone_ring(canvas, &hole, 0.25, (0.42, 21.0), 0.05, &stone);
     keystone(canvas, MIDDLE, hole.rect.y1 - 0.02, hole.rect.y1 + 0.3, 0.24, stone.texel(MIDDLE, 3.0, (9, 9)).times(1.1));
     let inner = reveal(canvas, &hole, 0.06, 0.0);

@@ -1,19 +1,31 @@
 //! The outline of an opening, and the depth it is seen to have.
 
+use veduta_city::Opening;
+use veduta_city::opening::Recess;
+
+use crate::bay::MIDDLE;
 use crate::canvas::{Canvas, Rect, Texel, disc};
 use crate::noise::{falloff, smoothstep};
 
-/// How an opening ends at the top.
+/// How an opening ends at the top; lengths are metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Head {
-    /// Straight lintel.
     Flat,
-    /// Arc of a circle of the given rise in metres.
     Segment(f32),
-    /// Half circle.
     Round,
-    /// Two arcs whose centres lie this far outside of the opposite feet, in metres; 0 is the equilateral Gothic arch.
     Pointed(f32),
+}
+
+impl From<veduta_city::opening::Head> for Head {
+    fn from(head: veduta_city::opening::Head) -> Self {
+        use veduta_city::opening::Head::{Flat, Pointed, Round, Segment};
+        match head {
+            Flat => Self::Flat,
+            Segment(rise) => Self::Segment(rise as f32),
+            Round => Self::Round,
+            Pointed(outside) => Self::Pointed(outside as f32),
+        }
+    }
 }
 
 /// An opening: a rectangle around it, and its head.
@@ -32,6 +44,14 @@ fn pointed_rise(width: f32, out: f32) -> f32 {
 impl Hole {
     pub(crate) const fn new(rect: Rect, head: Head) -> Self {
         Self { rect, head }
+    }
+
+    /// The hole of an opening in its bay; nothing where nothing opens.
+    pub(crate) fn of(opening: Opening) -> Self {
+        let nothing = Self::new(Rect::standing(MIDDLE, 0.0, 0.0, 0.0), Head::Flat);
+        opening.recess().map_or(nothing, |Recess { low, high, head, .. }| {
+            Self::new(Rect::new(low.x as f32, low.y as f32, high.x as f32, high.y as f32), head.into())
+        })
     }
 
     /// Height where the head begins.

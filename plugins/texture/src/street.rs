@@ -1,6 +1,7 @@
 //! The ground floor's other life: shop fronts and arcades.
 
 use glam::Vec3;
+use veduta_city::Opening;
 use veduta_city::draw::Draw;
 
 use crate::bay::{BAY, MIDDLE};
@@ -23,7 +24,7 @@ pub(crate) fn shop(canvas: &mut Canvas, draw: Draw) {
     let paint = Texel::solid(srgb(FRONT), 0.52);
     canvas.cast(front, |x, y| front.distance(x, y), 0.09, 0.45);
     boards(canvas, front, |x, y| front.distance(x, y), &timber, 0.06);
-    let window = Rect::standing(MIDDLE, 0.66, 2.06, 1.76);
+    let window = Hole::of(Opening::Shop).rect;
     display(canvas, window, draw);
     mullions(canvas, window, paint);
     for i in 0..3 {
@@ -109,7 +110,7 @@ fn mullions(canvas: &mut Canvas, window: Rect, paint: Texel) {
 /// Arch of an arcade: stone piers and archivolt around the dark of the vaulted walk, with a door's glow at its back.
 pub(crate) fn arcade(canvas: &mut Canvas, draw: Draw) {
     let stone = Sandstone::new(draw, BAY);
-    let hole = Hole::new(Rect::standing(MIDDLE, 0.0, 1.96, 2.86), Head::Round);
+    let hole = Hole::of(Opening::Arcade);
     stone_ring(canvas, &hole, 0.3, (0.45, 13.0), 0.04, &stone);
     keystone(canvas, MIDDLE, hole.rect.y1 - 0.02, hole.rect.y1 + 0.34, 0.22, stone.texel(MIDDLE, 3.0, (9, 9)).times(1.08));
     vault(canvas, &hole);

@@ -1,5 +1,6 @@
 //! Openings of churches and towers: lancets, slits, belfries and the great dial.
 
+use veduta_city::Opening;
 use veduta_city::draw::Draw;
 
 use crate::bay::{BAY, MIDDLE, streaks};
@@ -12,7 +13,7 @@ use crate::stone::{Sandstone, quoins, stone_ring};
 /// Tall pointed window: stone jambs, two lights under a quatrefoil, leaded lozenges.
 pub(crate) fn lancet(canvas: &mut Canvas, draw: Draw) {
     let stone = Sandstone::new(draw, BAY);
-    let hole = Hole::new(Rect::standing(MIDDLE, 0.36, 1.08, 2.5), Head::Pointed(0.0));
+    let hole = Hole::of(Opening::LancetWindow);
     quoins(canvas, &hole, (0.2, 0.34), 0.3, &stone);
     stone_ring(canvas, &hole, 0.13, (0.36, 12.0), 0.03, &stone);
     let inner = reveal(canvas, &hole, 0.07, 0.0);
@@ -70,7 +71,7 @@ fn tracery(canvas: &mut Canvas, hole: &Hole, stone: &Sandstone) {
 /// Loophole of a tower: a narrow slit in a splay of quoins.
 pub(crate) fn slit(canvas: &mut Canvas, draw: Draw) {
     let stone = Sandstone::new(draw, BAY);
-    let splay = Hole::new(Rect::standing(MIDDLE, 0.95, 0.42, 1.5), Head::Flat);
+    let splay = Hole::of(Opening::Slit);
     quoins(canvas, &splay, (0.14, 0.3), 0.3, &stone);
     canvas.paint_rect(splay.rect, |x, y| {
         let side = 0.78 + 0.7 * (x - MIDDLE);
@@ -86,7 +87,7 @@ pub(crate) fn slit(canvas: &mut Canvas, draw: Draw) {
 /// Pair of louvred arches with a column between, under a hood and over a sill.
 pub(crate) fn belfry(canvas: &mut Canvas, draw: Draw) {
     let stone = Sandstone::new(draw, BAY);
-    let around = Hole::new(Rect::standing(MIDDLE, 0.55, 1.9, 2.36), Head::Segment(0.46));
+    let around = Hole::of(Opening::Belfry);
     quoins(canvas, &around, (0.14, 0.3), 0.34, &stone);
     canvas.paint(
         around.rect,

@@ -1,11 +1,12 @@
 //! The windows of houses, from the plain one with a sill to the one under a pediment.
 
+use veduta_city::Opening;
 use veduta_city::draw::Draw;
 
 use crate::bay::{MIDDLE, streaks};
 use crate::canvas::{Canvas, Rect, Texel};
 use crate::glass::{Cloth, Sash, sash};
-use crate::hole::{Head, Hole, reveal, shade_recess};
+use crate::hole::{Hole, reveal, shade_recess};
 use crate::moulding::{console, cornice, keystone, panel, pediment, sill, surround};
 
 /// Height of the sill above the storey's floor.
@@ -43,7 +44,7 @@ fn glazed(canvas: &mut Canvas, hole: &Hole, division: &Sash, draw: Draw) {
 
 /// Rectangular, with a narrow flat band and a sill.
 pub(crate) fn plain(canvas: &mut Canvas, draw: Draw) {
-    let hole = Hole::new(Rect::standing(MIDDLE, SILL, WIDTH, 1.9), Head::Flat);
+    let hole = Hole::of(Opening::Window);
     sill_streaks(canvas, SILL, WIDTH + 0.3, draw);
     let band = hole.rect.grow(0.1, 0.1);
     canvas.slab(Rect { y0: SILL, ..band }, Texel::trim(1.0), 0.018);
@@ -53,7 +54,7 @@ pub(crate) fn plain(canvas: &mut Canvas, draw: Draw) {
 
 /// With a moulded surround that has ears, and a keystone.
 pub(crate) fn framed(canvas: &mut Canvas, draw: Draw) {
-    let hole = Hole::new(Rect::standing(MIDDLE, SILL, WIDTH, 1.88), Head::Flat);
+    let hole = Hole::of(Opening::FramedWindow);
     sill_streaks(canvas, SILL, WIDTH + 0.5, draw);
     let trim = Texel::trim(1.06);
     let ear = 0.26;
@@ -83,7 +84,7 @@ fn apron(canvas: &mut Canvas, trim: Texel) {
 
 /// Surround, frieze and straight cornice on consoles.
 pub(crate) fn corniced(canvas: &mut Canvas, draw: Draw) {
-    let hole = Hole::new(Rect::standing(MIDDLE, SILL, WIDTH, 1.8), Head::Flat);
+    let hole = Hole::of(Opening::CorniceWindow);
     let trim = Texel::trim(1.08);
     apron(canvas, trim);
     sill_streaks(canvas, SILL, WIDTH + 0.5, draw);
@@ -101,7 +102,7 @@ pub(crate) fn corniced(canvas: &mut Canvas, draw: Draw) {
 
 /// Surround and triangular pediment.
 pub(crate) fn pedimented(canvas: &mut Canvas, draw: Draw) {
-    let hole = Hole::new(Rect::standing(MIDDLE, SILL, WIDTH, 1.68), Head::Flat);
+    let hole = Hole::of(Opening::PedimentWindow);
     let trim = Texel::trim(1.08);
     apron(canvas, trim);
     sill_streaks(canvas, SILL, WIDTH + 0.5, draw);
@@ -117,7 +118,7 @@ pub(crate) fn pedimented(canvas: &mut Canvas, draw: Draw) {
 
 /// Round-arched, with imposts and keystone.
 pub(crate) fn arched(canvas: &mut Canvas, draw: Draw) {
-    let hole = Hole::new(Rect::standing(MIDDLE, SILL, 1.16, 2.02), Head::Round);
+    let hole = Hole::of(Opening::ArchedWindow);
     let trim = Texel::trim(1.06);
     sill_streaks(canvas, SILL, 1.6, draw);
     surround(canvas, &hole, 0.18, trim);
@@ -132,7 +133,7 @@ pub(crate) fn arched(canvas: &mut Canvas, draw: Draw) {
 
 /// Small and square, high up in the storey.
 pub(crate) fn attic(canvas: &mut Canvas, draw: Draw) {
-    let hole = Hole::new(Rect::standing(MIDDLE, 1.2, 0.84, 1.16), Head::Flat);
+    let hole = Hole::of(Opening::AtticWindow);
     sill_streaks(canvas, 1.2, 1.1, draw);
     canvas.slab(hole.rect.grow(0.13, 0.13), Texel::trim(1.02), 0.025);
     glazed(canvas, &hole, &Sash { rows: 2, transom: None, timber: WHITE, ..COMMON }, draw);
@@ -141,7 +142,7 @@ pub(crate) fn attic(canvas: &mut Canvas, draw: Draw) {
 
 /// Broad and modern: three lights in dark metal, one with its blind down.
 pub(crate) fn wide(canvas: &mut Canvas, draw: Draw) {
-    let hole = Hole::new(Rect::standing(MIDDLE, SILL, 2.05, 1.65), Head::Flat);
+    let hole = Hole::of(Opening::WideWindow);
     canvas.slab(Rect::standing(MIDDLE, SILL - 0.04, 2.17, 0.05), Texel::solid(crate::canvas::srgb(0x0077_7B7D), 0.45), 0.05);
     let inner = reveal(canvas, &hole, 0.035, 0.0);
     let metal = Sash { leaves: 3, rows: 1, transom: None, timber: 0x0050_5456, frame: 0.05, cloth: Cloth::None };

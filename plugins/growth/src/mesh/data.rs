@@ -17,6 +17,9 @@ pub struct MeshData {
     /// Linear red, green, blue that the tile is multiplied by, and the tile's layer ([`Tile::index`]); what that is off a whole number
     /// tells where the house's floor is, above the city's zero in [`MeshData::FLOORS_M`].
     pub colours: Vec<[f32; 4]>,
+    /// Of walls in relief the normal of the wall (x, z), and how far before it the vertex lies, metres: what it is flattened by. Zero of
+    /// what is never flattened; empty where nothing is.
+    pub reliefs: Vec<[f32; 3]>,
     /// Three for each triangle.
     pub indices: Vec<u32>,
 }
@@ -87,6 +90,11 @@ impl MeshData {
         self.uvs.extend_from_slice(&other.uvs);
         self.centres.extend_from_slice(&other.centres);
         self.colours.extend_from_slice(&other.colours);
+        if !self.reliefs.is_empty() || !other.reliefs.is_empty() {
+            self.reliefs.resize(base as usize, [0.0; 3]);
+            self.reliefs.extend_from_slice(&other.reliefs);
+            self.reliefs.resize(self.positions.len(), [0.0; 3]);
+        }
         self.indices.extend(other.indices.iter().map(|i| i + base));
     }
 
@@ -105,6 +113,10 @@ impl MeshData {
         if let Some((what, _)) = lengths.into_iter().find(|&(_, n)| n != positions) {
             return Err(MeshError::Ragged { positions, what });
         }
+        if !self.reliefs.is_empty() && self.reliefs.len() != positions {
+            return Err(MeshError::Ragged { positions, what: "reliefs" });
+        }
+        all_finite("reliefs", &self.reliefs)?;
         all_finite("positions", &self.positions)?;
         all_finite("normals", &self.normals)?;
         all_finite("uvs", &self.uvs)?;

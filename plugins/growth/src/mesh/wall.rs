@@ -49,6 +49,35 @@ pub fn level2(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshEr
 /// [`MeshError::SheetLength`] if the sheet is not of this shell.
 pub fn facades(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshError> {
     check(shell, sheet)?;
+    Ok(facades_as(shell, sheet, Front::flat))
+}
+
+/// Bays side by side and storeys above one another that all hold the same opening.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Run {
+    /// Bays of the whole wall.
+    pub(super) of: u8,
+    /// From this bay …
+    pub(super) from: u8,
+    /// … to this one, which is not included.
+    pub(super) to: u8,
+    pub(super) opening: Opening,
+    /// The lowest storey, 0 on the ground.
+    pub(super) storey: usize,
+    pub(super) rows: usize,
+    /// Metres, of the lower and the upper edge.
+    pub(super) heights: [f64; 2],
+}
+
+impl Run {
+    /// Where a bay begins, as a share of the wall's length.
+    pub(super) fn share(&self, bay: u8) -> f64 {
+        f64::from(bay) / f64::from(self.of)
+    }
+}
+
+/// The walls of a sheet of the right length; `draw` draws their runs.
+pub(super) fn facades_as(shell: &CellShell, sheet: &FacadeSheet, draw: impl Fn(&Front, &Run, &mut MeshData)) -> MeshData {
     let mut mesh = MeshData::default();
     mesh.reserve_quads(sheet.walls.len() * 5);
     let mut along = Vec::new();
@@ -56,12 +85,12 @@ pub fn facades(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshE
         let (first, form, plaster) = (mesh.positions.len(), RoofForm::new(volume), plaster(volume));
         for (&wall, plan) in volume.walls.iter().zip(plans) {
             let Some(front) = Front::new(volume, wall, plaster) else { continue };
-            front.bays(plan, &mut mesh);
+            front.bays(plan, &draw, &mut mesh);
             front.gable(&form, wall, plan.kind == WallKind::Street, &mut along, &mut mesh);
         }
         mesh.stand(first, house.floor);
     }
-    Ok(mesh)
+    mesh
 }
 
 /// Number of walls that a shell lists.
@@ -130,7 +159,7 @@ impl Front {
     }
 
     /// The wall storey by storey.
-    pub(super) fn bays(&self, wall: &Wall, mesh: &mut MeshData) {
+    pub(super) fn bays(&self, wall: &Wall, draw: impl Fn(&Self, &Run, &mut MeshData), mesh: &mut MeshData) {
         let total: i64 = wall.storeys.iter().map(|s| i64::from(s.height.max(0))).sum();
         if wall.bays == 0 || total == 0 {
             return self.plain(mesh);
@@ -146,28 +175,26 @@ impl Front {
                 rows = wall.storeys[storey..].iter().take_while(|s| *s == first).count();
             }
             risen += i64::from(first.height.max(0)) * rows as i64;
-            self.row(wall, storey, rows, [low, level(risen)], mesh);
+            let heights = [low, level(risen)];
+            if heights[0] < heights[1] {
+                for (from, to, opening) in runs(wall, storey) {
+                    draw(self, &Run { of: wall.bays, from, to, opening, storey, rows, heights }, mesh);
+                }
+            }
             storey += rows;
         }
     }
 
-    /// Equal storeys, run by run of equal openings.
-    fn row(&self, wall: &Wall, storey: usize, rows: usize, heights: [f64; 2], mesh: &mut MeshData) {
-        let [low, high] = heights;
-        if low >= high {
-            return;
+    /// A run as one rectangle.
+    pub(super) fn flat(&self, run: &Run, mesh: &mut MeshData) {
+        let (shares, [low, high]) = ([run.share(run.from), run.share(run.to)], run.heights);
+        if run.opening == Opening::Blank {
+            return self.plaster_rows(shares[0], shares[1], low, high, mesh);
         }
-        let share = |bay: u8| f64::from(bay) / f64::from(wall.bays);
-        for (from, to, opening) in runs(wall, storey) {
-            if opening == Opening::Blank {
-                self.plaster_rows(share(from), share(to), low, high, mesh);
-                continue;
-            }
-            let start = DVec2::new(from.into(), 1.0 - storey as f64);
-            let end = DVec2::new(to.into(), 1.0 - (storey + rows) as f64);
-            let paint = self.plaster.with_tile(Tile::of_opening(opening));
-            self.rectangle([share(from), share(to)], heights, [start, end], paint, mesh);
-        }
+        let start = DVec2::new(run.from.into(), 1.0 - run.storey as f64);
+        let end = DVec2::new(run.to.into(), 1.0 - (run.storey + run.rows) as f64);
+        let paint = self.plaster.with_tile(Tile::of_opening(run.opening));
+        self.rectangle(shares, run.heights, [start, end], paint, mesh);
     }
 
     /// The gable above the wall, up to the roof.
@@ -212,12 +239,12 @@ pub(super) fn runs(wall: &Wall, storey: usize) -> impl Iterator<Item = (u8, u8, 
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use veduta_city::{Gable, GridPolygon, GridPos, GroundFloor, HouseShell, PlanRoof, Rgb, RoofShape, Storey, WallKind};
 
     use super::*;
 
-    fn shell(walls: Vec<u16>) -> CellShell {
+    pub(in crate::mesh) fn shell(walls: Vec<u16>) -> CellShell {
         let m = 1024;
         let footprint = GridPolygon::simple(vec![GridPos(0, 0), GridPos(9 * m, 0), GridPos(9 * m, 12 * m), GridPos(0, 12 * m)]);
         let roof = PlanRoof { shape: RoofShape::Gabled, height: 4 * m, direction: 90, colour: Rgb(0xA2, 0x4B, 0x33) };
@@ -238,7 +265,7 @@ mod tests {
         CellShell { houses: vec![house], ..Default::default() }
     }
 
-    fn front() -> Wall {
+    pub(in crate::mesh) fn front() -> Wall {
         let storey = |metres: i32, opening| Storey { height: metres * 1024, opening };
         Wall {
             kind: WallKind::Street,

@@ -1,0 +1,53 @@
+use bevy::prelude::*;
+use veduta_city::Level;
+use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellReady, Eye, LevelFade, MaterialsProvided, StandingCells, Viewer};
+
+use crate::build::{BuildSettings, Queue};
+
+/// Relief that is farther than this times the settings' distance is given up.
+const KEEP: f64 = 1.25;
+
+/// Orders relief where a viewer is near and gives it up where none is any more. It needs no packet of its own: it is made of what
+/// level 2 is made of, and goes with it.
+pub(crate) fn order(
+    mut commands: Commands,
+    settings: Res<BuildSettings>,
+    provided: Option<Res<MaterialsProvided>>,
+    viewers: Query<&Eye, With<Viewer>>,
+    mut cells: Query<(Entity, &Cell, &CellContent, &mut LevelFade)>,
+    meshes: Query<(Entity, &CellMesh)>,
+    mut standing: ResMut<StandingCells>,
+    mut queue: ResMut<Queue>,
+) {
+    // Without materials that fade levels it would stand beside level 2.
+    if provided.is_none() {
+        return;
+    }
+    for (entity, &Cell(cell), content, mut fade) in &mut cells {
+        let levels = standing.levels(cell);
+        let (has_walls, has_relief) = (levels.has(Level::Two), levels.has(Level::Four));
+        if !has_walls && !has_relief {
+            continue;
+        }
+        let away = viewers.iter().map(|eye| distance_m(content, eye)).fold(f64::INFINITY, f64::min);
+        if has_relief && (!has_walls || away > settings.relief_m * KEEP) {
+            let is_relief = |mesh: &CellMesh| mesh.cell == cell && mesh.kind == CellMeshKind::Walls(Level::Four);
+            meshes.iter().filter(|(_, mesh)| is_relief(mesh)).for_each(|(mesh, _)| commands.entity(mesh).despawn());
+            fade.0[Level::Four.index()] = 0.0;
+            standing.remove_level(cell, Level::Four);
+        } else if has_walls && !has_relief && away < settings.relief_m {
+            queue.order_once(CellReady { entity, cell, level: Level::Four }, content);
+        }
+    }
+}
+
+/// Distance of an eye from a cell, metres.
+fn distance_m(content: &CellContent, eye: &Eye) -> f64 {
+    let Some((low, high)) = content.shell.outline.bounds() else { return f64::INFINITY };
+    let (low, high) = ((content.shell.origin + low).to_metres(), (content.shell.origin + high).to_metres());
+    let across = eye.plan_pos.distance(eye.plan_pos.clamp(low, high));
+    across.hypot((eye.eye_m - ROOFS_M).max(0.0))
+}
+
+/// Who is higher than this above the ground is that much farther from all façades, metres.
+const ROOFS_M: f64 = 20.0;
