@@ -46,13 +46,21 @@ pub fn open(city: Option<&str>) -> Result<String, Failure> {
 /// # Errors
 /// As [`open`]; or if the tour names none.
 pub fn of_tour(tour: &Tour, path: &Path) -> Result<String, Failure> {
-    if tour.city.is_empty() {
+    named(&tour.city, path)
+}
+
+/// The city that a file names: beside the file, or a URL.
+///
+/// # Errors
+/// As [`open`]; or if it names none.
+pub fn named(city: &str, path: &Path) -> Result<String, Failure> {
+    if city.is_empty() {
         return Err(format!("{}: it names no city: write city: \"town.city\"", path.display()).into());
     }
-    if tour.city.contains("://") {
-        return open(Some(&tour.city));
+    if city.contains("://") {
+        return open(Some(city));
     }
-    let city = path.parent().unwrap_or(Path::new("")).join(&tour.city);
+    let city = path.parent().unwrap_or(Path::new("")).join(city);
     open_path(&city).map_err(|e| format!("{}: its city: {e}", path.display()).into())
 }
 

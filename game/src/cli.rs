@@ -95,8 +95,11 @@ enum Command {
         #[arg(long, default_value = "medium")]
         profile: Profile,
     },
-    /// Draw contact sheets of every style, roof, monument, crossing and kind of furniture.
+    /// Take the stills of a city's views, and draw contact sheets of its houses at every level of detail and of every style, roof, monument,
+    /// crossing and kind of furniture.
     Gallery {
+        /// The stands of views and levels: a .views.ron, which names its city; those of the sample city if not given.
+        views: Option<PathBuf>,
         /// Where the pictures go.
         #[arg(long)]
         out: PathBuf,
@@ -106,9 +109,9 @@ enum Command {
         /// Only what has this in its name; no sheet is put together then.
         #[arg(long, value_name = "PART")]
         only: Option<String>,
-        /// Width x height of one picture in pixels.
-        #[arg(long, default_value = "480x400")]
-        size: Size,
+        /// Width x height of one picture in pixels; 1920x1080 of views and 480x400 of all else if not given.
+        #[arg(long)]
+        size: Option<Size>,
         /// Quality.
         #[arg(long, default_value = "medium")]
         profile: Profile,
@@ -179,8 +182,8 @@ fn command(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Shot { city, at, out, size, hour, day, wet, fov, profile }) => {
             shot::shot(&ShotOrder { city: cities::open(city.as_deref())?, at, out, size, hour, day, wet, fov_deg: fov, profile })
         }
-        Some(Command::Gallery { out, sheets, only, size, profile }) => {
-            gallery::gallery(&GalleryOrder { out, sheets, only, size, profile })
+        Some(Command::Gallery { views, out, sheets, only, size, profile }) => {
+            gallery::gallery(&GalleryOrder { out, views, sheets, only, size, profile })
         }
         Some(Command::Bench { what, city, json }) => bench::bench(what, city.as_deref(), json),
     }

@@ -1,6 +1,8 @@
-//! `veduta gallery`: contact sheets of all that growth can build, each specimen by itself.
+//! `veduta gallery`: stills of a city from fixed stands, houses at every level of detail, and contact sheets of all that growth can build,
+//! each specimen by itself.
 
 mod specimens;
+mod views;
 
 use std::path::{Path, PathBuf};
 
@@ -23,6 +25,10 @@ pub use specimens::specimens;
 /// What a contact sheet shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Sheet {
+    /// The stills of a city's views.
+    Views,
+    /// Houses of a city at every level of detail.
+    Levels,
     /// A street of every style.
     Styles,
     /// Every shape of roof, on plain and on odd footprints.
@@ -55,16 +61,20 @@ pub struct Specimen {
 pub struct GalleryOrder {
     /// Where the pictures go: SHEET.png and SHEET/NAME.png.
     pub out: PathBuf,
+    /// The stands of views and levels: a `.views.ron`; those of the sample city if not given.
+    pub views: Option<PathBuf>,
     /// Which sheets; all if none is named.
     pub sheets: Vec<Sheet>,
     /// Only specimens with this in their names.
     pub only: Option<String>,
-    /// Size of one picture.
-    pub size: Size,
+    /// Size of one picture; 1920x1080 of views and 480x400 of all else if not given.
+    pub size: Option<Size>,
     /// Quality.
     pub profile: Profile,
 }
 
+/// Size of a specimen's picture where none is given.
+const SPECIMEN: Size = Size { width: 480, height: 400 };
 /// Pictures side by side on a sheet.
 const COLUMNS: u32 = 5;
 /// Pixels between them.
@@ -76,21 +86,33 @@ const GAP: u32 = 6;
 /// If a specimen cannot be grown or drawn, or a file not be written.
 pub fn gallery(order: &GalleryOrder) -> Result<(), Failure> {
     let sheets = if order.sheets.is_empty() { Sheet::value_variants() } else { &order.sheets };
+    let stands = order.views.clone().unwrap_or_else(|| cities::sample_scene().join("old_prague.views.ron"));
     for &sheet in sheets {
-        let name = sheet.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
-        let (graph, mut specimens) = specimens(sheet)?;
-        specimens.retain(|specimen| order.only.as_ref().is_none_or(|part| specimen.name.contains(part.as_str())));
-        let folder = order.out.join(&name);
-        std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-        let path = order.out.join(format!("{name}.graph.ron"));
-        file::write(&graph, &path)?;
-        file::write(&bare(sheet), &order.out.join(format!("{name}.graph.overrides.ron")))?;
-        let pictures = take(&path, &specimens, &folder, order)?;
-        if order.only.is_none() {
-            let whole = order.out.join(format!("{name}.png"));
-            save(&contact_sheet(&pictures, order.size), &whole)?;
-            println!("{}: {} pictures", whole.display(), pictures.len());
+        match sheet {
+            Sheet::Views => views::stills(&views::read(&stands)?, &stands, order)?,
+            Sheet::Levels => views::levels(&views::read(&stands)?, &stands, order)?,
+            specimens => sheet_of(specimens, order)?,
         }
+    }
+    Ok(())
+}
+
+/// The contact sheet of specimens.
+fn sheet_of(sheet: Sheet, order: &GalleryOrder) -> Result<(), Failure> {
+    let size = order.size.unwrap_or(SPECIMEN);
+    let name = sheet.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+    let (graph, mut specimens) = specimens(sheet)?;
+    specimens.retain(|specimen| order.only.as_ref().is_none_or(|part| specimen.name.contains(part.as_str())));
+    let folder = order.out.join(&name);
+    std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let path = order.out.join(format!("{name}.graph.ron"));
+    file::write(&graph, &path)?;
+    file::write(&bare(sheet), &order.out.join(format!("{name}.graph.overrides.ron")))?;
+    let pictures = take(&path, &specimens, &folder, size, order)?;
+    if order.only.is_none() {
+        let whole = order.out.join(format!("{name}.png"));
+        save(&contact_sheet(&pictures, size), &whole)?;
+        println!("{}: {} pictures", whole.display(), pictures.len());
     }
     Ok(())
 }
@@ -102,9 +124,9 @@ fn bare(sheet: Sheet) -> GraphOverrides {
     GraphOverrides { furniture, ..GraphOverrides::default() }
 }
 
-fn take(graph: &Path, specimens: &[Specimen], folder: &Path, order: &GalleryOrder) -> Result<Vec<RgbaImage>, Failure> {
+fn take(graph: &Path, specimens: &[Specimen], folder: &Path, size: Size, order: &GalleryOrder) -> Result<Vec<RgbaImage>, Failure> {
     let city = cities::open(Some(&graph.display().to_string()))?;
-    let mut studio = Studio::open(&city, order.size, order.profile)?;
+    let mut studio = Studio::open(&city, size, order.profile)?;
     studio.world().resource_mut::<CityClock>().hour = 10.0;
     studio.world().resource_mut::<FadeSettings>().seconds = 0.0;
     let bar = ProgressBar::new(specimens.len() as u64);

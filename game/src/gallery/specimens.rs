@@ -15,6 +15,8 @@ use crate::Failure;
 pub fn specimens(sheet: Sheet) -> Result<(CityGraph, Vec<Specimen>), Failure> {
     let mut town = Town::default();
     match sheet {
+        // Those are of a city that there is.
+        Sheet::Views | Sheet::Levels => {}
         Sheet::Styles => styles(&mut town),
         Sheet::Roofs => roofs(&mut town),
         Sheet::Monuments => monuments(&mut town)?,

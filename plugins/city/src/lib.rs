@@ -54,6 +54,7 @@ mod testing;
 mod tile;
 mod tour;
 pub mod tree;
+mod views;
 mod width;
 
 pub use anchor::Anchor;
@@ -89,4 +90,5 @@ pub use style::{Gable, Palette, Range, Stand, Style, StyleDraft, StyleError, Sty
 pub use terrain::{PlanTerrain, Terrain};
 pub use tile::Tile;
 pub use tour::{Ease, LookAt, Step, Tour, Where};
+pub use views::{Still, Views};
 pub use width::{ProfileError, WidthAt};

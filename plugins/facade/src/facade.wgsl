@@ -8,7 +8,7 @@
 }
 
 #import veduta_facade::levels::{Facade, bayer, is_cut, is_drawn, is_turned_to, keeps, reaches}
-#import veduta_facade::surface::{ground_wear, hash, puddle, roof_cover, wall_paint}
+#import veduta_facade::surface::{ground_wear, hash, noise, puddle, roof_cover, wall_paint}
 #import veduta_facade::glass::{fresnel, mirrored, room}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
@@ -26,6 +26,8 @@ const LANTERN: i32 = 34;
 // Luminance of a lit lantern and of a room by its lamp, candela per square metre.
 const LANTERN_GLOW: f32 = 1800.0;
 const ROOM_GLOW: f32 = 420.0;
+// What all lamps of the city together, near and far, send onto streets and the feet of houses, lux.
+const STREET_GLOW: f32 = 60.0;
 
 @fragment
 fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
@@ -145,6 +147,11 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         emissive += share * mirrored(vec3<f32>(toward.x, abs(toward.y), toward.z), facade.zenith_wet.xyz, facade.horizon_night.xyz);
     } else if layer == LANTERN {
         emissive += night * LANTERN_GLOW * vec3<f32>(1.0, 0.70, 0.36) * tile.rgb;
+    }
+
+    if night > 0.0 && !is_glass && !is_water {
+        let lamplit = select(exp(-max(height, 0.0) / 5.0), 0.55, is_level) * (0.6 + 0.8 * noise(at.xz * 0.045));
+        emissive += night * STREET_GLOW / 3.14159 * lamplit * albedo * vec3<f32>(1.0, 0.62, 0.30);
     }
 
     var pbr_input = pbr_input_from_standard_material(in, is_front);

@@ -23,9 +23,9 @@ impl Default for LampSettings {
 pub(crate) struct Lamp;
 
 /// Luminous flux of a lamp, lumens; more than gas gave, as night is exposed as if there were a moon.
-const FLUX_LM: f32 = 42_000.0;
+const FLUX_LM: f32 = 120_000.0;
 /// How far a lamp's light reaches, metres.
-const RANGE_M: f32 = 26.0;
+const RANGE_M: f32 = 32.0;
 /// Gaslight.
 const GASLIGHT: Color = Color::linear_rgb(1.0, 0.62, 0.28);
 

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use anstream::{eprintln, println};
-use veduta_city::{CityGraph, CityPlan, GraphOverrides, Monuments, StyleDraft, Tour, file};
+use veduta_city::{CityGraph, CityPlan, GraphOverrides, Monuments, StyleDraft, Tour, Views, file};
 use veduta_growth::plan::Stock;
 use veduta_survey::CityWords;
 
@@ -68,6 +68,10 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
         let tour: Tour = file::read(path).map_err(one)?;
         return check_tour(path, &tour, towns);
     }
+    if name.ends_with(".views.ron") {
+        let views: Views = file::read(path).map_err(one)?;
+        return told(path, views.validate(), format!("{} stills, {} houses", views.stills.len(), views.houses.len()));
+    }
     if let Some(read) = as_monuments(path) {
         let monuments = read.map_err(one)?;
         let words = format!("{} monuments", monuments.0.len());
@@ -79,8 +83,8 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
         return told(path, Stock::new().with(&[draft], Vec::new(), Vec::new()).err().unwrap_or_default(), words);
     }
     Err(vec![format!(
-        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .plan.ron, .words.ron, .style.ron, .monuments.ron or .tour.ron, or lie in \
-         a folder `styles` or `monuments`",
+        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .plan.ron, .words.ron, .style.ron, .monuments.ron, .tour.ron or .views.ron, or lie \
+         in a folder `styles` or `monuments`",
         path.display()
     )])
 }

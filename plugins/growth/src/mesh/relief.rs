@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use veduta_city::opening::{BAY_M, Band, Recess, Slab};
-use veduta_city::{CellShell, FacadeSheet, Tile};
+use veduta_city::{CellShell, FacadeSheet, Rgb, Tile};
 
 use super::data::{MeshData, MeshError, Paint};
 use super::monument::{MonumentDetail, monuments};
@@ -12,6 +12,8 @@ use super::wall::{Front, Run, check, facades_as};
 
 /// How far the edges of what stands out are drawn in, metres: so that flattened it covers the wall as its picture does.
 const BEVEL_M: f64 = 0.012;
+/// Trodden sandstone.
+const DOORSTEP: Rgb = Rgb(0x8C, 0x80, 0x70);
 
 /// The cell's walls of [`level2`](super::level2) with their openings in relief. Flattened, by taking every vertex back by its
 /// [relief](MeshData::reliefs), it is the same surface with the same pictures.
@@ -59,7 +61,13 @@ impl Bay<'_> {
         let hole = recess.outline(0.0);
         self.wall_about(&hole, mesh);
         let inner = recess.outline(-recess.jamb_m);
-        self.slope((&hole, 0.0), (&inner, -recess.depth_m), 0, mesh);
+        // What stands on the ground has a doorstep for a sill: seen from the front it has no height, and so no picture.
+        let stands = hole[0].y < 1e-6;
+        self.slope((&hole, 0.0), (&inner, -recess.depth_m), usize::from(stands), mesh);
+        if stands {
+            let step = Paint::new(self.paint.centre, DOORSTEP, Tile::Stone);
+            Self { paint: step, ..*self }.side((&hole, 0.0), (&inner, -recess.depth_m), 0, mesh);
+        }
         self.face(&inner, -recess.depth_m, mesh);
         if let Some(Band { width_m, proud_m }) = recess.surround {
             let rings = [width_m, width_m - BEVEL_M, BEVEL_M, 0.0].map(|out| recess.outline(out));
@@ -105,18 +113,20 @@ impl Bay<'_> {
 
     /// The faces between a ring and one within it, each at its height before the wall, from the ring's side `from` on.
     fn slope(&self, outer: (&[DVec2], f64), inner: (&[DVec2], f64), from: usize, mesh: &mut MeshData) {
-        let n = outer.0.len();
-        for i in from..n {
-            let next = (i + 1) % n;
-            let corners = [(outer.0[i], outer.1), (outer.0[next], outer.1), (inner.0[next], inner.1), (inner.0[i], inner.1)];
-            let placed = corners.map(|(p, proud)| self.place(p, proud));
-            let Some(normal) = super::data::newell(&placed) else { continue };
-            let first = mesh.positions.len() as u32;
-            for (p, proud) in corners {
-                self.vertex(p, proud, normal.as_vec3().to_array(), mesh);
-            }
-            mesh.indices.extend([first, first + 1, first + 2, first, first + 2, first + 3]);
+        (from..outer.0.len()).for_each(|i| self.side(outer, inner, i, mesh));
+    }
+
+    /// One of those faces: from corner `i` on.
+    fn side(&self, outer: (&[DVec2], f64), inner: (&[DVec2], f64), i: usize, mesh: &mut MeshData) {
+        let next = (i + 1) % outer.0.len();
+        let corners = [(outer.0[i], outer.1), (outer.0[next], outer.1), (inner.0[next], inner.1), (inner.0[i], inner.1)];
+        let placed = corners.map(|(p, proud)| self.place(p, proud));
+        let Some(normal) = super::data::newell(&placed) else { return };
+        let first = mesh.positions.len() as u32;
+        for (p, proud) in corners {
+            self.vertex(p, proud, normal.as_vec3().to_array(), mesh);
         }
+        mesh.indices.extend([first, first + 1, first + 2, first, first + 2, first + 3]);
     }
 
     /// A flat convex face at a height before the wall.
