@@ -299,7 +299,12 @@ fn quiet_app(city: &Path, way: Way) -> App {
         (settings.flying_from_m, settings.flying_m, settings.level_2_m) = (0.0, around_m, around_m);
         settings.overview_flying_m = settings.overview_m;
         (settings.packets_a_frame, settings.bytes_a_frame) = (usize::MAX, u64::MAX);
-        app.insert_resource(BuildSettings { vertices_a_frame: usize::MAX, in_the_making: usize::MAX, districts_m: 0.0, relief_m: 0.0 });
+        app.insert_resource(BuildSettings {
+            vertices_a_frame: usize::MAX,
+            in_the_making: usize::MAX,
+            districts_m: 0.0,
+            relief_m: 0.0,
+        });
     }
     app
 }

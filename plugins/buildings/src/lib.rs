@@ -65,7 +65,9 @@ impl Plugin for BuildingsPlugin {
             .init_resource::<district::Districts>()
             .add_systems(
                 Update,
-                (season::find_season, build::turn_season, relief::order, build::start, build::finish).chain().in_set(VedutaSystems::Build),
+                (season::find_season, build::turn_season, relief::order, build::start, build::finish)
+                    .chain()
+                    .in_set(VedutaSystems::Build),
             )
             .add_systems(
                 Update,

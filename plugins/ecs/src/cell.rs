@@ -24,7 +24,8 @@ pub struct CellContent {
 
 /// Of meshes in relief: the normal (x, z) of the wall that a vertex belongs to, and how far before the wall it lies, metres. Whoever provides
 /// materials flattens it by that. Zero of what is never flattened.
-pub const ATTRIBUTE_RELIEF: MeshVertexAttribute = MeshVertexAttribute::new("Veduta_Relief", 0x5665_6475_7461_0001, VertexFormat::Float32x3);
+pub const ATTRIBUTE_RELIEF: MeshVertexAttribute =
+    MeshVertexAttribute::new("Veduta_Relief", 0x5665_6475_7461_0001, VertexFormat::Float32x3);
 
 /// What a mesh of a cell shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -7,7 +7,7 @@
     mesh_view_bindings::{globals, view},
 }
 
-#import veduta_facade::levels::{Facade, bayer, is_cut, is_drawn, is_turned_to, keeps, reaches}
+#import veduta_facade::levels::{Facade, bayer, is_cut, is_drawn, is_turned_to, keeps, opening_share, weathering_share}
 #import veduta_facade::surface::{ground_wear, hash, noise, puddle, roof_cover, wall_paint}
 #import veduta_facade::glass::{fresnel, mirrored, room}
 
@@ -21,6 +21,8 @@ const FIRST_BAY: i32 = 1;
 const LAST_BAY: i32 = 16;
 const SHOP: i32 = 12;
 const WATER: i32 = 27;
+const STONE: i32 = 29;
+const CARVED: i32 = 32;
 const LANTERN: i32 = 34;
 
 // Luminance of a lit lantern and of a room by its lamp, candela per square metre.
@@ -28,6 +30,8 @@ const LANTERN_GLOW: f32 = 1800.0;
 const ROOM_GLOW: f32 = 420.0;
 // What all lamps of the city together, near and far, send onto streets and the feet of houses, lux.
 const STREET_GLOW: f32 = 60.0;
+// What floodlights send onto stone, lux.
+const FLOODLIGHT: f32 = 110.0;
 
 @fragment
 fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
@@ -63,8 +67,9 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let night = facade.horizon_night.w;
     let at = in.world_position.xyz;
     let to_eye = normalize(view.world_position - at);
-    // Level 3 is composed here: how much of it is seen at this distance.
-    let near = reaches(facade, away, vec4<f32>(1.0)).z * select(0.0, 1.0, level > 1) + smoothstep(60.0, 15.0, distance(at, view.world_position)) * select(0.0, 1.0, level == 0);
+    // Level 3 is composed here: how much of it is seen at this distance. What has no levels has it near the eye.
+    let of_level = select(0.0, weathering_share(facade, away), level > 1);
+    let near = select(of_level, smoothstep(60.0, 15.0, distance(at, view.world_position)), level == 0);
 
     let n = normalize(in.world_normal);
     let is_level = abs(n.y) > 0.9;
@@ -83,6 +88,15 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     var albedo = mix(tile.rgb, 2.0 * tile.rgb * in.color.rgb, tile.a);
     var roughness = select(clamp(relief.a, 0.08, 1.0), 0.85, is_cut(facade));
     var bump = relief.xyz * 2.0 - 1.0;
+    // Openings come out of a plain wall.
+    let is_bay = layer >= FIRST_BAY && layer <= LAST_BAY && level > 1;
+    let opened = select(1.0, opening_share(facade, away, tag), is_bay);
+    // By cube roots, which are nearer to what eyes see than light is: dark panes do not come all at the end.
+    let third = vec3<f32>(1.0 / 3.0);
+    let seen = mix(pow(in.color.rgb, third), pow(albedo, third), opened);
+    albedo = seen * seen * seen;
+    bump = mix(vec3<f32>(0.0, 0.0, 1.0), bump, opened);
+    roughness = mix(0.9, roughness, opened);
     var emissive = vec3<f32>(0.0);
     var mirrors = select(0.0, 1.0, is_water);
     let seed = hash(floor(centre * 4.0));
@@ -104,11 +118,11 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         roughness = mix(roughness, 0.4, 0.6 * wet);
     } else if !is_cut(facade) {
         let paint = wall_paint(dot(at, tangent), height, seed, near);
-        albedo *= mix(mix(vec3<f32>(1.0), paint, 0.45), paint, tile.a);
+        albedo *= mix(mix(vec3<f32>(1.0), paint, 0.45), paint, mix(1.0, tile.a, opened));
     }
     let bumped = normalize(tangent * bump.x + bitangent * bump.y + n * max(bump.z, 0.2));
 
-    let is_glass = layer >= FIRST_BAY && layer <= LAST_BAY && level > 1 && tile.a < 0.25 && relief.a < 0.3;
+    let is_glass = is_bay && tile.a < 0.25 && relief.a < 0.3;
     if is_glass {
         // Roughness tells cloth from clear glass.
         let cloth = smoothstep(0.13, 0.2, relief.a);
@@ -127,7 +141,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
             let behind = room(fract(in.uv), look, own);
             let day = behind.albedo * behind.light * 0.30;
             let clear = near * (1.0 - cloth);
-            albedo = mix(albedo, day + 0.12 * albedo, clear);
+            albedo = mix(albedo, day + 0.12 * albedo, clear * opened);
             emissive += lit * lamp * ROOM_GLOW * (0.35 + 0.65 * behind.light) * behind.albedo * 1.6 * clear;
         }
         // From afar, and through cloth, a lit window is an even glow.
@@ -139,7 +153,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         let face = normalize(n + tangent * (askew.x + 0.3 * bump.x) + bitangent * (askew.y + 0.3 * bump.y));
         let toward = reflect(-to_eye, face);
         let share = fresnel(dot(face, to_eye)) * (1.0 - 0.6 * cloth);
-        emissive += share * mirrored(toward, facade.zenith_wet.xyz, facade.horizon_night.xyz);
+        emissive = opened * (emissive + share * mirrored(toward, facade.zenith_wet.xyz, facade.horizon_night.xyz));
         roughness = max(roughness, 0.2);
     } else if mirrors > 0.0 {
         let toward = reflect(-to_eye, bumped);
@@ -149,6 +163,10 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         emissive += night * LANTERN_GLOW * vec3<f32>(1.0, 0.70, 0.36) * tile.rgb;
     }
 
+    if night > 0.0 && !is_level && (layer == STONE || layer == CARVED) {
+        // Towers and monuments are lit from below.
+        emissive += night * FLOODLIGHT / 3.14159 * exp(-max(height, 0.0) / 45.0) * (1.0 - 0.5 * abs(n.y)) * albedo * vec3<f32>(1.0, 0.78, 0.50);
+    }
     if night > 0.0 && !is_glass && !is_water {
         let lamplit = select(exp(-max(height, 0.0) / 5.0), 0.55, is_level) * (0.6 + 0.8 * noise(at.xz * 0.045));
         emissive += night * STREET_GLOW / 3.14159 * lamplit * albedo * vec3<f32>(1.0, 0.62, 0.30);

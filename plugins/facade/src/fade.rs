@@ -13,7 +13,7 @@ pub struct FadeSettings {
 
 impl Default for FadeSettings {
     fn default() -> Self {
-        Self { seconds: 0.6 }
+        Self { seconds: 3.5 }
     }
 }
 

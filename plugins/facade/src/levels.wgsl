@@ -62,31 +62,50 @@ fn fades(tag: u32) -> vec4<f32> {
     return vec4<f32>(f32(tag & 255u), f32((tag >> 8u) & 255u), f32((tag >> 16u) & 255u), f32(tag >> 24u)) / 255.0;
 }
 
-// Share of level 4's fade, and of its band of distances, in which it takes the place of the levels before; in the rest its relief rises.
-const FLAT_FADE: f32 = 0.25;
-const FLAT_BAND: f32 = 0.125;
+// Share of a level's fade, and of its band of distances, in which it takes the place of the one before, looking the same: walls come plain and
+// flat. In the rest openings show and relief rises.
+const ALIKE_FADE: f32 = 0.2;
+const ALIKE_BAND: f32 = 0.2;
 
-// How far the band of level 4 has been crossed, from 0 at its far end to 1 at its near one.
-fn nearness(facade: Facade, distance: f32) -> f32 {
-    let allowed = step(0.001, facade.far_kind.z);
-    return allowed * clamp((facade.far_kind.z - distance) / max(facade.far_kind.z - facade.near_level.z, 0.001), 0.0, 1.0);
+// How far the bands of levels 2 to 4 have been crossed, from 0 at their far ends to 1 at their near ones.
+fn nearness(facade: Facade, distance: f32) -> vec3<f32> {
+    let near = facade.near_level.xyz;
+    let far = max(facade.far_kind.xyz, near + vec3<f32>(0.001));
+    let allowed = step(vec3<f32>(0.001), facade.far_kind.xyz);
+    return allowed * clamp((far - vec3<f32>(distance)) / (far - near), vec3<f32>(0.0), vec3<f32>(1.0));
+}
+
+// What is left of a fade and a band once the levels have changed places.
+fn unveiled(fade: f32, nearness: f32) -> f32 {
+    let faded = clamp((fade - ALIKE_FADE) / (1.0 - ALIKE_FADE), 0.0, 1.0);
+    return faded * clamp((nearness - ALIKE_BAND) / (1.0 - ALIKE_BAND), 0.0, 1.0);
+}
+
+// How much of a façade's openings shows: 0 where level 2 takes over, plain as level 1, to 1.
+fn opening_share(facade: Facade, distance: f32, tag: u32) -> f32 {
+    return unveiled(fades(tag).y, nearness(facade, distance).x);
+}
+
+// How much of level 3 shows.
+fn weathering_share(facade: Facade, distance: f32) -> f32 {
+    return nearness(facade, distance).y;
 }
 
 // How far the relief of a façade has risen: 0 where level 4 takes over, flat as what was there before, to 1.
 fn relief_scale(facade: Facade, distance: f32, tag: u32) -> f32 {
-    let faded = clamp((fades(tag).w - FLAT_FADE) / (1.0 - FLAT_FADE), 0.0, 1.0);
-    return faded * clamp((nearness(facade, distance) - FLAT_BAND) / (1.0 - FLAT_BAND), 0.0, 1.0);
+    return unveiled(fades(tag).w, nearness(facade, distance).z);
 }
 
-// Reach of each level at a distance: level n keeps a pixel where reach(n + 1) <= threshold < reach(n).
+// Reach of each level at a distance: level n keeps a pixel where reach(n + 1) <= threshold < reach(n). Walls of the next level look alike when
+// they come, and do so at once; trees, whose cards and bodies differ, take all of the fade and of the band.
 fn reaches(facade: Facade, distance: f32, fade: vec4<f32>) -> vec4<f32> {
-    let near = facade.near_level.xyz;
-    let far = max(facade.far_kind.xyz, near + vec3<f32>(0.001));
-    let allowed = step(vec3<f32>(0.001), facade.far_kind.xyz);
-    let close = allowed * clamp((far - vec3<f32>(distance)) / (far - near), vec3<f32>(0.0), vec3<f32>(1.0));
-    let four = min(fade.w / FLAT_FADE, 1.0) * min(nearness(facade, distance) / FLAT_BAND, 1.0);
-    let three = max(four, fade.z * close.y);
-    let two = max(three, fade.y * close.x);
+    let close = nearness(facade, distance);
+    let is_wall = facade.far_kind.w == 0.0;
+    let faded = select(fade, min(fade / ALIKE_FADE, vec4<f32>(1.0)), is_wall);
+    let crossed = select(close, min(close / ALIKE_BAND, vec3<f32>(1.0)), is_wall);
+    let four = faded.w * crossed.z;
+    let three = max(four, faded.z * crossed.y);
+    let two = max(three, faded.y * crossed.x);
     return vec4<f32>(max(two, fade.x), two, three, four);
 }
 

@@ -5,17 +5,22 @@
 //! neighbouring levels so that level n keeps a pixel exactly where level n + 1 drops it. There is never a hole and never
 //! both, without temporal anti-aliasing, and also for cells that arrive late: they fade in over what was there before.
 //!
+//! Levels change places while they look alike, in the first fifth of a band of distances or of a fade: level 2 comes as plain as level 1,
+//! level 4 as flat as the levels before. In the rest openings come out of the wall and relief rises. Level 3 is composed in the shader on the
+//! meshes of levels 2 and 4, each façade by its own seed: mottled and streaked paint, repairs, damp, hairlines, and behind clear panes a room.
+//!
 //! ```text
 //!  CellMesh ──► material by level ─┐
 //!  LevelFade ──► MeshTag (4 × 8 bit)├─► shader: keep pixel where R(n+1) ≤ bayer < R(n)
-//!  LevelDistances ──► uniform ─────┘      R(n) = max over m ≥ n of fade(m) · near(m)
+//!  LevelDistances ──► uniform ─────┤      R(n) = max over m ≥ n of fade(m) · near(m)
+//!  Daylight, Weather ──► uniform ──┘      glass, water, wet ground, lit windows
 //! ```
 //!
 //! | level | shown from | what it is |
 //! |---|---|---|
 //! | 1 | the horizon | coloured outline |
 //! | 2 | [`LevelDistances::far`]`[0]` | small repeated textures |
-//! | 3 | `far[1]` | one full texture |
+//! | 3 | `far[1]` | weathered paint, panes and rooms |
 //! | 4 | `far[2]` | relief |
 //!
 //! Trees have two: cards at level 1, bodies from level 2 on. A tree's cards look in eight directions, upright and leaning back, and
@@ -37,13 +42,15 @@
 //!
 //! # Limits
 //! Shadows of walls are cast by level 1 alone, which has every level's silhouette, so that they neither pop nor dither; those of trees by
-//! their bodies where these have come. WebGL2-safe: no storage buffers, two texture arrays, one uniform. Rims of cards are thinned out
+//! their bodies where these have come. Relief neither casts nor catches shadows of its own: it is shaded as if it were flat, and contact
+//! shade comes from ambient occlusion where there is any. WebGL2-safe: no storage buffers, two texture arrays, one uniform. Rims of cards are thinned out
 //! pixel by pixel and do not gain from MSAA. Where a cell's level 2 never comes, its trees stay cards however near they are. An orthographic
 //! camera must have no depth prepass: it is taken for the sun's view there.
 //!
 //! # Rejected
 //! Bevy's `VisibilityRange` (one entity per part; late arrivals do not dither), alpha blending (sorting), per-façade
-//! entities (cost every frame, near or far), and two crossed cards that both show (they look like a cross).
+//! entities (cost every frame, near or far), a dither through the whole band (it adds three times as much to the difference between frames), a
+//! composed texture for each façade (at 512 texels it is coarser than the tiles, and costs memory), and two crossed cards that both show (they look like a cross).
 
 mod fade;
 mod material;

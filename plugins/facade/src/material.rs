@@ -5,7 +5,8 @@ use bevy::mesh::MeshVertexBufferLayoutRef;
 use bevy::pbr::{ExtendedMaterial, MaterialExtension, MaterialExtensionKey, MaterialExtensionPipeline};
 use bevy::prelude::*;
 use bevy::render::render_resource::{
-    AsBindGroup, Extent3d, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
+    AsBindGroup, Extent3d, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError, TextureDimension, TextureFormat,
+    TextureViewDescriptor, TextureViewDimension,
 };
 use bevy::shader::{ShaderRef, load_shader_library};
 use veduta_city::Level;
@@ -299,6 +300,7 @@ mod tests {
         assert_eq!(bays, (layer("FIRST_BAY")..=layer("LAST_BAY")).collect::<Vec<_>>());
         assert_eq!(layer("SHOP"), Tile::Bay(Opening::Shop).index());
         assert_eq!(layer("WATER"), Tile::Ground(SurfaceKind::Water).index());
+        assert_eq!((layer("STONE"), layer("CARVED")), (Tile::Stone.index(), Tile::Carved.index()));
         assert_eq!(layer("LANTERN"), Tile::Lantern.index());
     }
 

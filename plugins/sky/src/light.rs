@@ -45,7 +45,13 @@ pub(crate) fn run_clock(time: Res<Time>, mut clock: ResMut<CityClock>) {
 }
 
 /// Finds the light of this moment.
-pub(crate) fn find_light(clock: Res<CityClock>, city: Option<Res<City>>, settings: Res<SkySettings>, mut light: ResMut<Light>, mut told: ResMut<Daylight>) {
+pub(crate) fn find_light(
+    clock: Res<CityClock>,
+    city: Option<Res<City>>,
+    settings: Res<SkySettings>,
+    mut light: ResMut<Light>,
+    mut told: ResMut<Daylight>,
+) {
     let lat_deg = city.map_or(settings.lat_deg, |city| city.anchor.lat);
     light.set_if_neq(Light::at(lat_deg, *clock));
     let p = light.palette;

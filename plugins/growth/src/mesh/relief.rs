@@ -175,7 +175,13 @@ mod tests {
             DVec3::new((p[0] - x * back).into(), p[1].into(), (p[2] - z * back).into())
         };
         let triangles = mesh.indices.as_chunks::<3>().0;
-        triangles.iter().map(|t| { let [a, b, c] = t.map(at); (b - a).cross(c - a).z / 2.0 }).sum()
+        triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(at);
+                (b - a).cross(c - a).z / 2.0
+            })
+            .sum()
     }
 
     #[test]
@@ -186,17 +192,24 @@ mod tests {
         assert_eq!(relief.reliefs.len(), relief.positions.len());
         // The front looks south: areas as they are seen from there.
         let covered = area(&relief, true);
-        let again: f64 = [(Opening::Window, 1), (Opening::PedimentWindow, 3), (Opening::FramedWindow, 6), (Opening::Portal, 1), (Opening::Shop, 1)]
-            .iter()
-            .map(|&(opening, count)| f64::from(count) * twice_m2(opening))
-            .sum();
+        let again: f64 = [
+            (Opening::Window, 1),
+            (Opening::PedimentWindow, 3),
+            (Opening::FramedWindow, 6),
+            (Opening::Portal, 1),
+            (Opening::Shop, 1),
+        ]
+        .iter()
+        .map(|&(opening, count)| f64::from(count) * twice_m2(opening))
+        .sum();
         // Bays are 3 m wide and 4 m or 3 m high, and their openings are stretched alike: all areas by the same factor but for the storey.
         assert!(covered > area(&flat, true) + 0.5 * again && covered < area(&flat, true) + 1.6 * again, "{covered}");
     }
 
     /// What of an opening lies before the wall that it covers too, square metres of the bay it is designed for.
     fn twice_m2(opening: Opening) -> f64 {
-        let polygon = |points: &[DVec2]| (0..points.len()).map(|i| points[i].perp_dot(points[(i + 1) % points.len()])).sum::<f64>() / 2.0;
+        let polygon =
+            |points: &[DVec2]| (0..points.len()).map(|i| points[i].perp_dot(points[(i + 1) % points.len()])).sum::<f64>() / 2.0;
         let recess = opening.recess().unwrap();
         let band = recess.surround.map_or(0.0, |band| polygon(&recess.outline(band.width_m)) - polygon(&recess.outline(0.0)));
         let slabs = opening.slabs().iter().map(|slab| polygon(&slab.outline.iter().map(|&p| p.into()).collect::<Vec<_>>()));
