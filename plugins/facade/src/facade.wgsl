@@ -8,7 +8,7 @@
 }
 
 #import veduta_facade::levels::{Facade, bayer, is_cut, is_drawn, is_turned_to, keeps, opening_share, weathering_share}
-#import veduta_facade::surface::{ground_wear, hash, noise, puddle, roof_cover, wall_paint}
+#import veduta_facade::surface::{ground_wear, hash, noise, plain_wear, puddle, roof_cover, wall_paint}
 #import veduta_facade::glass::{fresnel, mirrored, room}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
@@ -46,8 +46,6 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let drift = select(vec2<f32>(0.0), vec2<f32>(0.021, 0.013) * globals.time, is_water);
     let tile = textureSample(colour_tiles, tile_sampler, in.uv + drift, layer);
     let relief = textureSample(normal_tiles, tile_sampler, in.uv + drift, layer);
-    // The swell of water runs another way than its ripples.
-    let swell = textureSample(normal_tiles, tile_sampler, in.uv.yx * 0.43 - drift.yx * 0.7, layer);
     let model = mesh_functions::get_world_from_local(in.instance_index);
     let centre = (model * vec4<f32>(in.uv_b.x, 0.0, in.uv_b.y, 1.0)).xz;
     let away = distance(centre, view.world_position.xz);
@@ -67,9 +65,11 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let night = facade.horizon_night.w;
     let at = in.world_position.xyz;
     let to_eye = normalize(view.world_position - at);
-    // Level 3 is composed here: how much of it is seen at this distance. What has no levels has it near the eye.
+    // Level 3 is composed here: how much of it is seen at this distance. What has no levels has it near the eye. Where it is forbidden nothing
+    // of it is paid for.
+    let is_composed = facade.far_kind.y > 0.0;
     let of_level = select(0.0, weathering_share(facade, away), level > 1);
-    let near = select(of_level, smoothstep(60.0, 15.0, distance(at, view.world_position)), level == 0);
+    let near = select(of_level, smoothstep(60.0, 15.0, distance(at, view.world_position)), level == 0 && is_composed);
 
     let n = normalize(in.world_normal);
     let is_level = abs(n.y) > 0.9;
@@ -91,18 +91,26 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     // Openings come out of a plain wall.
     let is_bay = layer >= FIRST_BAY && layer <= LAST_BAY && level > 1;
     let opened = select(1.0, opening_share(facade, away, tag), is_bay);
-    // By cube roots, which are nearer to what eyes see than light is: dark panes do not come all at the end.
-    let third = vec3<f32>(1.0 / 3.0);
-    let seen = mix(pow(in.color.rgb, third), pow(albedo, third), opened);
-    albedo = seen * seen * seen;
+    if opened < 1.0 {
+        // By cube roots, which are nearer to what eyes see than light is: dark panes do not come all at the end.
+        let third = vec3<f32>(1.0 / 3.0);
+        let seen = mix(pow(in.color.rgb, third), pow(albedo, third), opened);
+        albedo = seen * seen * seen;
+    }
     bump = mix(vec3<f32>(0.0, 0.0, 1.0), bump, opened);
     roughness = mix(0.9, roughness, opened);
     var emissive = vec3<f32>(0.0);
     var mirrors = select(0.0, 1.0, is_water);
     let seed = hash(floor(centre * 4.0));
     if is_water {
+        // The swell of water runs another way than its ripples.
+        let swell = textureSampleGrad(
+            normal_tiles, tile_sampler, in.uv.yx * 0.43 - drift.yx * 0.7, layer, uv_across.yx * 0.43, uv_down.yx * 0.43,
+        );
         bump = normalize(vec3<f32>(0.5 * bump.xy + 0.5 * (swell.xy * 2.0 - 1.0), 1.0));
         roughness = 0.08;
+    } else if !is_composed {
+        albedo *= plain_wear(at, n.y);
     } else if is_level {
         albedo *= ground_wear(at.xz, near);
         if n.y > 0.0 && wet > 0.0 && level == 0 {
@@ -147,20 +155,23 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         // From afar, and through cloth, a lit window is an even glow.
         let veil = mix(1.0 - near, 1.0, max(cloth, select(0.0, 1.0, is_shop)));
         emissive += lit * lamp * ROOM_GLOW * mix(0.45, 2.2 * dot(tile.rgb, vec3<f32>(0.33)), 0.5) * veil;
-        // Every pane hangs a little askew.
-        let pane = floor(vec2<f32>(fract(in.uv.x) * 6.0, fract(in.uv.y) * 7.0)) + bay * 5.0;
-        let askew = (vec2<f32>(hash(pane), hash(pane + 3.7)) - 0.5) * 0.05;
-        let face = normalize(n + tangent * (askew.x + 0.3 * bump.x) + bitangent * (askew.y + 0.3 * bump.y));
-        let toward = reflect(-to_eye, face);
-        let share = fresnel(dot(face, to_eye)) * (1.0 - 0.6 * cloth);
-        emissive = opened * (emissive + share * mirrored(toward, facade.zenith_wet.xyz, facade.horizon_night.xyz));
+        if is_composed {
+            // Every pane hangs a little askew.
+            let pane = floor(vec2<f32>(fract(in.uv.x) * 6.0, fract(in.uv.y) * 7.0)) + bay * 5.0;
+            let askew = (vec2<f32>(hash(pane), hash(pane + 3.7)) - 0.5) * 0.05;
+            let face = normalize(n + tangent * (askew.x + 0.3 * bump.x) + bitangent * (askew.y + 0.3 * bump.y));
+            let toward = reflect(-to_eye, face);
+            let share = fresnel(dot(face, to_eye)) * (1.0 - 0.6 * cloth);
+            emissive += share * mirrored(toward, facade.zenith_wet.xyz, facade.horizon_night.xyz);
+        }
+        emissive *= opened;
         roughness = max(roughness, 0.2);
     } else if mirrors > 0.0 {
         let toward = reflect(-to_eye, bumped);
         let share = mirrors * fresnel(dot(bumped, to_eye));
         emissive += share * mirrored(vec3<f32>(toward.x, abs(toward.y), toward.z), facade.zenith_wet.xyz, facade.horizon_night.xyz);
     } else if layer == LANTERN {
-        emissive += night * LANTERN_GLOW * vec3<f32>(1.0, 0.70, 0.36) * tile.rgb;
+        emissive += night * LANTERN_GLOW * vec3<f32>(1.0, 0.70, 0.36) * albedo;
     }
 
     if night > 0.0 && !is_level && (layer == STONE || layer == CARVED) {

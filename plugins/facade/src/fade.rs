@@ -44,7 +44,7 @@ pub(crate) fn fade_levels(
     });
 }
 
-/// Hands a cell's fades to its meshes, four times eight bits in the mesh's tag.
+/// Hands a cell's fades to its meshes, in the bits of their tags.
 pub(crate) fn tag_meshes(
     cells: Query<(&LevelFade, &Children), Or<(Changed<LevelFade>, Changed<Children>)>>,
     mut meshes: Query<&mut MeshTag, With<CellMesh>>,
@@ -59,8 +59,10 @@ pub(crate) fn tag_meshes(
     }
 }
 
-fn pack(fade: [f32; 4]) -> u32 {
-    fade.iter().rev().fold(0, |tag, f| tag << 8 | (f.clamp(0.0, 1.0) * 255.0).round() as u32)
+/// Two bits for level 1, which fades next to never, and ten for each of the others: so many steps that none is seen.
+fn pack([one, finer @ ..]: [f32; 4]) -> u32 {
+    let bits = |fade: f32, most: f32| (fade.clamp(0.0, 1.0) * most).round() as u32;
+    finer.iter().rev().fold(0, |tag, &fade| tag << 10 | bits(fade, 1023.0)) << 2 | bits(one, 3.0)
 }
 
 #[cfg(test)]
@@ -92,7 +94,7 @@ mod tests {
             app.update();
         }
         assert_eq!(fade(&app)[1], 1.0);
-        assert_eq!(app.world().get::<MeshTag>(mesh).expect("spawned above").0, 0x0000_FFFF);
+        assert_eq!(app.world().get::<MeshTag>(mesh).expect("spawned above").0, 0b1111_1111_1111);
     }
 
     #[test]
@@ -120,6 +122,6 @@ mod tests {
         let mesh = app.world_mut().spawn((CellMesh { cell: 0, kind }, ChildOf(cell))).id();
         app.world_mut().write_message(CellStands { entity: cell, cell: 0, level: Level::Two });
         app.update();
-        assert_eq!(app.world().get::<MeshTag>(mesh).expect("spawned above").0, 0x0000_FF00, "no later change will tag it");
+        assert_eq!(app.world().get::<MeshTag>(mesh).expect("spawned above").0, 0b1111_1111_1100, "no later change will tag it");
     }
 }

@@ -57,9 +57,10 @@ fn bayer(pixel: vec2<u32>) -> f32 {
     return (f32(v) + 0.5) / 64.0;
 }
 
-// How far each level has faded in, from the mesh's tag.
+// How far each level has faded in, from the mesh's tag: two bits for level 1, ten for each of the others.
 fn fades(tag: u32) -> vec4<f32> {
-    return vec4<f32>(f32(tag & 255u), f32((tag >> 8u) & 255u), f32((tag >> 16u) & 255u), f32(tag >> 24u)) / 255.0;
+    let finer = vec3<f32>(f32((tag >> 2u) & 1023u), f32((tag >> 12u) & 1023u), f32(tag >> 22u)) / 1023.0;
+    return vec4<f32>(f32(tag & 3u) / 3.0, finer);
 }
 
 // Share of a level's fade, and of its band of distances, in which it takes the place of the one before, looking the same: walls come plain and

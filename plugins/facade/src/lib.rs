@@ -11,7 +11,7 @@
 //!
 //! ```text
 //!  CellMesh ──► material by level ─┐
-//!  LevelFade ──► MeshTag (4 × 8 bit)├─► shader: keep pixel where R(n+1) ≤ bayer < R(n)
+//!  LevelFade ──► MeshTag (bits) ────├─► shader: keep pixel where R(n+1) ≤ bayer < R(n)
 //!  LevelDistances ──► uniform ─────┤      R(n) = max over m ≥ n of fade(m) · near(m)
 //!  Daylight, Weather ──► uniform ──┘      glass, water, wet ground, lit windows
 //! ```

@@ -21,6 +21,12 @@ fn clouds(p: vec2<f32>) -> f32 {
     return 0.55 * noise(p) + 0.30 * noise(p * 2.3 + 11.0) + 0.15 * noise(p * 5.1 + 23.0);
 }
 
+// What is left of all this where level 3 is forbidden.
+fn plain_wear(at: vec3<f32>, up: f32) -> f32 {
+    let across = select(vec2<f32>(at.x + at.z, at.y * 0.7) * 0.33, at.xz * 0.13, abs(up) > 0.9);
+    return 0.86 + 0.2 * noise(across);
+}
+
 // How wall paint has aged at a place: `along` and `height` in metres, the height above the house's floor; `seed` is the façade's own.
 // `near` is how much of the finer marks is seen, 0 to 1.
 fn wall_paint(along: f32, height: f32, seed: f32, near: f32) -> vec3<f32> {

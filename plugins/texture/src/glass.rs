@@ -143,13 +143,12 @@ fn drape(cloth: Cloth, u: f32, v: f32) -> (f32, f32) {
     }
 }
 
-/// Opal glass that tiles: milky, a little cloudy.
+/// Opal glass that tiles: milky, a little cloudy, coloured by the vertex.
 pub(crate) fn opal(size: u32, size_m: (f32, f32), draw: Draw) -> Canvas {
     let clouds = Noise::new(draw.bits("clouds"), 3, 3);
-    let milk = srgb(0x00F2_E4C4);
     Canvas::tiling(size, size_m, |u, v| {
         let cloud = clouds.at(u, v);
-        Texel { own: milk * (0.86 + 0.1 * cloud), tint: Vec3::ZERO, height: 0.0005 * cloud, rough: 0.35 }
+        Texel { own: Vec3::ZERO, tint: Vec3::splat(0.9 + 0.1 * cloud), height: 0.0005 * cloud, rough: 0.35 }
     })
 }
 

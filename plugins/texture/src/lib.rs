@@ -284,3 +284,32 @@ fn draw_ground(surface: SurfaceKind, size: u32, size_m: (f32, f32), draw: Draw) 
         SurfaceKind::Ballast => soil::ballast(size, size_m, draw),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Height of a bay's picture before the wall, metres.
+    fn proud(canvas: &Canvas, (x, y): (f64, f64)) -> f32 {
+        let (width, height) = veduta_city::opening::BAY_M;
+        let texel = |share: f64| ((share * canvas.size as f64) as usize).min(canvas.size - 1);
+        canvas.texels[texel(1.0 - y / height) * canvas.size + texel(x / width)].height
+    }
+
+    #[test]
+    fn what_is_painted_deep_or_proud_is_so_in_relief() {
+        let workshop = Workshop::new(256, 1);
+        for tile in Tile::all() {
+            let (Tile::Bay(opening), Drawing::Canvas(canvas)) = (tile, workshop.draw(tile)) else { continue };
+            let Some(recess) = opening.recess() else { continue };
+            // Beside mullions and between panes' bars.
+            let inside = recess.low.lerp(recess.high, 0.31);
+            assert!(proud(&canvas, inside.into()) < -0.01, "{opening:?} is not deep at {inside}");
+            for slab in opening.slabs() {
+                let n = slab.outline.len() as f64;
+                let middle = slab.outline.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / n, sum.1 + p.1 / n));
+                assert!(proud(&canvas, middle) > 0.005, "{opening:?} does not stand out at {middle:?}");
+            }
+        }
+    }
+}
