@@ -48,7 +48,7 @@ impl FilmOrder {
         if !tour.is_file() {
             return Err(format!("{}: the sample tour is not there; run from the project's folder", tour.display()).into());
         }
-        let size = Size { width: 640, height: 360 };
+        let size = Size { width: 480, height: 270 };
         Ok(Self { out: default_out(&tour), tour, size, fps: 12, profile: Profile::Medium, from_s: 0.0, to_s: None, json: false })
     }
 }

@@ -3,7 +3,7 @@
 use bevy::anti_alias::fxaa::Fxaa;
 use bevy::anti_alias::smaa::Smaa;
 use bevy::core_pipeline::prepass::DepthPrepass;
-use bevy::pbr::ScreenSpaceAmbientOcclusion;
+use bevy::pbr::{ScreenSpaceAmbientOcclusion, ScreenSpaceAmbientOcclusionQualityLevel as Quality};
 use bevy::prelude::*;
 use bevy::render::render_resource::WgpuAdapterInfo;
 use bevy::render::renderer::RenderAdapterInfo;
@@ -100,6 +100,11 @@ impl Profile {
     }
 }
 
+/// Shade where things meet: at the feet of walls, under eaves, in reveals. Where there are no compute shaders there is none.
+fn contact_shade(quality_level: Quality) -> ScreenSpaceAmbientOcclusion {
+    ScreenSpaceAmbientOcclusion { quality_level, ..default() }
+}
+
 /// Gives new cameras the profile's anti-aliasing, and a depth prepass: each pixel is shaded once however many houses stand
 /// behind one another.
 fn dress_cameras(mut commands: Commands, profile: Res<Profile>, new: Query<Entity, Added<Camera3d>>) {
@@ -108,9 +113,8 @@ fn dress_cameras(mut commands: Commands, profile: Res<Profile>, new: Query<Entit
         camera.insert(DepthPrepass);
         match *profile {
             Profile::Low => camera.insert((Msaa::Off, Fxaa::default())),
-            Profile::Medium | Profile::High | Profile::Ultra => {
-                camera.insert((Msaa::Off, Smaa::default(), ScreenSpaceAmbientOcclusion::default()))
-            }
+            Profile::Medium => camera.insert((Msaa::Off, Smaa::default(), contact_shade(Quality::Low))),
+            Profile::High | Profile::Ultra => camera.insert((Msaa::Off, Smaa::default(), contact_shade(Quality::High))),
         };
     }
 }

@@ -15,6 +15,8 @@ use crate::{Failure, cities};
 const STILL: Size = Size { width: 1920, height: 1080 };
 /// Size of a picture of a house.
 const HOUSE: Size = Size { width: 480, height: 400 };
+/// Its vertical field of view: all of a front from across the street.
+const HOUSE_FOV_DEG: f64 = 72.0;
 /// Farther than any façade from who stands before it, metres.
 const ALL_M: f32 = 1_000.0;
 
@@ -60,7 +62,7 @@ pub(super) fn levels(views: &Views, path: &Path, order: &GalleryOrder) -> Result
             let far = core::array::from_fn(|level| if level < finer { ALL_M } else { 0.0 });
             *studio.world().resource_mut::<LevelDistances>() = LevelDistances { near: far.map(|f| f * 0.75), far };
             let name = format!("{:02}_level_{}", house + 1, finer + 1);
-            let picture = take(&mut studio, &name, at, 50.0)?;
+            let picture = take(&mut studio, &name, at, HOUSE_FOV_DEG)?;
             save(&picture, &folder.join(format!("{name}.png")))?;
             row.push(picture);
             bar.inc(1);

@@ -20,8 +20,11 @@
 //!     .run();
 //! ```
 //!
+//! At night the lanterns nearest to the viewers light what is about them ([`LampSettings`]); all others only glow. What other plugins need to know
+//! of the light they read from [`Daylight`](veduta_ecs::Daylight); clouds and wetness are told by [`Weather`](veduta_ecs::Weather).
+//!
 //! # Limits
-//! No moon phases; clear to fair weather.
+//! No moon phases; clear to fair weather. Lamps cast no shadows.
 //!
 //! # Rejected
 //! Bevy's atmosphere for every profile: it needs compute shaders, which WebGL2 lacks, and costs most of a frame on a
