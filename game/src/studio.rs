@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use bevy::app::PluginsState;
-use bevy::camera::RenderTarget;
+use bevy::camera::{RenderTarget, ShadowLodOrigin};
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
@@ -149,7 +149,7 @@ impl Studio {
         };
         let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
         (settings.packets_a_frame, settings.finer_within_s) = (usize::MAX, f64::INFINITY);
-        let viewer = app.world_mut().spawn((camera(), RenderTarget::Image(target.clone().into()), Viewer)).id();
+        let viewer = app.world_mut().spawn((camera(), RenderTarget::Image(target.clone().into()), Viewer, ShadowLodOrigin)).id();
         while app.plugins_state() == PluginsState::Adding {
             bevy::tasks::tick_global_task_pools_on_main_thread();
         }

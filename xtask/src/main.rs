@@ -54,7 +54,7 @@ fn main() -> ExitCode {
 
 /// Runs the game with these arguments.
 fn play(args: &[&str]) -> u8 {
-    if let Err(code) = setup::prepare() {
+    if let Err(code) = setup::prepare(false) {
         return code;
     }
     let mut command = cargo();

@@ -21,11 +21,13 @@ pub enum Need {
     VulkanLoader,
     /// A Vulkan driver: the graphics card's, else Mesa's.
     VulkanDriver,
+    /// A C++ compiler: tests build FLIP, which measures what is seen of a difference. Nothing else needs one.
+    Cxx,
 }
 
 impl Need {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::PkgConfig,
         Self::Udev,
         Self::Wayland,
@@ -34,7 +36,13 @@ impl Need {
         Self::X11,
         Self::VulkanLoader,
         Self::VulkanDriver,
+        Self::Cxx,
     ];
+
+    /// Whether only tests need it.
+    pub const fn is_for_tests(self) -> bool {
+        matches!(self, Self::Cxx)
+    }
 
     /// What to tell people who must find the package themselves.
     pub const fn name(self) -> &'static str {
@@ -47,6 +55,7 @@ impl Need {
             Self::X11 => "libX11, libX11-xcb, libXcursor, libXi, libXrandr",
             Self::VulkanLoader => "the Vulkan loader (libvulkan.so.1)",
             Self::VulkanDriver => "a Vulkan driver (Mesa's software driver will do)",
+            Self::Cxx => "a C++ compiler",
         }
     }
 }
@@ -74,6 +83,7 @@ impl Manager {
             (Self::Apt, Need::X11) => &["libx11-6", "libx11-xcb1", "libxcursor1", "libxi6", "libxrandr2"],
             (Self::Apt, Need::VulkanLoader) => &["libvulkan1"],
             (Self::Apt, Need::VulkanDriver) => &["mesa-vulkan-drivers"],
+            (Self::Apt, Need::Cxx) => &["g++"],
             (Self::Dnf, Need::PkgConfig) => &["pkgconf-pkg-config"],
             (Self::Dnf, Need::Udev) => &["systemd-devel"],
             (Self::Dnf, Need::Wayland) => &["wayland-devel"],
@@ -82,6 +92,7 @@ impl Manager {
             (Self::Dnf, Need::X11) => &["libX11", "libX11-xcb", "libXcursor", "libXi", "libXrandr"],
             (Self::Dnf, Need::VulkanLoader) => &["vulkan-loader"],
             (Self::Dnf, Need::VulkanDriver) => &["mesa-vulkan-drivers"],
+            (Self::Dnf, Need::Cxx) => &["gcc-c++"],
             (Self::Pacman, Need::PkgConfig) => &["pkgconf"],
             (Self::Pacman, Need::Udev) => &["systemd-libs"],
             (Self::Pacman, Need::Wayland) => &["wayland"],
@@ -90,6 +101,7 @@ impl Manager {
             (Self::Pacman, Need::X11) => &["libx11", "libxcursor", "libxi", "libxrandr"],
             (Self::Pacman, Need::VulkanLoader) => &["vulkan-icd-loader"],
             (Self::Pacman, Need::VulkanDriver) => &["vulkan-swrast"],
+            (Self::Pacman, Need::Cxx) => &["gcc"],
         }
     }
 
@@ -235,7 +247,7 @@ mod tests {
             [
                 "apt-get update",
                 "env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 install -y --no-install-recommends \
-                 pkg-config libudev-dev libwayland-dev libxkbcommon-dev libxkbcommon-x11-0 libvulkan1 mesa-vulkan-drivers",
+                 pkg-config libudev-dev libwayland-dev libxkbcommon-dev libxkbcommon-x11-0 libvulkan1 mesa-vulkan-drivers g++",
             ]
         );
     }

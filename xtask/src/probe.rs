@@ -6,9 +6,9 @@ use std::process::{Command, Stdio};
 
 use crate::packages::{Machine, Manager, Need, Rights};
 
-/// What this machine lacks, and who could help. Linux only: elsewhere nothing is needed.
-pub fn machine() -> Machine {
-    let missing = missing();
+/// What this machine lacks, for tests too or without them, and who could help. Linux only: elsewhere nothing is needed.
+pub fn machine(for_tests: bool) -> Machine {
+    let missing = missing(for_tests);
     if missing.is_empty() {
         return Machine { missing, manager: None, rights: Rights::None };
     }
@@ -16,13 +16,14 @@ pub fn machine() -> Machine {
 }
 
 /// What is needed and not there.
-fn missing() -> Vec<Need> {
+fn missing(for_tests: bool) -> Vec<Need> {
     if !cfg!(target_os = "linux") {
         return Vec::new();
     }
     let pkg_config = pkg_config();
     let libraries = Libraries::look();
-    Need::ALL.into_iter().filter(|&need| !is_there(need, pkg_config.as_ref(), &libraries)).collect()
+    let needs = Need::ALL.into_iter().filter(|need| for_tests || !need.is_for_tests());
+    needs.filter(|&need| !is_there(need, pkg_config.as_ref(), &libraries)).collect()
 }
 
 fn is_there(need: Need, pkg_config: Option<&OsString>, libraries: &Libraries) -> bool {
@@ -40,6 +41,8 @@ fn is_there(need: Need, pkg_config: Option<&OsString>, libraries: &Libraries) ->
         }
         Need::VulkanLoader => libraries.have("libvulkan.so.1"),
         Need::VulkanDriver => is_set("VK_ICD_FILENAMES") || is_set("VK_DRIVER_FILES") || has_driver(&driver_dirs()),
+        // As the build script finds it.
+        Need::Cxx => is_set("CXX") || quietly("c++", &["--version"]),
     }
 }
 

@@ -5,17 +5,17 @@ use std::process::Command;
 use crate::packages::{Decision, Line, Need, decide, one_line};
 use crate::{probe, run};
 
-/// Makes sure that the system has what the build and the program need.
+/// Makes sure that the system has what the build and the program need, and tests where they are to be run.
 ///
 /// # Errors
 /// The exit code to end with, if something is missing that we may not or could not install; the person has been told.
-pub fn prepare() -> Result<(), u8> {
+pub fn prepare(for_tests: bool) -> Result<(), u8> {
     if std::env::var_os("VEDUTA_SKIP_SETUP").is_some_and(|value| value == "1") {
         return Ok(());
     }
-    match decide(&probe::machine()) {
+    match decide(&probe::machine(for_tests)) {
         Decision::Ready => Ok(()),
-        Decision::Install(lines) => install(&lines),
+        Decision::Install(lines) => install(&lines, for_tests),
         Decision::Ask(line) => {
             eprintln!("System packages are missing. Run this, then try again:");
             println!("{line}");
@@ -28,7 +28,7 @@ pub fn prepare() -> Result<(), u8> {
     }
 }
 
-fn install(lines: &[Line]) -> Result<(), u8> {
+fn install(lines: &[Line], for_tests: bool) -> Result<(), u8> {
     eprintln!("xtask: installing system packages");
     for line in lines {
         eprintln!("xtask: {line}");
@@ -41,7 +41,7 @@ fn install(lines: &[Line]) -> Result<(), u8> {
             return Err(1);
         }
     }
-    let still = probe::machine().missing;
+    let still = probe::machine(for_tests).missing;
     if still.is_empty() {
         return Ok(());
     }

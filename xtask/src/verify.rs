@@ -94,7 +94,7 @@ fn checks() -> Vec<Check> {
 
 /// Runs every check; the exit code of the first that fails, else 0.
 pub fn everything() -> u8 {
-    match setup::prepare() {
+    match setup::prepare(true) {
         Ok(()) => match in_order(&checks()) {
             0 => wasm(false),
             code => code,

@@ -29,6 +29,9 @@ pub(crate) fn order(
         if !has_walls && !has_relief {
             continue;
         }
+        if settings.relief_m <= 0.0 && !has_relief {
+            continue;
+        }
         let away = viewers.iter().map(|eye| distance_m(content, eye)).fold(f64::INFINITY, f64::min);
         if has_relief && (!has_walls || away > settings.relief_m * KEEP) {
             let is_relief = |mesh: &CellMesh| mesh.cell == cell && mesh.kind == CellMeshKind::Walls(Level::Four);
