@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 use anstream::println;
 use image::RgbaImage;
 use indicatif::ProgressBar;
+use veduta::buildings::BuildSettings;
 use veduta::facade::FadeSettings;
 use veduta::prelude::*;
 use veduta_city::{Still, Viewpoint, Views, file};
@@ -19,6 +20,8 @@ const HOUSE: Size = Size { width: 480, height: 400 };
 const HOUSE_FOV_DEG: f64 = 72.0;
 /// Farther than any façade from who stands before it, metres.
 const ALL_M: f32 = 1_000.0;
+/// How far walls stand in relief, metres: farther than those of one street.
+const RELIEF_M: f32 = 60.0;
 
 /// Reads the views of a city.
 ///
@@ -55,6 +58,8 @@ pub(super) fn levels(views: &Views, path: &Path, order: &GalleryOrder) -> Result
     let folder = folder(order, "levels")?;
     let size = order.size.unwrap_or(HOUSE);
     let mut studio = studio(views, path, size, order)?;
+    // Whatever the profile builds, all levels are to be seen.
+    studio.world().resource_mut::<BuildSettings>().relief_m = f64::from(RELIEF_M);
     let bar = ProgressBar::new(4 * views.houses.len() as u64);
     let mut pictures: Vec<Vec<RgbaImage>> = vec![Vec::new(); 4];
     for (house, &at) in views.houses.iter().enumerate() {
@@ -62,6 +67,9 @@ pub(super) fn levels(views: &Views, path: &Path, order: &GalleryOrder) -> Result
             let far = core::array::from_fn(|level| if level < finer { ALL_M } else { 0.0 });
             *studio.world().resource_mut::<LevelDistances>() = LevelDistances { near: far.map(|f| f * 0.75), far };
             let name = format!("{:02}_level_{}", house + 1, finer + 1);
+            if order.only.as_ref().is_some_and(|part| !name.contains(part.as_str())) {
+                continue;
+            }
             let picture = take(&mut studio, &name, at, HOUSE_FOV_DEG)?;
             save(&picture, &folder.join(format!("{name}.png")))?;
             row.push(picture);
@@ -69,6 +77,9 @@ pub(super) fn levels(views: &Views, path: &Path, order: &GalleryOrder) -> Result
         }
     }
     bar.finish_and_clear();
+    if order.only.is_some() {
+        return Ok(());
+    }
     let whole = order.out.join("levels.png");
     // As many houses side by side as a sheet has columns, their levels above one another.
     let columns = COLUMNS as usize;

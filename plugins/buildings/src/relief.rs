@@ -4,8 +4,9 @@ use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellReady, Eye, Leve
 
 use crate::build::{BuildSettings, Queue};
 
-/// Relief that is farther than this times the settings' distance is given up.
-const KEEP: f64 = 1.25;
+/// How much farther than it is ordered relief is kept, metres: farther than any wall of a cell stands from the ground that one walks on, so
+/// that none falls flat before an eye.
+const KEEP_M: f64 = 40.0;
 
 /// Orders relief where a viewer is near and gives it up where none is any more. It needs no packet of its own: it is made of what
 /// level 2 is made of, and goes with it.
@@ -33,7 +34,7 @@ pub(crate) fn order(
             continue;
         }
         let away = viewers.iter().map(|eye| distance_m(content, eye)).fold(f64::INFINITY, f64::min);
-        if has_relief && (!has_walls || away > settings.relief_m * KEEP) {
+        if has_relief && (!has_walls || away > settings.relief_m + KEEP_M) {
             let is_relief = |mesh: &CellMesh| mesh.cell == cell && mesh.kind == CellMeshKind::Walls(Level::Four);
             meshes.iter().filter(|(_, mesh)| is_relief(mesh)).for_each(|(mesh, _)| commands.entity(mesh).despawn());
             fade.0[Level::Four.index()] = 0.0;
@@ -44,13 +45,9 @@ pub(crate) fn order(
     }
 }
 
-/// Distance of an eye from a cell, metres.
+/// Distance of an eye from a cell in plan, metres, as the material measures it.
 fn distance_m(content: &CellContent, eye: &Eye) -> f64 {
     let Some((low, high)) = content.shell.outline.bounds() else { return f64::INFINITY };
     let (low, high) = ((content.shell.origin + low).to_metres(), (content.shell.origin + high).to_metres());
-    let across = eye.plan_pos.distance(eye.plan_pos.clamp(low, high));
-    across.hypot((eye.eye_m - ROOFS_M).max(0.0))
+    eye.plan_pos.distance(eye.plan_pos.clamp(low, high))
 }
-
-/// Who is higher than this above the ground is that much farther from all façades, metres.
-const ROOFS_M: f64 = 20.0;

@@ -81,7 +81,7 @@ mod tests {
         app.add_plugins((MinimalPlugins, AssetPlugin::default(), FacadePlugin::default())).init_asset::<Mesh>();
         let step = std::time::Duration::from_millis(250);
         app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(step)).add_systems(Startup, build_row);
-        for _ in 0..8 {
+        for _ in 0..20 {
             app.update();
         }
         let fade = app.world_mut().query::<&LevelFade>().single(app.world()).expect("one cell was spawned");

@@ -16,12 +16,15 @@
 @group(#{MATERIAL_BIND_GROUP}) @binding(102) var tile_sampler: sampler;
 @group(#{MATERIAL_BIND_GROUP}) @binding(103) var normal_tiles: texture_2d_array<f32>;
 
-// Layers that are more than paint: bays of windows and doors, water, lanterns.
+// Layers that are more than paint: bays of windows and doors, ground with its water, stone, foliage, lanterns.
 const FIRST_BAY: i32 = 1;
 const LAST_BAY: i32 = 16;
 const SHOP: i32 = 12;
+const FIRST_GROUND: i32 = 20;
+const LAST_GROUND: i32 = 28;
 const WATER: i32 = 27;
 const STONE: i32 = 29;
+const LEAVES: i32 = 31;
 const CARVED: i32 = 32;
 const LANTERN: i32 = 34;
 
@@ -68,11 +71,13 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     // Level 3 is composed here: how much of it is seen at this distance. What has no levels has it near the eye. Where it is forbidden nothing
     // of it is paid for.
     let is_composed = facade.far_kind.y > 0.0;
-    let of_level = select(0.0, weathering_share(facade, away), level > 1);
-    let near = select(of_level, smoothstep(60.0, 15.0, distance(at, view.world_position)), level == 0 && is_composed);
+    let of_level = select(0.0, weathering_share(facade, away, tag), level > 1);
+    let near = select(of_level, 1.0 - smoothstep(15.0, 60.0, distance(at, view.world_position)), level == 0 && is_composed);
 
     let n = normalize(in.world_normal);
     let is_level = abs(n.y) > 0.9;
+    let is_ground = is_level && layer >= FIRST_GROUND && layer <= LAST_GROUND;
+    let is_plant = facade.far_kind.w > 0.0 || layer == LEAVES;
     var tangent = vec3<f32>(1.0, 0.0, 0.0);
     if !is_level {
         tangent = normalize(cross(vec3<f32>(0.0, 1.0, 0.0), n));
@@ -101,7 +106,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     roughness = mix(0.9, roughness, opened);
     var emissive = vec3<f32>(0.0);
     var mirrors = select(0.0, 1.0, is_water);
-    let seed = hash(floor(centre * 4.0));
+    let seed = hash(floor(centre * 4.0 + 0.127));
     if is_water {
         // The swell of water runs another way than its ripples.
         let swell = textureSampleGrad(
@@ -109,24 +114,23 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         );
         bump = normalize(vec3<f32>(0.5 * bump.xy + 0.5 * (swell.xy * 2.0 - 1.0), 1.0));
         roughness = 0.08;
-    } else if !is_composed {
+    } else if !is_composed || is_plant {
         albedo *= plain_wear(at, n.y);
-    } else if is_level {
+    } else if is_ground {
         albedo *= ground_wear(at.xz, near);
-        if n.y > 0.0 && wet > 0.0 && level == 0 {
-            // A film of water darkens and shines; where it stands it is level.
-            let pool = puddle(at.xz, wet);
-            albedo *= mix(1.0, 0.5, wet * mix(0.75, 1.0, pool));
-            roughness = mix(roughness, mix(0.42, 0.10, pool), wet);
-            bump = mix(bump, vec3<f32>(0.0, 0.0, 1.0), pool);
-            mirrors = wet * mix(0.12, 0.9, pool);
-        }
     } else if n.y > 0.25 {
         albedo *= roof_cover(at, seed, near);
-        roughness = mix(roughness, 0.4, 0.6 * wet);
-    } else if !is_cut(facade) {
+    } else {
         let paint = wall_paint(dot(at, tangent), height, seed, near);
         albedo *= mix(mix(vec3<f32>(1.0), paint, 0.45), paint, mix(1.0, tile.a, opened));
+    }
+    if wet > 0.0 && n.y > 0.25 && !is_water && !is_plant {
+        // A film of water darkens and shines; on the ground it stands in hollows, and is level.
+        let pool = select(0.0, puddle(at.xz, wet), is_ground);
+        albedo *= mix(1.0, 0.5, wet * mix(0.75, 1.0, pool));
+        roughness = mix(roughness, mix(0.42, 0.10, pool), wet);
+        bump = mix(bump, vec3<f32>(0.0, 0.0, 1.0), pool);
+        mirrors = select(0.0, wet * mix(0.12, 0.9, pool), is_ground);
     }
     let bumped = normalize(tangent * bump.x + bitangent * bump.y + n * max(bump.z, 0.2));
 
@@ -134,7 +138,8 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     if is_glass {
         // Roughness tells cloth from clear glass.
         let cloth = smoothstep(0.13, 0.2, relief.a);
-        let bay = floor(in.uv) + floor(centre * 3.0) + vec2<f32>(floor(height / 3.3) * 7.0, 0.0);
+        // Centres lie on a grid: a little off it, so that all pixels of a house agree.
+        let bay = floor(in.uv) + floor(centre * 3.0 + 0.127);
         let own = hash(bay);
         let is_shop = layer == SHOP;
         let lit = night * select(0.0, 1.0, own < select(0.34, 0.8, is_shop));
@@ -178,8 +183,9 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         // Towers and monuments are lit from below.
         emissive += night * FLOODLIGHT / 3.14159 * exp(-max(height, 0.0) / 45.0) * (1.0 - 0.5 * abs(n.y)) * albedo * vec3<f32>(1.0, 0.78, 0.50);
     }
-    if night > 0.0 && !is_glass && !is_water {
-        let lamplit = select(exp(-max(height, 0.0) / 5.0), 0.55, is_level) * (0.6 + 0.8 * noise(at.xz * 0.045));
+    if night > 0.0 && !is_water {
+        let glass = select(0.0, opened, is_glass);
+        let lamplit = (1.0 - glass) * select(exp(-max(height, 0.0) / 5.0), 0.55, is_ground) * (0.6 + 0.8 * noise(at.xz * 0.045));
         emissive += night * STREET_GLOW / 3.14159 * lamplit * albedo * vec3<f32>(1.0, 0.62, 0.30);
     }
 
@@ -193,7 +199,8 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let foot = mix(0.45, 1.0, smoothstep(-0.2, 1.4, height)) * mix(0.62, 1.0, smoothstep(0.0, 15.0, height));
     let wall = 1.0 - abs(select(n.y, pbr_input.N.y, is_cut(facade)));
     pbr_input.diffuse_occlusion *= vec3<f32>(mix(1.0, foot, wall));
-    if is_glass { pbr_input.specular_occlusion = 0.0; }
+    // What composed glass mirrors has been told.
+    if is_glass && is_composed { pbr_input.specular_occlusion *= 1.0 - opened; }
 
     var out: FragmentOutput;
     out.color = apply_pbr_lighting(pbr_input);

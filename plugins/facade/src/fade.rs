@@ -17,6 +17,9 @@ impl Default for FadeSettings {
     }
 }
 
+/// A fade that has begun and shows nothing yet.
+const BEGUN: f32 = 1.0 / 1024.0;
+
 /// Advances the fades of levels whose meshes stand. Level 1 of a cell stands at once: nothing was there before it, and a
 /// dissolving house would show the street behind.
 pub(crate) fn fade_levels(
@@ -32,13 +35,19 @@ pub(crate) fn fade_levels(
         if message.level == Level::One || settings.seconds <= 0.0 {
             fade.0[i] = 1.0;
         } else {
-            fade.0[i] = fade.0[i].max(1.0 / 255.0);
-            growing.push((message.entity, i));
+            fade.0[i] = fade.0[i].max(BEGUN);
+            if !growing.contains(&(message.entity, i)) {
+                growing.push((message.entity, i));
+            }
         }
     }
     let step = if settings.seconds > 0.0 { time.delta_secs() / settings.seconds } else { 1.0 };
     growing.retain(|&(entity, i)| {
         let Ok(mut fade) = cells.get_mut(entity) else { return false };
+        // A level that was taken away meanwhile does not come back without its meshes.
+        if fade.0[i] <= 0.0 {
+            return false;
+        }
         fade.0[i] = (fade.0[i] + step).min(1.0);
         fade.0[i] < 1.0
     });
@@ -110,6 +119,30 @@ mod tests {
         app.insert_resource(FadeSettings { seconds: 0.0 });
         app.update();
         assert_eq!(fade(&app), 1.0);
+    }
+
+    #[test]
+    fn a_level_that_is_taken_away_in_its_fade_does_not_come_back() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, crate::FacadePlugin::default()));
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(100)));
+        app.insert_resource(FadeSettings { seconds: 1.0 });
+        let cell = app.world_mut().spawn((Cell(0), LevelFade::default())).id();
+        let level_2 = |app: &App| app.world().get::<LevelFade>(cell).expect("spawned above").0[1];
+        let stands = CellStands { entity: cell, cell: 0, level: Level::Two };
+        app.world_mut().write_message(stands);
+        app.update();
+        app.update();
+        app.world_mut().get_mut::<LevelFade>(cell).expect("spawned above").0[1] = 0.0;
+        app.update();
+        assert_eq!(level_2(&app), 0.0);
+        // Told twice, it fades no faster.
+        for _ in 0..2 {
+            app.world_mut().write_message(stands);
+            app.update();
+        }
+        app.update();
+        assert!(level_2(&app) > 0.25 && level_2(&app) < 0.35, "{}", level_2(&app));
     }
 
     #[test]

@@ -7,9 +7,9 @@
 fn mirrored(toward: vec3<f32>, zenith: vec3<f32>, horizon: vec3<f32>) -> vec3<f32> {
     let sky = mix(horizon, zenith, pow(max(toward.y, 0.0), 0.45));
     // Roofs across the way end at some 30°, unevenly.
-    let bearing = atan2(toward.z, toward.x);
-    let roofs = 0.34 + 0.16 * noise(vec2<f32>(bearing * 5.0, 1.0)) + 0.06 * noise(vec2<f32>(bearing * 23.0, 7.0));
-    let houses = horizon * vec3<f32>(0.22, 0.19, 0.16) * (0.8 + 0.4 * noise(vec2<f32>(bearing * 9.0, toward.y * 6.0)));
+    let bearing = normalize(toward.xz + vec2<f32>(1e-5, 0.0));
+    let roofs = 0.34 + 0.16 * noise(bearing * 5.0 + 20.0) + 0.06 * noise(bearing * 23.0 + 70.0);
+    let houses = horizon * vec3<f32>(0.22, 0.19, 0.16) * (0.8 + 0.4 * noise(bearing * 9.0 + vec2<f32>(40.0, toward.y * 6.0)));
     return mix(houses, sky, smoothstep(roofs - 0.03, roofs + 0.03, toward.y));
 }
 

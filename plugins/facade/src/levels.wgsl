@@ -87,9 +87,9 @@ fn opening_share(facade: Facade, distance: f32, tag: u32) -> f32 {
     return unveiled(fades(tag).y, nearness(facade, distance).x);
 }
 
-// How much of level 3 shows.
-fn weathering_share(facade: Facade, distance: f32) -> f32 {
-    return nearness(facade, distance).y;
+// How much of level 3 shows: it comes with the openings.
+fn weathering_share(facade: Facade, distance: f32, tag: u32) -> f32 {
+    return nearness(facade, distance).y * unveiled(fades(tag).y, 1.0);
 }
 
 // How far the relief of a façade has risen: 0 where level 4 takes over, flat as what was there before, to 1.

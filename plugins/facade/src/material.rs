@@ -73,7 +73,11 @@ pub struct FacadeUniform {
 
 impl FacadeUniform {
     fn lit(light: &Daylight, wet: f32) -> Self {
-        Self { zenith_wet: light.zenith.extend(wet), horizon_night: light.horizon.extend(light.night), ..Self::default() }
+        Self {
+            zenith_wet: light.zenith.extend(wet.clamp(0.0, 1.0)),
+            horizon_night: light.horizon.extend(light.night),
+            ..Self::default()
+        }
     }
 }
 
@@ -300,6 +304,9 @@ mod tests {
         assert_eq!(bays, (layer("FIRST_BAY")..=layer("LAST_BAY")).collect::<Vec<_>>());
         assert_eq!(layer("SHOP"), Tile::Bay(Opening::Shop).index());
         assert_eq!(layer("WATER"), Tile::Ground(SurfaceKind::Water).index());
+        let grounds: Vec<usize> = Tile::all().filter(|tile| matches!(tile, Tile::Ground(_))).map(Tile::index).collect();
+        assert_eq!(grounds, (layer("FIRST_GROUND")..=layer("LAST_GROUND")).collect::<Vec<_>>());
+        assert_eq!(layer("LEAVES"), Tile::Leaves.index());
         assert_eq!((layer("STONE"), layer("CARVED")), (Tile::Stone.index(), Tile::Carved.index()));
         assert_eq!(layer("LANTERN"), Tile::Lantern.index());
     }

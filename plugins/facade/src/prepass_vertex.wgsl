@@ -30,8 +30,7 @@ struct Vertex {
 fn vertex(vertex: Vertex) -> VertexOutput {
     var out: VertexOutput;
     let model = mesh_functions::get_world_from_local(vertex.instance_index);
-    out.world_position = model * vec4<f32>(vertex.position, 1.0);
-    var place = out.world_position;
+    var local = vertex.position;
 #ifdef NORMAL_PREPASS_OR_DEFERRED_PREPASS
     var normal = vertex.normal;
 #endif
@@ -40,13 +39,13 @@ fn vertex(vertex: Vertex) -> VertexOutput {
     let tag = mesh_functions::get_tag(vertex.instance_index);
     let scale = relief_scale(facade, distance(centre, view.world_position.xz), tag);
     let wall = vec3<f32>(vertex.relief.x, 0.0, vertex.relief.y);
-    place = model * vec4<f32>(vertex.position - wall * vertex.relief.z * (1.0 - scale), 1.0);
-    out.world_position = place;
+    local = vertex.position - wall * vertex.relief.z * (1.0 - scale);
 #ifdef NORMAL_PREPASS_OR_DEFERRED_PREPASS
     if dot(wall, wall) > 0.0 { normal = normalize(mix(wall, normal, scale)); }
 #endif
 #endif
-    out.position = position_world_to_clip(place.xyz);
+    out.world_position = model * vec4<f32>(local, 1.0);
+    out.position = position_world_to_clip(out.world_position.xyz);
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION
     out.unclipped_depth = out.position.z;
     out.position.z = min(out.position.z, 1.0);
@@ -65,7 +64,7 @@ fn vertex(vertex: Vertex) -> VertexOutput {
 #endif
 #ifdef MOTION_VECTOR_PREPASS
     let before = mesh_functions::get_previous_world_from_local(vertex.instance_index);
-    out.previous_world_position = before * vec4<f32>(vertex.position, 1.0);
+    out.previous_world_position = before * vec4<f32>(local, 1.0);
 #endif
 #ifdef VERTEX_OUTPUT_INSTANCE_INDEX
     out.instance_index = vertex.instance_index;

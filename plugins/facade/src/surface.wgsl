@@ -39,14 +39,14 @@ fn wall_paint(along: f32, height: f32, seed: f32, near: f32) -> vec3<f32> {
     tone *= 1.0 - (0.10 + 0.16 * near) * smoothstep(0.25, 0.75, streak);
     // Splashes and rising damp at the foot, with a wavering edge.
     let edge = 0.35 + 0.65 * noise(vec2<f32>(at.x * 0.8, 3.0)) + 0.2 * noise(at * 3.1);
-    let damp = smoothstep(edge, edge * 0.35, height);
+    let damp = 1.0 - smoothstep(edge * 0.35, edge, height);
     tone *= mix(vec3<f32>(1.0), vec3<f32>(0.70, 0.66, 0.60), damp);
     // Repairs in another paint.
     let repair = noise(at * vec2<f32>(0.21, 0.33) + 40.0);
     tone *= mix(vec3<f32>(1.0), vec3<f32>(1.05, 1.045, 1.02), near * smoothstep(0.70, 0.715, repair));
     // Hairlines.
     let crack = abs(noise(at * 0.9 + 1.7 * noise(at * 2.2)) - 0.5);
-    tone *= 1.0 - 0.28 * near * smoothstep(0.008, 0.0, crack) * smoothstep(0.45, 0.7, noise(at * 0.31 + 9.0));
+    tone *= 1.0 - 0.28 * near * (1.0 - smoothstep(0.0, 0.008, crack)) * smoothstep(0.45, 0.7, noise(at * 0.31 + 9.0));
     return tone;
 }
 

@@ -39,7 +39,7 @@ pub(crate) fn light_lamps(
     mut lamps: Query<(&mut PointLight, &mut Transform), With<Lamp>>,
 ) {
     if light.night <= 0.0 {
-        lamps.iter_mut().for_each(|(mut lamp, _)| lamp.intensity = 0.0);
+        lamps.iter_mut().filter(|(lamp, _)| lamp.intensity > 0.0).for_each(|(mut lamp, _)| lamp.intensity = 0.0);
         return;
     }
     let eyes: Vec<Vec3> = viewers.iter().map(GlobalTransform::translation).collect();
@@ -60,9 +60,12 @@ pub(crate) fn light_lamps(
     let power = |away: f32| FLUX_LM * light.night * ((reach_m - away) / (0.2 * reach_m)).clamp(0.0, 1.0);
     let mut hung = near.into_iter();
     for (mut lamp, mut transform) in &mut lamps {
-        lamp.intensity = 0.0;
-        if let Some((away, at)) = hung.next() {
-            lamp.intensity = power(away);
+        let next = hung.next();
+        let intensity = next.map_or(0.0, |(away, _)| power(away));
+        if lamp.intensity.to_bits() != intensity.to_bits() {
+            lamp.intensity = intensity;
+        }
+        if let Some((_, at)) = next {
             transform.set_if_neq(Transform::from_translation(at));
         }
     }
