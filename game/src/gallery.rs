@@ -41,6 +41,11 @@ pub enum Sheet {
     Furniture,
 }
 
+impl Sheet {
+    /// Those of specimens.
+    pub const SPECIMENS: [Self; 5] = [Self::Styles, Self::Roofs, Self::Monuments, Self::Crossings, Self::Furniture];
+}
+
 /// A thing to be looked at, and from where.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Specimen {
