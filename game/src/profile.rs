@@ -62,18 +62,18 @@ impl Profile {
     /// Level distances.
     #[must_use]
     pub fn levels(self) -> LevelDistances {
-        let distances = LevelDistances::uniform(match self {
+        let mut distances = LevelDistances::uniform(match self {
             Self::Low => 110.0,
             Self::Medium => 240.0,
             Self::High => 360.0,
             Self::Ultra => 500.0,
         });
         // Levels 3 and 4 are shading and vertices, of which a processor that draws has none to spare.
-        let forbid = |[two, ..]: [f32; 3]| [two, 0.0, 0.0];
-        match self {
-            Self::Low => LevelDistances { near: forbid(distances.near), far: forbid(distances.far) },
-            _ => distances,
+        if self == Self::Low {
+            distances.near[1..].fill(0.0);
+            distances.far[1..].fill(0.0);
         }
+        distances
     }
 
     /// What is loaded.

@@ -27,10 +27,7 @@ pub(crate) fn order(
     for (entity, &Cell(cell), content, mut fade) in &mut cells {
         let levels = standing.levels(cell);
         let (has_walls, has_relief) = (levels.has(Level::Two), levels.has(Level::Four));
-        if !has_walls && !has_relief {
-            continue;
-        }
-        if settings.relief_m <= 0.0 && !has_relief {
+        if !has_relief && (!has_walls || settings.relief_m <= 0.0) {
             continue;
         }
         let away = viewers.iter().map(|eye| distance_m(content, eye)).fold(f64::INFINITY, f64::min);

@@ -1,5 +1,6 @@
-//! The bodies of openings: how deep windows and doors lie in their walls, and what stands out about them. Pictures of openings are
-//! painted and reliefs are built by the same figures, so that one lies on the other.
+//! The bodies of openings: how deep windows and doors lie in their walls, and what stands out about them. Reliefs are built by these
+//! figures, and the holes in pictures of openings are painted by them, so that one lies on the other. What is painted about a hole has
+//! figures of its own; a test of the workshop holds it to be deep and proud where it is so here.
 //!
 //! Places are metres in a bay of [`BAY_M`]: x to the right from its left edge, y up from its foot. A wall stretches its bays to its own
 //! grid, and the openings with them; depths stay.

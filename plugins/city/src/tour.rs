@@ -35,13 +35,13 @@ impl Tour {
     const fn default_eye_m() -> f64 {
         1.65
     }
-    const fn default_fov_deg() -> f64 {
+    pub(crate) const fn default_fov_deg() -> f64 {
         55.0
     }
-    const fn default_hour() -> f64 {
+    pub(crate) const fn default_hour() -> f64 {
         10.0
     }
-    const fn default_day() -> u16 {
+    pub(crate) const fn default_day() -> u16 {
         160
     }
 }

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::Viewpoint;
+use crate::{Tour, Viewpoint};
 
 /// Fixed stands in a city from which stills are taken, always the same: `X.views.ron`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -24,29 +24,17 @@ pub struct Still {
     /// Stand and direction.
     pub at: Viewpoint,
     /// Vertical field of view, degrees.
-    #[serde(default = "Still::default_fov_deg")]
+    #[serde(default = "Tour::default_fov_deg")]
     pub fov_deg: f64,
     /// Local solar time, hours, 0 to 24.
-    #[serde(default = "Still::default_hour")]
+    #[serde(default = "Tour::default_hour")]
     pub hour: f64,
     /// Day of the year, 1 to 366.
-    #[serde(default = "Still::default_day")]
+    #[serde(default = "Tour::default_day")]
     pub day: u16,
     /// How wet the streets are, 0 to 1.
     #[serde(default)]
     pub wet: f64,
-}
-
-impl Still {
-    const fn default_fov_deg() -> f64 {
-        55.0
-    }
-    const fn default_hour() -> f64 {
-        10.0
-    }
-    const fn default_day() -> u16 {
-        160
-    }
 }
 
 impl Views {

@@ -97,6 +97,18 @@ fn relief_scale(facade: Facade, distance: f32, tag: u32) -> f32 {
     return unveiled(fades(tag).w, nearness(facade, distance).z);
 }
 
+// Where a vertex lies whose relief has risen so far, in its mesh. A relief is the normal of its wall (x, z), and how far before it the vertex lies.
+fn risen(position: vec3<f32>, relief: vec3<f32>, scale: f32) -> vec3<f32> {
+    return position - vec3<f32>(relief.x, 0.0, relief.y) * relief.z * (1.0 - scale);
+}
+
+// Its normal: the wall's as long as it is flat. What belongs to no wall keeps its own.
+fn risen_normal(normal: vec3<f32>, relief: vec3<f32>, scale: f32) -> vec3<f32> {
+    let wall = vec3<f32>(relief.x, 0.0, relief.y);
+    if dot(wall, wall) == 0.0 { return normal; }
+    return normalize(mix(wall, normal, scale));
+}
+
 // Reach of each level at a distance: level n keeps a pixel where reach(n + 1) <= threshold < reach(n). Walls of the next level look alike when
 // they come, and do so at once; trees, whose cards and bodies differ, take all of the fade and of the band.
 fn reaches(facade: Facade, distance: f32, fade: vec4<f32>) -> vec4<f32> {

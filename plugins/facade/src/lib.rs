@@ -5,8 +5,8 @@
 //! neighbouring levels so that level n keeps a pixel exactly where level n + 1 drops it. There is never a hole and never
 //! both, without temporal anti-aliasing, and also for cells that arrive late: they fade in over what was there before.
 //!
-//! Levels change places while they look alike, in the first fifth of a band of distances or of a fade: level 2 comes as plain as level 1,
-//! level 4 as flat as the levels before. In the rest openings come out of the wall and relief rises. Level 3 is composed in the shader on the
+//! Levels change places while they look alike, in the first fifth of a band of distances or of a fade: the walls of level 2 come as plain as level 1,
+//! those of level 4 as flat as the levels before. In the rest openings come out of the wall and relief rises. Level 3 is composed in the shader on the
 //! meshes of levels 2 and 4, each façade by its own seed: mottled and streaked paint, repairs, damp, hairlines, and behind clear panes a room.
 //!
 //! ```text
@@ -49,7 +49,7 @@
 //!
 //! # Rejected
 //! Bevy's `VisibilityRange` (one entity per part; late arrivals do not dither), alpha blending (sorting), per-façade
-//! entities (cost every frame, near or far), a dither through the whole band (it adds three times as much to the difference between frames), a
+//! entities (cost every frame, near or far), a dither through the whole band (its stipple is seen as long as it lasts), a
 //! composed texture for each façade (at 512 texels it is coarser than the tiles, and costs memory), and two crossed cards that both show (they look like a cross).
 
 mod fade;

@@ -1,7 +1,7 @@
 // Where the relief of walls stands, for depth and normals: as in the main pass.
 #import bevy_pbr::{mesh_functions, mesh_view_bindings::view, prepass_bindings, prepass_io::VertexOutput, view_transformations::position_world_to_clip}
 #ifdef VERTEX_RELIEF
-#import veduta_facade::levels::{Facade, relief_scale}
+#import veduta_facade::levels::{Facade, relief_scale, risen, risen_normal}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
 #endif
@@ -38,10 +38,9 @@ fn vertex(vertex: Vertex) -> VertexOutput {
     let centre = (model * vec4<f32>(vertex.uv_b.x, 0.0, vertex.uv_b.y, 1.0)).xz;
     let tag = mesh_functions::get_tag(vertex.instance_index);
     let scale = relief_scale(facade, distance(centre, view.world_position.xz), tag);
-    let wall = vec3<f32>(vertex.relief.x, 0.0, vertex.relief.y);
-    local = vertex.position - wall * vertex.relief.z * (1.0 - scale);
+    local = risen(vertex.position, vertex.relief, scale);
 #ifdef NORMAL_PREPASS_OR_DEFERRED_PREPASS
-    if dot(wall, wall) > 0.0 { normal = normalize(mix(wall, normal, scale)); }
+    normal = risen_normal(normal, vertex.relief, scale);
 #endif
 #endif
     out.world_position = model * vec4<f32>(local, 1.0);

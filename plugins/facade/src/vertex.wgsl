@@ -1,6 +1,6 @@
 // Walls whose relief rises as one comes near. Everything else stands where its mesh says.
 #import bevy_pbr::{forward_io::VertexOutput, mesh_functions, mesh_view_bindings::view, view_transformations::position_world_to_clip}
-#import veduta_facade::levels::{Facade, relief_scale}
+#import veduta_facade::levels::{Facade, relief_scale, risen, risen_normal}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
 
@@ -28,11 +28,10 @@ fn vertex(vertex: Vertex) -> VertexOutput {
     let centre = (model * vec4<f32>(vertex.uv_b.x, 0.0, vertex.uv_b.y, 1.0)).xz;
     let tag = mesh_functions::get_tag(vertex.instance_index);
     let scale = relief_scale(facade, distance(centre, view.world_position.xz), tag);
-    let wall = vec3<f32>(vertex.relief.x, 0.0, vertex.relief.y);
-    place = model * vec4<f32>(vertex.position - wall * vertex.relief.z * (1.0 - scale), 1.0);
+    place = model * vec4<f32>(risen(vertex.position, vertex.relief, scale), 1.0);
     // Shading takes it for flat: what the sun casts on the wall is cast on panes and sills, and no wall shades its own windows.
-    out.world_position = model * vec4<f32>(vertex.position - wall * vertex.relief.z, 1.0);
-    if dot(wall, wall) > 0.0 { normal = normalize(mix(wall, normal, scale)); }
+    out.world_position = model * vec4<f32>(risen(vertex.position, vertex.relief, 0.0), 1.0);
+    normal = risen_normal(normal, vertex.relief, scale);
 #endif
     out.position = position_world_to_clip(place.xyz);
     out.world_normal = mesh_functions::mesh_normal_local_to_world(normal, vertex.instance_index);

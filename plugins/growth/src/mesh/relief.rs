@@ -15,7 +15,7 @@ const BEVEL_M: f64 = 0.012;
 /// Trodden sandstone.
 const DOORSTEP: Rgb = Rgb(0x8C, 0x80, 0x70);
 
-/// The cell's walls of [`level2`](super::level2) with their openings in relief. Flattened, by taking every vertex back by its
+/// The cell's walls of [`level2`](super::level2) with their openings in relief, but for those of oriels and gables. Flattened, by taking every vertex back by its
 /// [relief](MeshData::reliefs), it is the same surface with the same pictures.
 ///
 /// # Errors
