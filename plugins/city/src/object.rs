@@ -50,11 +50,13 @@ pub enum ObjectKind {
     FruitTree,
     /// Palm.
     Palm,
+    /// A café's table with its chairs under a parasol.
+    Parasol,
 }
 
 impl ObjectKind {
     /// All of them.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::Lamp,
         Self::Tree,
         Self::Conifer,
@@ -77,6 +79,7 @@ impl ObjectKind {
         Self::Willow,
         Self::FruitTree,
         Self::Palm,
+        Self::Parasol,
     ];
 
     /// Those that are trees.
@@ -103,6 +106,7 @@ impl ObjectKind {
             Self::TramStop => 0.8,
             Self::Bollard => 0.16,
             Self::Kiosk => 1.3,
+            Self::Parasol => 1.2,
             Self::Well => 0.85,
             Self::Column => 0.65,
             Self::Bin => 0.26,

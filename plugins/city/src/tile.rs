@@ -39,6 +39,8 @@ pub enum Tile {
     LeafyTree(ObjectKind),
     /// A tree without leaves on a card, of a kind that sheds them.
     BareTree(ObjectKind),
+    /// A bay like `Bay(Opening::Shop)`, 1 to [`Tile::SHOPS`] − 1: see [`Tile::of_shop`].
+    Shop(u8),
 }
 
 /// Openings in the order of their layers.
@@ -79,7 +81,43 @@ const BARE: [ObjectKind; 5] = [ObjectKind::Tree, ObjectKind::Poplar, ObjectKind:
 
 impl Tile {
     /// Number of layers.
-    pub const COUNT: usize = 1 + OPENINGS.len() + 3 + SURFACES.len() + 6 + ObjectKind::TREES.len() + BARE.len();
+    pub const COUNT: usize =
+        1 + OPENINGS.len() + 3 + SURFACES.len() + 6 + ObjectKind::TREES.len() + BARE.len() + Self::SHOPS as usize - 1;
+
+    /// Number of trades that shops are painted for: each with its wares, its name and the colour of its front.
+    pub const TRADES: u8 = 6;
+
+    /// Number of bays of shops: of every trade one with its name over it and one without.
+    pub const SHOPS: u8 = 2 * Self::TRADES;
+
+    /// A shop's bay, of a trade from 0 to [`Tile::TRADES`] − 1; beyond, those again.
+    #[must_use]
+    pub const fn of_shop(trade: u8, is_named: bool) -> Self {
+        match trade % Self::TRADES * 2 + is_named as u8 {
+            0 => Self::Bay(Opening::Shop),
+            other => Self::Shop(other),
+        }
+    }
+
+    /// Trade of a shop's bay, and whether its name stands over it.
+    #[must_use]
+    pub const fn shop(self) -> Option<(u8, bool)> {
+        match self {
+            Self::Bay(Opening::Shop) => Some((0, false)),
+            Self::Shop(bay) => Some((bay / 2, bay % 2 == 1)),
+            _ => None,
+        }
+    }
+
+    /// The opening that it shows in a bay of one storey.
+    #[must_use]
+    pub const fn opening(self) -> Option<Opening> {
+        match self {
+            Self::Bay(opening) => Some(opening),
+            Self::Shop(_) => Some(Opening::Shop),
+            _ => None,
+        }
+    }
 
     /// The card of a kind of tree, in leaf or bare.
     #[must_use]
@@ -137,6 +175,7 @@ impl Tile {
             | ObjectKind::Bin
             | ObjectKind::Signals
             | ObjectKind::Sign => Self::Metal,
+            ObjectKind::Parasol => Self::Plaster,
         }
     }
 
@@ -162,6 +201,7 @@ impl Tile {
             Self::Lantern => stuffs + 5,
             Self::LeafyTree(kind) => stuffs + 6 + position(ObjectKind::TREES.iter().position(|&k| k == kind)),
             Self::BareTree(kind) => stuffs + 6 + ObjectKind::TREES.len() + position(BARE.iter().position(|&k| k == kind)),
+            Self::Shop(bay) => Self::COUNT - usize::from(Self::SHOPS - bay.clamp(1, Self::SHOPS - 1)),
         }
     }
 
@@ -174,6 +214,7 @@ impl Tile {
             .chain([Self::Stone, Self::Wood, Self::Leaves, Self::Carved, Self::Glass, Self::Lantern])
             .chain(ObjectKind::TREES.map(Self::LeafyTree))
             .chain(BARE.map(Self::BareTree))
+            .chain((1..Self::SHOPS).map(Self::Shop))
     }
 
     /// Width and height in metres that one repeat of the tile covers. Bays are stretched to their wall's grid instead, and cards
@@ -181,7 +222,7 @@ impl Tile {
     #[must_use]
     pub const fn size_m(self) -> (f32, f32) {
         match self {
-            Self::Bay(_) => (2.8, 3.4),
+            Self::Bay(_) | Self::Shop(_) => (2.8, 3.4),
             Self::Plaster => (4.0, 4.0),
             Self::RoofTile | Self::Slate | Self::Metal | Self::Stone | Self::Wood | Self::Leaves | Self::Carved => (2.0, 2.0),
             Self::Glass => (1.2, 1.2),
@@ -205,6 +246,15 @@ mod tests {
     fn every_tile_has_its_own_layer_in_order() {
         let layers: Vec<usize> = Tile::all().map(Tile::index).collect();
         assert_eq!(layers, (0..Tile::COUNT).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn every_trade_has_a_bay_with_its_name_and_one_without() {
+        for (trade, is_named) in (0..Tile::TRADES).flat_map(|trade| [(trade, false), (trade, true)]) {
+            let tile = Tile::of_shop(trade, is_named);
+            assert_eq!((tile.shop(), tile.opening()), (Some((trade, is_named)), Some(Opening::Shop)));
+            assert!(Tile::all().any(|other| other == tile), "{tile:?}");
+        }
     }
 
     #[test]

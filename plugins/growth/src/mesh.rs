@@ -74,5 +74,5 @@ pub use moulding::mouldings;
 pub(crate) use object::radius_m;
 pub use object::{lantern, objects, tree_cards, trees};
 pub use relief::level4;
-pub use roof::{roof_coverings, roofs};
+pub use roof::{roof_bodies, roof_coverings, roof_details, roofs};
 pub use wall::{facades, level1, level2};

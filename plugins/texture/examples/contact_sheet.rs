@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 use image::{Rgb as Pixel, RgbImage};
 use veduta_city::{Opening, Rgb, SurfaceKind, Tile};
-use veduta_texture::{MODULATION_UNIT, TileArray, paint_tiles};
+use veduta_texture::{MODULATION_UNIT, TileArray, paint_tiles, unpacked};
 
 /// Where the light comes from in these pictures: right, up, out of the wall.
 const SUN: [f32; 3] = [-0.45, 0.55, 0.70];
@@ -21,10 +21,10 @@ fn encode(linear: f32) -> u8 {
 }
 
 /// What the shader would show of a texel: albedo and, if `lit`, the light on its normal.
-fn shown(colour: &[u8], normal: &[u8], wall: Rgb, lit: bool) -> Pixel<u8> {
+fn shown(tile: Tile, colour: &[u8], normal: &[u8], wall: Rgb, lit: bool) -> Pixel<u8> {
     let [r, g, b] = Rgb(colour[0], colour[1], colour[2]).to_linear();
     let (share, wall) = (f32::from(colour[3]) / 255.0, wall.to_linear());
-    let n = [0, 1, 2].map(|i| (f32::from(normal[i]) - 128.0) / 127.0);
+    let (n, _) = unpacked(tile, [normal[0], normal[1], normal[2], normal[3]]);
     let facing = (n[0] * SUN[0] + n[1] * SUN[1] + n[2] * SUN[2]).max(0.0);
     let light = if lit { 0.3 + 0.75 * facing / SUN[2] * 0.95 } else { 1.0 };
     Pixel([0, 1, 2].map(|i| {
@@ -52,7 +52,7 @@ fn lay(
     for y in 0..height {
         for x in 0..width {
             let at = (((y * side * repeat / height) % side) * side + (x * side * repeat / width) % side) as usize * 4;
-            picture.put_pixel(left + x, top + y, shown(&colour[at..at + 4], &normal[at..at + 4], wall, lit));
+            picture.put_pixel(left + x, top + y, shown(tile, &colour[at..at + 4], &normal[at..at + 4], wall, lit));
         }
     }
 }
@@ -114,7 +114,7 @@ fn facade(tiles: &TileArray, bay: u32, wall: Rgb) -> RgbImage {
 
 /// Surfaces laid two by two, lit, to show seams and normals.
 fn surfaces(tiles: &TileArray) -> RgbImage {
-    let list: Vec<Tile> = Tile::all().filter(|t| !matches!(t, Tile::Bay(_)) && !t.is_card()).collect();
+    let list: Vec<Tile> = Tile::all().filter(|t| t.opening().is_none() && !t.is_card()).collect();
     let (columns, side, gap) = (4, 384, 6);
     let rows = (list.len() as u32).div_ceil(columns);
     let mut picture = RgbImage::from_pixel(columns * (side + gap), rows * (side + gap), Pixel([60, 60, 62]));
@@ -141,7 +141,7 @@ fn cards(tiles: &TileArray) -> RgbImage {
             for (x, y) in (0..drawn).flat_map(|y| (0..drawn).map(move |x| (x, y))) {
                 let texel = ((y * texels / drawn) * texels + x * texels / drawn) as usize * 4;
                 if normal[texel + 3] >= 128 {
-                    let pixel = shown(&colour[texel..texel + 4], &normal[texel..texel + 4], Rgb(0x6C, 0x86, 0x4A), true);
+                    let pixel = shown(tile, &colour[texel..texel + 4], &normal[texel..texel + 4], Rgb(0x6C, 0x86, 0x4A), true);
                     picture.put_pixel(at.0 + x, at.1 + y, pixel);
                 }
             }

@@ -10,7 +10,7 @@ use veduta_city::tree::{self, Skin, TreeBuilder, TreeCard};
 use veduta_city::{ObjectKind, Season};
 
 use crate::canvas::Texel;
-use crate::mips::Encoder;
+use crate::mips::{Encoder, share, signed};
 use crate::noise::{Fractal, Pebbles, floor, mix, smoothstep, word};
 
 /// A pixel is looked at in so many places across and down, while the layer is no larger than so many pixels: larger ones have enough.
@@ -64,10 +64,8 @@ impl Dot {
     /// Colour, and normal with the cover, in bytes.
     pub(crate) fn bytes(&self, encoder: &Encoder) -> [[u8; 4]; 2] {
         let n = self.normal.normalize_or(Vec3::Z);
-        let signed = |c: f32| (128.0 + c * 127.0 + 0.5).clamp(1.0, 255.0) as u8;
-        let cover = (self.cover * 255.0 + 0.5) as u8;
         let texel = Texel { tint: self.tint, ..Texel::solid(self.own, 0.0) };
-        [encoder.colour(&texel), [signed(n.x), signed(n.y), signed(n.z), cover]]
+        [encoder.colour(&texel), [signed(n.x), signed(n.y), signed(n.y), share(self.cover)]]
     }
 }
 

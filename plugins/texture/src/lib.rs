@@ -2,11 +2,11 @@
 //!
 //! ```text
 //!  Tile, seed ──► canvas (metres; colour, relief, roughness) ──► colour + alpha  ─┐
-//!                 shapes as signed distances                 └─► normal + rough. ─┴─► mips ──► TileArray
+//!                 shapes as signed distances                 └─► normal + rough. ─┴─► mips ──► Layer ──► blocks (BC3)
 //! ```
 //!
 //! # Use
-//! 1. Paint all tiles once with [`paint_tiles`], off the main thread.
+//! 1. Paint all tiles once with [`paint_tiles`], or one by one on many threads with a [`Workshop`], off the main thread.
 //! 2. Give [`TileArray::colour`] (sRGB) and [`TileArray::normal`] (linear) to two array textures of [`TileArray::layers`]
 //!    layers and [`TileArray::mips`] levels.
 //! 3. Sample layer [`Tile::index`] and compute the albedo, all in linear light, as
@@ -24,7 +24,16 @@
 //! | picture | r g b | a |
 //! |---|---|---|
 //! | colour | sRGB. Where a = 1: modulation of the wall's colour, [`MODULATION_UNIT`] (linear 0.5, byte [`NEUTRAL_BYTE`]) leaves it unchanged. Where a = 0: the albedo itself. Between: the mixture above | share of the wall's colour, linear |
-//! | normal | tangent-space normal, x right, y up in the image, z out of the wall; 128 is 0, 255 is 1 | perceptual roughness; of cards ([`Tile::is_card`]) the share of the pixel that they cover |
+//!
+//! The normal picture holds a tangent-space normal, x right, y up in the image, z out of the wall and never behind it, so that x and y
+//! tell it: 128 is 0, 255 is 1.
+//!
+//! | normal | r | g, b | a |
+//! |---|---|---|---|
+//! | of surfaces | perceptual roughness | y | x |
+//! | of cards ([`Tile::is_card`]) | x | y | share of the pixel that they cover |
+//!
+//! So blocks ([`Layer::in_blocks`]), in which alpha is told apart from the rest, keep what is seen most.
 //!
 //! Glass, timber, stone and ground stand in their own colours; plaster and roof coverings are tinted; mouldings lie between:
 //! the wall's colour drawn towards a warm white. Bays are painted with the shade of reveals, cornices and sills, light
@@ -39,6 +48,7 @@
 //! and their trunks stay as broad as a pixel.
 //!
 //! # Limits
+//! There are blocks for desktops; what reads none of them (phones in a browser) is given plain texels.
 //! Sizes are powers of two from 32 to 1024; others are rounded to the nearest such. Bilinear filtering between a tinted and an
 //! untinted texel is right only to first order; the error stays within one texel. One tile of a kind: variety comes from the
 //! vertex colours.
@@ -48,11 +58,13 @@
 //! same bits on every platform); painting on the GPU (baking and tests have none).
 
 mod bay;
+mod blocks;
 mod canvas;
 mod card;
 mod door;
 mod glass;
 mod hole;
+mod letter;
 mod mips;
 mod moulding;
 mod noise;
@@ -68,6 +80,7 @@ mod window;
 use veduta_city::draw::Draw;
 use veduta_city::{Id, Opening, SurfaceKind, Tile};
 
+pub use blocks::LayerBlocks;
 use canvas::Canvas;
 use card::{Card, Leaf};
 use mips::Encoder;
@@ -94,7 +107,7 @@ pub struct TileArray {
     /// RGBA8, rgb in sRGB, alpha linear. Layer by layer, within a layer mip by mip, within a mip row by row from the top
     /// (wgpu's `TextureDataOrder::LayerMajor`).
     pub colour: Vec<u8>,
-    /// RGBA8 linear: tangent normal in rgb, in alpha roughness, or the cover of cards. Laid out like `colour`.
+    /// RGBA8 linear: tangent normal, and roughness or the cover of cards; see [`unpacked`]. Laid out like `colour`.
     pub normal: Vec<u8>,
 }
 
@@ -143,44 +156,22 @@ pub fn paintable_size(size: u32) -> u32 {
 /// bytes.
 #[must_use]
 pub fn paint_tiles(size: u32, seed: u64) -> TileArray {
-    let size = paintable_size(size);
-    let (layers, mips) = (Tile::COUNT as u32, size.ilog2() + 1);
-    let mut array = TileArray { size, layers, mips, colour: Vec::new(), normal: Vec::new() };
-    let total = array.layer_bytes() * Tile::COUNT;
-    array.colour.reserve_exact(total);
-    array.normal.reserve_exact(total);
     let workshop = Workshop::new(size, seed);
-    for tile in Tile::all() {
-        let mut add = |colour: [u8; 4], normal: [u8; 4]| {
-            array.colour.extend(colour);
-            array.normal.extend(normal);
-        };
-        match workshop.draw(tile) {
-            Drawing::Card(card) => card.mips.iter().flatten().for_each(|dot| {
-                let [colour, normal] = dot.bytes(&workshop.encoder);
-                add(colour, normal);
-            }),
-            Drawing::Canvas(canvas) => {
-                let (mut side, mut facets, mut texels) = (size as usize, mips::facets(&canvas), canvas.texels);
-                loop {
-                    texels.iter().zip(&facets).for_each(|(texel, facet)| add(workshop.encoder.colour(texel), facet.bytes()));
-                    if side == 1 {
-                        break;
-                    }
-                    texels = mips::halve(side, &texels, mips::mean_texel);
-                    facets = mips::halve(side, &facets, mips::mean_facet);
-                    side /= 2;
-                }
-            }
-        }
+    let layers: Vec<Layer> = Tile::all().map(|tile| workshop.paint(tile)).collect();
+    let chain = |of: fn(&Layer) -> &Vec<u8>| layers.iter().flat_map(of).copied().collect();
+    TileArray {
+        size: workshop.size,
+        layers: Tile::COUNT as u32,
+        mips: workshop.mips(),
+        colour: chain(|layer| &layer.colour),
+        normal: chain(|layer| &layer.normal),
     }
-    array
 }
 
 /// Colour and normal (with roughness, or cover) of one tile at mip 0, row by row from the top; pixels as in [`TileArray`].
 #[must_use]
 pub fn paint_tile(tile: Tile, size: u32, seed: u64) -> (Vec<[u8; 4]>, Vec<[u8; 4]>) {
-    let workshop = Workshop::new(paintable_size(size), seed);
+    let workshop = Workshop::new(size, seed);
     let encoder = &workshop.encoder;
     match workshop.draw(tile) {
         Drawing::Card(card) => card.mips[0].iter().map(|dot| dot.bytes(encoder).into()).unzip(),
@@ -191,8 +182,28 @@ pub fn paint_tile(tile: Tile, size: u32, seed: u64) -> (Vec<[u8; 4]>, Vec<[u8; 4
     }
 }
 
-/// What tiles of one size and seed have in common.
-struct Workshop {
+/// What a texel of a tile's normal picture tells: the tangent-space normal, and the roughness or, of cards, the cover.
+#[must_use]
+pub fn unpacked(tile: Tile, [r, g, _, a]: [u8; 4]) -> ([f32; 3], f32) {
+    let (x, other) = if tile.is_card() { (r, a) } else { (a, r) };
+    let signed = |byte: u8| (f32::from(byte) - 128.0) / 127.0;
+    let (x, y) = (signed(x), signed(g));
+    ([x, y, (1.0 - x * x - y * y).max(0.0).sqrt()], f32::from(other) / 255.0)
+}
+
+/// One tile with its mip chain: a layer of the two array textures.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Layer {
+    /// Side in pixels at mip 0.
+    pub size: u32,
+    /// As [`TileArray::colour`].
+    pub colour: Vec<u8>,
+    /// As [`TileArray::normal`].
+    pub normal: Vec<u8>,
+}
+
+/// What tiles of one size and seed have in common. Paints them one by one, so that threads can share the work.
+pub struct Workshop {
     size: u32,
     seed: u64,
     encoder: Encoder,
@@ -209,9 +220,53 @@ enum Drawing {
 }
 
 impl Workshop {
-    fn new(size: u32, seed: u64) -> Self {
+    /// A workshop for tiles of `size` × `size` pixels (see [`paintable_size`]).
+    #[must_use]
+    pub fn new(size: u32, seed: u64) -> Self {
+        let size = paintable_size(size);
         let leaf = Leaf::new(Draw::new(seed, Id(Tile::Leaves.index() as u64), "card"));
         Self { size, seed, encoder: Encoder::new(), wall: bay::bay_wall(size, seed), leaf }
+    }
+
+    /// Side of its tiles in pixels.
+    #[must_use]
+    pub fn size(&self) -> u32 {
+        self.size
+    }
+
+    /// Number of mip levels of its tiles, down to one pixel.
+    #[must_use]
+    pub fn mips(&self) -> u32 {
+        self.size.ilog2() + 1
+    }
+
+    /// Paints a tile with its mips.
+    #[must_use]
+    pub fn paint(&self, tile: Tile) -> Layer {
+        let mut layer = Layer { size: self.size, colour: Vec::new(), normal: Vec::new() };
+        let mut add = |colour: [u8; 4], normal: [u8; 4]| {
+            layer.colour.extend(colour);
+            layer.normal.extend(normal);
+        };
+        match self.draw(tile) {
+            Drawing::Card(card) => card.mips.iter().flatten().for_each(|dot| {
+                let [colour, normal] = dot.bytes(&self.encoder);
+                add(colour, normal);
+            }),
+            Drawing::Canvas(canvas) => {
+                let (mut side, mut facets, mut texels) = (self.size as usize, mips::facets(&canvas), canvas.texels);
+                loop {
+                    texels.iter().zip(&facets).for_each(|(texel, facet)| add(self.encoder.colour(texel), facet.bytes()));
+                    if side == 1 {
+                        break;
+                    }
+                    texels = mips::halve(side, &texels, mips::mean_texel);
+                    facets = mips::halve(side, &facets, mips::mean_facet);
+                    side /= 2;
+                }
+            }
+        }
+        layer
     }
 
     fn draw(&self, tile: Tile) -> Drawing {
@@ -219,9 +274,13 @@ impl Workshop {
         let draw = Draw::new(self.seed, Id(tile.index() as u64), "texture");
         Drawing::Canvas(match tile {
             Tile::Plaster | Tile::Bay(Opening::Blank) => bay::bare_plaster(size, size_m, draw),
-            Tile::Bay(opening) => {
+            Tile::Bay(_) | Tile::Shop(_) => {
                 let mut canvas = self.wall.clone();
-                draw_opening(&mut canvas, opening, draw);
+                let opening = tile.opening().unwrap_or_default();
+                match tile.shop() {
+                    Some(shop) => street::shop(&mut canvas, draw, shop),
+                    None => draw_opening(&mut canvas, opening, draw),
+                }
                 bay::join(&mut canvas, &self.wall, stands_on_foot(opening));
                 canvas
             }
@@ -251,7 +310,7 @@ fn stands_on_foot(opening: Opening) -> bool {
 
 fn draw_opening(canvas: &mut Canvas, opening: Opening, draw: Draw) {
     match opening {
-        Opening::Blank => {}
+        Opening::Blank | Opening::Shop => {}
         Opening::Window => window::plain(canvas, draw),
         Opening::FramedWindow => window::framed(canvas, draw),
         Opening::CorniceWindow => window::corniced(canvas, draw),
@@ -263,7 +322,6 @@ fn draw_opening(canvas: &mut Canvas, opening: Opening, draw: Draw) {
         Opening::Slit => tower::slit(canvas, draw),
         Opening::Portal => door::portal(canvas, draw),
         Opening::Door => door::door(canvas, draw),
-        Opening::Shop => street::shop(canvas, draw),
         Opening::Arcade => street::arcade(canvas, draw),
         Opening::Gate => door::gate(canvas, draw),
         Opening::Clock => tower::clock(canvas, draw),
@@ -300,7 +358,7 @@ mod tests {
     fn what_is_painted_deep_or_proud_is_so_in_relief() {
         let workshop = Workshop::new(256, 1);
         for tile in Tile::all() {
-            let (Tile::Bay(opening), Drawing::Canvas(canvas)) = (tile, workshop.draw(tile)) else { continue };
+            let (Some(opening), Drawing::Canvas(canvas)) = (tile.opening(), workshop.draw(tile)) else { continue };
             let Some(recess) = opening.recess() else { continue };
             // Beside mullions and between panes' bars.
             let inside = recess.low.lerp(recess.high, 0.31);

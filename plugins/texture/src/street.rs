@@ -1,31 +1,109 @@
 //! The ground floor's other life: shop fronts and arcades.
 
 use glam::Vec3;
-use veduta_city::Opening;
 use veduta_city::draw::Draw;
+use veduta_city::{Opening, Tile};
 
 use crate::bay::{BAY, MIDDLE};
 use crate::canvas::{Canvas, Rect, Texel, disc, srgb};
 use crate::hole::{Head, Hole, shade_recess};
+use crate::letter;
 use crate::moulding::{console, cornice, keystone, panel};
 use crate::noise::{falloff, floor, hash, mix, smoothstep, word};
 use crate::stone::{Sandstone, stone_ring};
 use crate::timber::{Timber, boards};
 
-/// Paint of the shop front.
-const FRONT: u32 = 0x002F_4A41;
 /// Gold of letters.
 const GOLD: u32 = 0x00C2_A158;
 
-/// Shop front of painted timber: stall riser, display window, fascia board under a cornice.
-pub(crate) fn shop(canvas: &mut Canvas, draw: Draw) {
+/// What a shop sells, and how it looks for that.
+struct Trade {
+    name: &'static str,
+    /// Paint of its front.
+    front: u32,
+    /// Colours of its wares.
+    wares: [u32; 6],
+    shelves: u32,
+    /// Wares side by side on a shelf.
+    abreast: u32,
+    /// Least and greatest height in shelves and half width in places.
+    tall: (f32, f32),
+    broad: (f32, f32),
+}
+
+const TRADES: [Trade; Tile::TRADES as usize] = [
+    // Books.
+    Trade {
+        name: "NOV\u{c1}K",
+        front: 0x002F_4A41,
+        wares: [0x008A_5A44, 0x00B9_A27A, 0x0058_6B5E, 0x0070_4A52, 0x00C0_B59E, 0x004B_5A6B],
+        shelves: 3,
+        abreast: 15,
+        tall: (0.45, 0.75),
+        broad: (0.36, 0.48),
+    },
+    // Bread and cakes.
+    Trade {
+        name: "ROSSI",
+        front: 0x006A_2E2A,
+        wares: [0x00B5_7B3C, 0x00C9_9650, 0x008C_5428, 0x00D8_B878, 0x00A3_6430, 0x00E2_CFA4],
+        shelves: 3,
+        abreast: 7,
+        tall: (0.22, 0.42),
+        broad: (0.34, 0.46),
+    },
+    // Cloth and dresses.
+    Trade {
+        name: "KLEIN",
+        front: 0x0026_3348,
+        wares: [0x008E_2F3A, 0x0031_4A6B, 0x00C8_B48C, 0x003E_5A44, 0x006B_4468, 0x00D8_D2C4],
+        shelves: 1,
+        abreast: 6,
+        tall: (0.5, 0.74),
+        broad: (0.24, 0.38),
+    },
+    // Wine.
+    Trade {
+        name: "LEONI",
+        front: 0x0038_2A22,
+        wares: [0x002C_4630, 0x0036_2A22, 0x004A_5A34, 0x005C_2430, 0x0030_3C2C, 0x00A8_8A4A],
+        shelves: 3,
+        abreast: 13,
+        tall: (0.6, 0.78),
+        broad: (0.2, 0.28),
+    },
+    // China and glass.
+    Trade {
+        name: "WEISS",
+        front: 0x005E_6A62,
+        wares: [0x00E2_E4E0, 0x00C4_D2DC, 0x00E8_E0D0, 0x008C_A6BC, 0x00D4_DCD8, 0x00B0_C8C4],
+        shelves: 4,
+        abreast: 9,
+        tall: (0.3, 0.7),
+        broad: (0.22, 0.42),
+    },
+    // Fruit and flowers.
+    Trade {
+        name: "MARTIN",
+        front: 0x0074_5A34,
+        wares: [0x00C4_4438, 0x00D8_9A34, 0x0062_8A3C, 0x00D8_C44C, 0x00B0_5C84, 0x004C_7434],
+        shelves: 4,
+        abreast: 12,
+        tall: (0.4, 0.62),
+        broad: (0.38, 0.48),
+    },
+];
+
+/// Shop front of painted timber: stall riser, display window, fascia board under a cornice. The trade is one of [`Tile::TRADES`].
+pub(crate) fn shop(canvas: &mut Canvas, draw: Draw, (trade, is_named): (u8, bool)) {
+    let trade = &TRADES[usize::from(trade) % TRADES.len()];
     let front = Rect::standing(MIDDLE, 0.0, 2.5, 3.06);
-    let timber = Timber::new(FRONT, draw, BAY);
-    let paint = Texel::solid(srgb(FRONT), 0.52);
+    let timber = Timber::new(trade.front, draw, BAY);
+    let paint = Texel::solid(srgb(trade.front), 0.52);
     canvas.cast(front, |x, y| front.distance(x, y), 0.09, 0.45);
     boards(canvas, front, |x, y| front.distance(x, y), &timber, 0.06);
     let window = Hole::of(Opening::Shop).rect;
-    display(canvas, window, draw);
+    display(canvas, window, trade, draw);
     mullions(canvas, window, paint);
     for i in 0..3 {
         let field = Rect::standing(MIDDLE + (i as f32 - 1.0) * 0.7, 0.16, 0.58, 0.36);
@@ -39,25 +117,28 @@ pub(crate) fn shop(canvas: &mut Canvas, draw: Draw) {
         panel(canvas, Rect::standing(MIDDLE + side * 1.14, 0.62, 0.1, 1.7), 0.02, paint.times(1.05).at(0.09), 0.012);
         canvas.slab(Rect::standing(MIDDLE + side * 1.14, 0.0, 0.24, 0.5), paint.times(0.9).at(0.06), 0.04);
     }
-    fascia(canvas, paint);
+    fascia(canvas, paint, is_named.then_some(trade.name));
     for side in [-1.0, 1.0] {
         console(canvas, Rect::standing(MIDDLE + side * 1.14, 2.4, 0.19, 0.56), paint.times(1.25).at(0.08));
     }
     cornice(canvas, Rect::standing(MIDDLE, 2.94, 2.42, 0.14), 0.16, paint.times(1.2));
 }
 
-/// The fascia: a gilt line around a field left free for a name, and an ornament in its middle.
-fn fascia(canvas: &mut Canvas, paint: Texel) {
+/// The fascia: a gilt line around a name, or around an ornament where there is none.
+fn fascia(canvas: &mut Canvas, paint: Texel, name: Option<&str>) {
     let board = Rect::standing(MIDDLE, 2.46, 2.5, 0.48);
     canvas.slab(board, paint.times(0.9).at(0.06), 0.03);
     let gold = Texel::solid(srgb(GOLD) * 0.9, 0.42).at(0.095);
-    let line = Rect::standing(MIDDLE, 2.54, 1.9, 0.32);
+    let line = Rect::standing(MIDDLE, 2.53, 1.94, 0.34);
     canvas.paint(line, |x, y| line.distance(x, y).abs() - 0.008, |_, _| gold);
     let cy = (line.y0 + line.y1) / 2.0;
+    if let Some(name) = name {
+        return letter::write(canvas, name, (MIDDLE, cy - 0.105), 0.2, gold);
+    }
     let lozenge = |half_x: f32, half_y: f32, x: f32, y: f32| {
         (((x - MIDDLE).abs() / half_x + (y - cy).abs() / half_y) - 1.0) * half_x.min(half_y)
     };
-    let area = Rect::standing(MIDDLE, line.y0, 1.0, 0.32);
+    let area = Rect::standing(MIDDLE, line.y0, 1.0, line.height());
     canvas.paint(area, |x, y| lozenge(0.42, 0.032, x, y).min(lozenge(0.085, 0.1, x, y)), |_, _| gold);
     canvas.paint(area, |x, y| lozenge(0.05, 0.06, x, y), |_, _| paint.times(1.1).at(0.095));
     for side in [-1.0, 1.0] {
@@ -66,25 +147,27 @@ fn fascia(canvas: &mut Canvas, paint: Texel) {
     }
 }
 
-/// What stands in the window: shelves with goods in lamplight, the street mirrored faintly over them.
-fn display(canvas: &mut Canvas, window: Rect, draw: Draw) {
+/// What stands in the window: shelves with wares in lamplight, the street mirrored faintly over them.
+fn display(canvas: &mut Canvas, window: Rect, trade: &Trade, draw: Draw) {
     let (dark, lamp, sky) = (srgb(0x002C_2A28), srgb(0x00A8_8A5C), srgb(0x0066_7480));
-    let goods = [srgb(0x008A_5A44), srgb(0x00B9_A27A), srgb(0x0058_6B5E), srgb(0x0070_4A52), srgb(0x00C0_B59E), srgb(0x004B_5A6B)];
-    let key = draw.bits("goods");
+    let wares = trade.wares.map(srgb);
+    let key = draw.bits("wares");
+    let (shelves, abreast) = (trade.shelves as f32, trade.abreast as f32);
     canvas.paint_rect(window, |x, y| {
         let (u, v) = ((x - window.x0) / window.width(), (y - window.y0) / window.height());
         let glow = smoothstep(1.1, 0.3, v) * (0.25 + 0.75 * falloff((u - 0.5).abs(), 0.75));
         let mut colour: Vec3 = dark.lerp(lamp, 0.4 * glow);
-        let shelf = floor(v * 3.2).min(2);
-        let on_shelf = v * 3.2 - shelf as f32;
-        let slot = floor(u * 10.0 + shelf as f32 * 0.37);
-        let across = u * 10.0 + shelf as f32 * 0.37 - slot as f32;
+        let up = v * (shelves + 0.2);
+        let shelf = floor(up).min(trade.shelves as i32 - 1);
+        let on_shelf = up - shelf as f32;
+        let along = u * abreast + shelf as f32 * 0.37;
+        let slot = floor(along);
         let bits = hash(key, slot, shelf);
-        let (tall, broad) = (0.25 + 0.45 * word(bits, 0), 0.28 + 0.2 * word(bits, 1));
-        let off = (across - 0.5).abs();
-        if word(bits, 3) > 0.15 {
+        let (tall, broad) = (mix(trade.tall.0, trade.tall.1, word(bits, 0)), mix(trade.broad.0, trade.broad.1, word(bits, 1)));
+        let off = (along - slot as f32 - 0.5).abs();
+        if word(bits, 3) > 0.12 {
             let round = smoothstep(broad + 0.04, broad - 0.04, off) * smoothstep(tall + 0.04, tall - 0.04, on_shelf);
-            let body = goods[(word(bits, 2) * goods.len() as f32) as usize] * (0.3 + 0.5 * glow) * (1.1 - 1.2 * off);
+            let body = wares[(word(bits, 2) * wares.len() as f32) as usize] * (0.35 + 0.55 * glow) * (1.1 - 1.1 * off);
             colour = colour.lerp(body, round);
         }
         colour *= 1.0 - 0.5 * falloff(on_shelf, 0.06);

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use veduta_city::{CellShell, Season};
-use veduta_growth::mesh::{self, MeshData};
+use veduta_growth::mesh::{self, MeshData, MonumentDetail};
 
 /// What stands in a city, as rays meet it. East, up and south of the anchor, metres.
 pub(super) struct Scene {
@@ -79,7 +79,8 @@ impl Scene {
 /// Triangles of a cell: those that hide, and those that do not.
 fn faces((cell, shell): (u32, &CellShell)) -> [Vec<Face>; 2] {
     let mut solid = mesh::ground(shell);
-    for more in [mesh::footings(shell), mesh::spans(shell), mesh::roofs(shell), mesh::level1(shell)] {
+    let monuments = mesh::monuments(shell, MonumentDetail::COARSE);
+    for more in [mesh::footings(shell), mesh::spans(shell), mesh::roofs(shell), mesh::level1(shell), monuments] {
         solid.append(&more);
     }
     let mut loose = mesh::objects(shell);

@@ -14,7 +14,7 @@ use core::ops::Range;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use veduta_city::monument::{Axis, Content, Design, Head, Material, Model, Piece, Repeat, Shape};
-use veduta_city::{CellShell, PlacedMonument, Tile, metres};
+use veduta_city::{CellShell, Level, PlacedMonument, Tile, metres};
 
 use super::data::{MeshData, Paint, newell};
 use super::outline::{Triangulator, centre_of, engine};
@@ -35,8 +35,20 @@ pub struct MonumentDetail {
 impl MonumentDetail {
     /// For the outline level: what is seen from afar.
     pub const COARSE: Self = Self { within_m: 0.12, least_m: 0.45, has_reveals: false };
-    /// For the finer levels.
+    /// For level 2, which is seen from a street's width on.
+    pub const MIDDLE: Self = Self { within_m: 0.03, least_m: 0.05, has_reveals: true };
+    /// For level 4, from near by.
     pub const FINE: Self = Self { within_m: 0.008, least_m: 0.0, has_reveals: true };
+
+    /// What is made for a level.
+    #[must_use]
+    pub const fn of(level: Level) -> Self {
+        match level {
+            Level::One => Self::COARSE,
+            Level::Two | Level::Three => Self::MIDDLE,
+            Level::Four => Self::FINE,
+        }
+    }
 }
 
 /// All monuments that a cell draws. Centres are where the outermost parts have their origins: a church's near tower shows finer than

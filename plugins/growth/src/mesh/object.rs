@@ -29,6 +29,15 @@ const LIGHTS: [Rgb; 3] = [Rgb(0xD8, 0x3A, 0x2E), Rgb(0x6E, 0x5A, 0x2C), Rgb(0x24
 const SIGNAL_YELLOW: Rgb = Rgb(0xD9, 0xA9, 0x2E);
 const GALVANISED: Rgb = Rgb(0x8E, 0x94, 0x96);
 const FLOWERS: [Rgb; 4] = [Rgb(0xC4, 0x44, 0x4E), Rgb(0xD9, 0xA8, 0xB4), Rgb(0xE0, 0xC4, 0x5A), Rgb(0x8C, 0x6C, 0xA8)];
+const WARES: [Rgb; 6] = [
+    Rgb(0xB4, 0x4A, 0x3C),
+    Rgb(0xC8, 0x9A, 0x48),
+    Rgb(0x6E, 0x84, 0x4A),
+    Rgb(0xD2, 0xBE, 0x92),
+    Rgb(0x8A, 0x5A, 0x38),
+    Rgb(0x7A, 0x56, 0x74),
+];
+const CANOPIES: [Rgb; 4] = [Rgb(0xE4, 0xDC, 0xC8), Rgb(0xE4, 0xDC, 0xC8), Rgb(0xA8, 0x3C, 0x34), Rgb(0x5A, 0x6E, 0x50)];
 const AWNINGS: [Rgb; 3] = [Rgb(0x8C, 0x3E, 0x2C), Rgb(0x4E, 0x6A, 0x4C), Rgb(0xC9, 0xB0, 0x6E)];
 
 /// Height of a lamp's light above its foot at nominal size; metres.
@@ -84,6 +93,7 @@ const fn nominal_m(kind: ObjectKind) -> f64 {
         ObjectKind::Sign => 2.6,
         ObjectKind::Hedge => 0.95,
         ObjectKind::Planter => 1.1,
+        ObjectKind::Parasol => 2.7,
         ObjectKind::Shrub => 1.2,
         _ => tree_m(kind),
     }
@@ -136,6 +146,7 @@ impl<'a> Maker<'a> {
             ObjectKind::Sign => self.sign(),
             ObjectKind::Hedge => self.hedge(),
             ObjectKind::Planter => self.planter(),
+            ObjectKind::Parasol => self.parasol(),
             ObjectKind::Shrub => self.shrub(),
             _ => {}
         }
@@ -237,6 +248,15 @@ impl<'a> Maker<'a> {
             self.sculptor.block((x, 0.95), (0.05, 0.05), (0.0, 2.2), wood);
             self.sculptor.block((x, 0.0), (0.04, 0.95), (0.0, 1.0), wood);
         }
+        // Wares in boxes on the counter, and on a shelf behind it.
+        for (i, x) in (0..6).map(|i| (i, 0.4 * f64::from(i) - 1.0)) {
+            let ware = self.draw.part(i as u64);
+            let [front, back] = ["front", "back"].map(|row| ware.pick(row, &WARES).copied().unwrap_or(TIMBER));
+            let (front, back) = (self.paint(front, Tile::Plaster), self.paint(back, Tile::Plaster));
+            self.sculptor.block((x, 0.72), (0.16, 0.24), (1.02, ware.between("heap", 1.08, 1.2)), front);
+            self.sculptor.block((x, -0.72), (0.13, 0.12), (1.3, ware.between("stack", 1.42, 1.7)), back);
+        }
+        self.sculptor.block((0.0, -0.74), (1.2, 0.16), (1.26, 1.3), wood);
         // Left and right as seen from the front.
         let corner = |x: f64, z: f64| DVec3::new(-1.5 * x, 2.15, 1.3 * z);
         let ridge = |x: f64| DVec3::new(-0.6 * x, 3.0, 0.0);
@@ -251,6 +271,35 @@ impl<'a> Maker<'a> {
         let drop = |p: DVec3| p - DVec3::Y * 0.2;
         for (a, b) in [(fl, fr), (fr, br), (br, bl), (bl, fl)] {
             self.sculptor.face(&[drop(a), drop(b), b, a], cloth);
+        }
+    }
+
+    /// A square canopy with a valance on a pole; under it a round table and four chairs.
+    fn parasol(&mut self) {
+        let (wood, iron) = (self.paint(TIMBER, Tile::Wood), self.paint(IRON, Tile::Metal));
+        let cloth = self.draw.pick("canopy", &CANOPIES).copied().unwrap_or(CANOPIES[0]);
+        let cloth = self.paint(cloth, Tile::Plaster);
+        self.sculptor.block((0.0, 0.0), (0.025, 0.025), (0.0, 2.65), wood);
+        self.turned(10, &[(0.34, 0.71), (0.34, 0.745), (0.0, 0.745)], wood);
+        self.turned(6, &[(0.22, 0.0), (0.2, 0.03), (0.0, 0.03)], iron);
+        for (x, z) in [(0.72, 0.0), (-0.72, 0.0), (0.0, 0.72), (0.0, -0.72)] {
+            let back = |at: f64| if at == 0.0 { 0.2 } else { 0.02 };
+            self.sculptor.block((x, z), (0.2, 0.2), (0.43, 0.46), wood);
+            self.sculptor.block((1.25 * x, 1.25 * z), (back(x), back(z)), (0.46, 0.86), wood);
+            for (dx, dz) in [(-0.17, -0.17), (0.17, -0.17), (0.17, 0.17), (-0.17, 0.17)] {
+                self.sculptor.block((x + dx, z + dz), (0.014, 0.014), (0.0, 0.43), iron);
+            }
+        }
+        // Left and right as seen from the front.
+        let corner = |x: f64, z: f64| DVec3::new(-1.45 * x, 2.12, 1.45 * z);
+        let corners = [corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)];
+        let top = DVec3::new(0.0, 2.7, 0.0);
+        let drop = DVec3::Y * 0.18;
+        for (a, b) in (0..4).map(|i| (corners[i], corners[(i + 1) % 4])) {
+            self.sculptor.face(&[a, b, top], cloth);
+            self.sculptor.face(&[b, a, top - DVec3::Y * 0.02], cloth);
+            self.sculptor.face(&[a - drop, b - drop, b, a], cloth);
+            self.sculptor.face(&[b - drop, a - drop, a, b], cloth);
         }
     }
 

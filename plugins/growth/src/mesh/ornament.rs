@@ -197,7 +197,7 @@ impl Dresser<'_> {
             let storeys = &self.plan.storeys[usize::from(oriel.storeys.0)..=usize::from(oriel.storeys.1)];
             let wall = Wall { bays: 1, storeys: storeys.iter().map(storey).collect(), ..Wall::default() };
             let plaster = Paint::new(self.front.plaster.centre, self.volume.colour, Tile::Plaster);
-            Front { edge, bottom: low, eaves: high, plaster }.bays(&wall, Front::flat, mesh);
+            Front { edge, bottom: low, eaves: high, plaster, trade: 0 }.bays(&wall, Front::flat, mesh);
             sides.push(edge);
         }
         // Below it a corbel, above it a roof: both lean back to the wall.

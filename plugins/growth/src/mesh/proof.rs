@@ -244,6 +244,9 @@ fn a_house_stays_small() {
     let shell = cell(volume(outline, RoofShape::Gabled, 90, 5 * 1024));
     let sheet = sheet(&shell, 4);
     let count = |mesh: &MeshData| (mesh.positions.len(), mesh.triangle_count());
+    let [all, bodies, details] =
+        [roofs(&shell), super::roof_bodies(&shell), super::roof_details(&shell)].map(|m| m.triangle_count());
+    assert!(bodies > 0 && details > 0 && bodies + details == all, "{bodies} of bodies and {details} of details make {all}");
     println!("roof {:?}, level 1 {:?}", count(&roofs(&shell)), count(&level1(&shell)));
     println!("level 2 {:?} with mouldings {:?}", count(&facades(&shell, &sheet).unwrap()), count(&level2(&shell, &sheet).unwrap()));
     assert_eq!(level1(&shell).triangle_count(), 4 * 2 + 2 * 2, "four walls and two gables of two halves");

@@ -5,7 +5,6 @@ use veduta_city::opening::{BAY_M, Band, Recess, Slab};
 use veduta_city::{CellShell, FacadeSheet, Rgb, Tile};
 
 use super::data::{MeshData, MeshError, Paint};
-use super::monument::{MonumentDetail, monuments};
 use super::moulding::add_mouldings;
 use super::outline::engine;
 use super::wall::{Front, Run, check, facades_as};
@@ -24,7 +23,6 @@ pub fn level4(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshEr
     check(shell, sheet)?;
     let mut mesh = facades_as(shell, sheet, bays);
     add_mouldings(shell, sheet, &mut mesh);
-    mesh.append(&monuments(shell, MonumentDetail::FINE));
     mesh.reliefs.resize(mesh.positions.len(), [0.0; 3]);
     Ok(mesh)
 }
@@ -32,7 +30,6 @@ pub fn level4(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshEr
 /// Each bay of a run with its opening in relief.
 fn bays(front: &Front, run: &Run, mesh: &mut MeshData) {
     let Some(recess) = run.opening.recess() else { return front.flat(run, mesh) };
-    let paint = front.plaster.with_tile(Tile::of_opening(run.opening));
     mesh.reliefs.resize(mesh.positions.len(), [0.0; 3]);
     let [foot, top] = run.heights;
     // The last storey ends where the run does, to the bit.
@@ -41,6 +38,7 @@ fn bays(front: &Front, run: &Run, mesh: &mut MeshData) {
         for bay in run.from..run.to {
             let shares = [run.share(bay), run.share(bay + 1)];
             let corner = DVec2::new(bay.into(), 1.0 - (run.storey + row) as f64);
+            let paint = front.plaster.with_tile(front.tile(run, bay));
             Bay { front, shares, heights: [level(row), level(row + 1)], corner, paint }.open(&recess, run.opening.slabs(), mesh);
         }
     }

@@ -20,18 +20,40 @@ const COVERING_QUADS: usize = 9;
 /// volumes that hang in the air. Centres are the middles of the volumes' footprints.
 #[must_use]
 pub fn roofs(shell: &CellShell) -> MeshData {
+    made(shell, ROOF_QUADS, true, true)
+}
+
+/// Of those [`roofs`] what is seen from afar: coverings, and the undersides of volumes that hang in the air.
+#[must_use]
+pub fn roof_bodies(shell: &CellShell) -> MeshData {
+    made(shell, COVERING_QUADS, true, false)
+}
+
+/// The rest of them: overhanging eaves, parapets, chimneys, dormers.
+#[must_use]
+pub fn roof_details(shell: &CellShell) -> MeshData {
+    made(shell, ROOF_QUADS, false, true)
+}
+
+fn made(shell: &CellShell, quads: usize, has_bodies: bool, has_details: bool) -> MeshData {
     let mut mesh = MeshData::default();
-    mesh.reserve_quads(shell.houses.len() * ROOF_QUADS);
+    mesh.reserve_quads(shell.houses.len() * quads);
     let mut roofer = Roofer::default();
     for house in shell.houses.iter().filter(|house| !house.is_monument) {
         for volume in house.volumes.iter().filter(|v| v.has_roof) {
             let first = mesh.positions.len();
             let Some(form) = roofer.start(volume) else { continue };
+            let indices = mesh.indices.len();
+            // Details follow the pieces that the covering is cut into.
             roofer.cover(&form, &mut mesh);
-            let corner = volume.footprint.outer.first().copied().unwrap_or_default();
-            roof_detail::details(draw_at(shell, corner, "roof"), &form, &mut roofer, &mut mesh);
-            if metres(volume.bottom) > metres(house.floor) + HANGING_M {
+            if !has_bodies {
+                cut_back(&mut mesh, first, indices);
+            } else if metres(volume.bottom) > metres(house.floor) + HANGING_M {
                 roofer.underside(volume, &mut mesh);
+            }
+            if has_details {
+                let corner = volume.footprint.outer.first().copied().unwrap_or_default();
+                roof_detail::details(draw_at(shell, corner, "roof"), &form, &mut roofer, &mut mesh);
             }
             mesh.stand(first, house.floor);
         }

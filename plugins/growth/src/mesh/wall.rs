@@ -1,16 +1,15 @@
 use glam::DVec2;
-use veduta_city::{CellShell, FacadeSheet, HouseShell, Opening, Tile, VolumeShell, Wall, WallKind, metres};
+use veduta_city::draw::Draw;
+use veduta_city::{CellShell, FacadeSheet, HouseShell, Id, Opening, Rgb, Tile, VolumeShell, Wall, WallKind, metres};
 
 use super::arcade;
 use super::data::{MeshData, MeshError, Paint};
 use super::form::RoofForm;
 use super::gable;
-use super::monument::{MonumentDetail, monuments};
 use super::moulding::add_mouldings;
 use super::outline::{Edge, centre_of, engine, wall_edge};
 
-/// The cell's walls as coloured outlines: one face from foot to eaves and the gable above it; and its monuments, coarsely. Centres
-/// are the middles of the walls.
+/// The cell's walls as coloured outlines: one face from foot to eaves and the gable above it. Centres are the middles of the walls.
 #[must_use]
 pub fn level1(shell: &CellShell) -> MeshData {
     let mut mesh = MeshData::default();
@@ -27,18 +26,16 @@ pub fn level1(shell: &CellShell) -> MeshData {
         arcade::coarse(volume, &mut mesh);
         mesh.stand(first, house.floor);
     }
-    mesh.append(&monuments(shell, MonumentDetail::COARSE));
     mesh
 }
 
-/// The cell's walls with their openings and mouldings, [`facades`] and [`mouldings`](super::mouldings); and its monuments.
+/// The cell's walls with their openings and mouldings: [`facades`] and [`mouldings`](super::mouldings).
 ///
 /// # Errors
 /// [`MeshError::SheetLength`] if the sheet is not of this shell.
 pub fn level2(shell: &CellShell, sheet: &FacadeSheet) -> Result<MeshData, MeshError> {
     let mut mesh = facades(shell, sheet)?;
     add_mouldings(shell, sheet, &mut mesh);
-    mesh.append(&monuments(shell, MonumentDetail::FINE));
     Ok(mesh)
 }
 
@@ -70,6 +67,16 @@ pub(super) struct Run {
 }
 
 impl Run {
+    /// The bay in its middle; of two, the second.
+    fn middle(&self) -> u8 {
+        self.from + (self.to - self.from) / 2
+    }
+
+    /// Whether a shop's name stands over a bay.
+    fn is_named(&self, bay: u8) -> bool {
+        bay == self.middle()
+    }
+
     /// Where a bay begins, as a share of the wall's length.
     pub(super) fn share(&self, bay: u8) -> f64 {
         f64::from(bay) / f64::from(self.of)
@@ -129,6 +136,8 @@ pub(super) struct Front {
     pub(super) bottom: f64,
     pub(super) eaves: f64,
     pub(super) plaster: Paint,
+    /// What its shops sell.
+    pub(super) trade: u8,
 }
 
 impl Front {
@@ -137,7 +146,17 @@ impl Front {
         let edge = wall_edge(&volume.footprint, wall.into())?;
         let plaster = plaster.at(centre_of((edge.a + edge.b) / 2.0));
         let (bottom, eaves) = (metres(volume.bottom), metres(volume.eaves));
-        (bottom < eaves).then_some(Self { edge, bottom, eaves, plaster })
+        // By what does not change with the cell that draws it.
+        let Rgb(r, g, b) = volume.colour;
+        let key = [r.into(), g.into(), b.into(), volume.eaves as u64, (edge.length * 16.0) as u64];
+        let key = key.iter().fold(0_u64, |key, &word| key.rotate_left(11) ^ word);
+        let trade = Draw::new(0, Id(key), "shop").below("trade", Tile::TRADES.into()) as u8;
+        (bottom < eaves).then_some(Self { edge, bottom, eaves, plaster, trade })
+    }
+
+    /// The tile of a run's bay.
+    pub(super) fn tile(&self, run: &Run, bay: u8) -> Tile {
+        if run.opening == Opening::Shop { Tile::of_shop(self.trade, run.is_named(bay)) } else { Tile::of_opening(run.opening) }
     }
 
     fn plain(&self, mesh: &mut MeshData) {
@@ -185,15 +204,28 @@ impl Front {
         }
     }
 
-    /// A run as one rectangle.
+    /// A run as one rectangle; one of shops as three, with the name over the middle one.
     pub(super) fn flat(&self, run: &Run, mesh: &mut MeshData) {
+        if run.opening == Opening::Shop {
+            let middle = run.middle();
+            for (from, to) in [(run.from, middle), (middle, middle + 1), (middle + 1, run.to)] {
+                if from < to {
+                    self.alike(&Run { from, to, ..*run }, self.tile(run, from), mesh);
+                }
+            }
+        } else {
+            self.alike(run, self.tile(run, run.from), mesh);
+        }
+    }
+
+    fn alike(&self, run: &Run, tile: Tile, mesh: &mut MeshData) {
         let (shares, [low, high]) = ([run.share(run.from), run.share(run.to)], run.heights);
         if run.opening == Opening::Blank {
             return self.plaster_rows(shares[0], shares[1], low, high, mesh);
         }
         let start = DVec2::new(run.from.into(), 1.0 - run.storey as f64);
         let end = DVec2::new(run.to.into(), 1.0 - (run.storey + run.rows) as f64);
-        let paint = self.plaster.with_tile(Tile::of_opening(run.opening));
+        let paint = self.plaster.with_tile(tile);
         self.rectangle(shares, run.heights, [start, end], paint, mesh);
     }
 
@@ -287,8 +319,10 @@ pub(super) mod tests {
         // Window, portal and shop below, pediments, and both upper storeys together.
         assert_eq!(mesh.triangle_count(), 5 * 2);
         let layer = |quad: usize| mesh.colours[quad * 4][3] as usize;
-        let layers = [Opening::Window, Opening::Portal, Opening::Shop, Opening::PedimentWindow, Opening::FramedWindow];
-        assert_eq!([0, 1, 2, 3, 4].map(layer), layers.map(|o| Tile::Bay(o).index()));
+        let layers = [Opening::Window, Opening::Portal, Opening::PedimentWindow, Opening::FramedWindow];
+        assert_eq!([0, 1, 3, 4].map(layer), layers.map(|o| Tile::Bay(o).index()));
+        let shop = Tile::all().nth(layer(2)).and_then(Tile::shop);
+        assert_eq!(shop.map(|(_, is_named)| is_named), Some(true), "a shop of one bay has its name over it");
         assert_eq!(mesh.uvs[4..8], [[1.0, 1.0], [2.0, 1.0], [2.0, 0.0], [1.0, 0.0]], "the portal's tile stands upright once");
         assert_eq!(mesh.uvs[16..20], [[0.0, -1.0], [3.0, -1.0], [3.0, -3.0], [0.0, -3.0]], "three bays by two storeys");
         assert_eq!(mesh.positions[4], [3.0, 0.0, 0.0]);

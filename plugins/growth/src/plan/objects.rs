@@ -173,6 +173,7 @@ fn own_height_m(kind: ObjectKind, draw: Draw) -> f64 {
         ObjectKind::Statue => 4.0,
         ObjectKind::TramStop | ObjectKind::Well => 3.0,
         ObjectKind::Kiosk => 2.8,
+        ObjectKind::Parasol => 2.7,
         ObjectKind::Column => 3.2,
         ObjectKind::Bin => 1.0,
     }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use veduta_bake::{BakeSettings, Input, cut, survey};
 use veduta_cells::{cell_shells, facade_sheets};
 use veduta_city::{CellShell, CityGraph, FacadeSheet, RoofShape, Season, file};
-use veduta_growth::mesh::{self, MeshData};
+use veduta_growth::mesh::{self, MeshData, MonumentDetail};
 use veduta_growth::plan::{Growth, Stock, grow};
 
 use super::cmpe::cmpe_case;
@@ -58,13 +58,19 @@ pub(crate) fn growth(bench: &GrowthBench) -> Result<(), Failure> {
     let parts: Vec<(CellShell, FacadeSheet)> = cell_shells(&plan, &cells).into_iter().zip(facade_sheets(&plan, &cells)).collect();
     let near = |(shell, sheet): &(CellShell, FacadeSheet)| {
         let level2 = mesh::facades(shell, sheet)?;
-        Ok::<_, mesh::MeshError>(triangles(&[mesh::level1(shell), mesh::roofs(shell), level2]))
+        Ok::<_, mesh::MeshError>(triangles(&[
+            mesh::level1(shell),
+            mesh::roofs(shell),
+            level2,
+            mesh::monuments(shell, MonumentDetail::COARSE),
+        ]))
     };
     let (seconds, made) = best(bench.repeat, || parts.par_iter().map(near).sum::<Result<usize, _>>());
     made?;
     figures.push(Figure::new("buildings_per_s", houses / seconds, "1/s"));
     let full = |(shell, sheet): &(CellShell, FacadeSheet)| {
-        let walls = mesh::level2(shell, sheet)?;
+        let mut walls = mesh::level2(shell, sheet)?;
+        walls.append(&mesh::monuments(shell, MonumentDetail::MIDDLE));
         let trees = mesh::trees(shell, Season::Summer);
         Ok::<_, mesh::MeshError>(triangles(&[walls, mesh::roofs(shell), mesh::ground(shell), mesh::objects(shell), trees]))
     };

@@ -9,7 +9,7 @@ use flate2::{Compression, write::DeflateEncoder};
 use veduta_bake::BakeSettings;
 use veduta_cells::{Contents, partition};
 use veduta_city::{CellShell, FacadeSheet, Level, Palette, Season, Style};
-use veduta_growth::mesh::{self, MeshData};
+use veduta_growth::mesh::{self, MeshData, MonumentDetail};
 use veduta_growth::plan::{Stock, grow};
 use veduta_store::{BlobRef, Packet, PacketContext, decode_packet, encode_packet};
 
@@ -96,8 +96,10 @@ fn made(sent: &Sent, context: PacketContext<'_>) -> Result<MeshData, Failure> {
         mesh::roofs(&shell),
         mesh::objects(&shell),
         mesh::level1(&shell),
+        mesh::monuments(&shell, MonumentDetail::COARSE),
         mesh::tree_cards(&shell, season),
         mesh::level2(&shell, &sheet)?,
+        mesh::monuments(&shell, MonumentDetail::MIDDLE),
         mesh::trees(&shell, season),
     ];
     parts.iter().for_each(|part| all.append(part));

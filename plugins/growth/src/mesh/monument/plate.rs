@@ -1,5 +1,4 @@
 use glam::{DVec2, DVec3};
-use veduta_city::Tile;
 use veduta_city::monument::{Hole, PathPoint};
 
 use super::Mason;
@@ -83,7 +82,7 @@ impl Mason<'_> {
         let size = (bounds.1 - bounds.0).max(DVec2::splat(1e-6));
         let mut triangulator = core::mem::take(&mut self.triangulator);
         triangulator.each(rings, |_, places| {
-            if matches!(paint.tile, Tile::Bay(_)) {
+            if paint.tile.opening().is_some() {
                 let uv = |p: DVec2| DVec2::new(p.x - bounds.0.x, bounds.1.y - p.y) / size;
                 self.stretched(places.map(&at), places.map(uv), paint);
             } else {
