@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 use veduta_city::{CellShell, FacadeSheet, Level, Season};
 use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellStands, Eye, MaterialsProvided, StandingCells, Viewer};
-use veduta_growth::mesh::{self, MeshData};
+use veduta_growth::mesh::{self, MeshData, MonumentDetail};
 
 use crate::convert::mesh_from;
 use crate::season::CitySeason;
@@ -175,8 +175,7 @@ fn make(order: Order, season: Season, has_cards: bool) -> Made {
                 let mut base = mesh::ground(shell);
                 base.append(&mesh::markings(shell));
                 base.append(&mesh::spans(shell));
-                base.append(&mesh::roofs(shell));
-                base.append(&mesh::objects(shell));
+                base.append(&mesh::roof_bodies(shell));
                 parts.push((CellMeshKind::Base, base));
                 parts.push((CellMeshKind::Walls(level), mesh::level1(shell)));
             }
@@ -193,6 +192,13 @@ fn make(order: Order, season: Season, has_cards: bool) -> Made {
             // Level 3 of generated walls is composed by the material on level 2's mesh.
             Level::Three => error = Some("no mesh is made of it".to_owned()),
         }
+        // Apart from the walls, so that what has most of a city's vertices is drawn only where it is seen.
+        parts.push((CellMeshKind::Walls(level), mesh::monuments(shell, MonumentDetail::of(level))));
+    }
+    if level == Level::Two && !order.is_turned {
+        let mut fittings = mesh::roof_details(shell);
+        fittings.append(&mesh::objects(shell));
+        parts.push((CellMeshKind::Fittings, fittings));
     }
     match level {
         Level::One if has_cards => parts.push((CellMeshKind::Trees(level), mesh::tree_cards(shell, season))),
@@ -236,6 +242,9 @@ pub(crate) fn finish(
     mut standing: ResMut<StandingCells>,
     mut stands: MessageWriter<CellStands>,
 ) {
+    if provided.as_ref().is_some_and(|provided| !provided.are_made) {
+        return;
+    }
     let settings = settings.in_frame(&viewers);
     let mut vertices = 0;
     while vertices < settings.vertices_a_frame {

@@ -46,7 +46,8 @@ fn street() -> (CellShell, FacadeSheet) {
 fn app(building: Building, relief_m: f64) -> (App, Entity, Entity) {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), BuildingsPlugin { building })).init_asset::<Mesh>();
-    app.insert_resource(MaterialsProvided).insert_resource(BuildSettings { relief_m, ..BuildSettings::default() });
+    app.insert_resource(MaterialsProvided { are_made: true })
+        .insert_resource(BuildSettings { relief_m, ..BuildSettings::default() });
     let (shell, sheet) = street();
     let content = CellContent { shell: Arc::new(shell), sheet: Some(Arc::new(sheet)) };
     let entity = app.world_mut().spawn((Cell(0), content, LevelFade::default())).id();

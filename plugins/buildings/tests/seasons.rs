@@ -82,7 +82,7 @@ fn where_there_are_tiles_trees_are_cards_from_afar_and_bodies_near_by() {
     plain.update();
     let bodies = trees(&mut plain);
     let (mut app, entity) = ordered(Building::Inline);
-    app.insert_resource(MaterialsProvided);
+    app.insert_resource(MaterialsProvided { are_made: true });
     app.update();
     assert_eq!(
         (trees_at(&mut app, Level::One), trees_at(&mut app, Level::Two)),

@@ -32,10 +32,12 @@ pub const ATTRIBUTE_RELIEF: MeshVertexAttribute =
 pub enum CellMeshKind {
     /// The cell from afar, made of the overview: shown as long as the cell does not stand. No child of the cell.
     District,
-    /// Ground, roofs and standing objects but trees: shown at every distance.
+    /// Ground with its paint, bridges, and the coverings of roofs: shown at every distance.
     Base,
-    /// Walls of one level.
+    /// Walls of one level, or its monuments: a mesh each.
     Walls(Level),
+    /// What comes with level 2 and stays at finer ones: chimneys, dormers and eaves; standing objects but trees.
+    Fittings,
     /// Trees. With [`MaterialsProvided`] cards at level 1 and bodies from level 2 on; else bodies at level 1.
     Trees(Level),
 }
@@ -46,6 +48,7 @@ impl CellMeshKind {
     pub const fn level(self) -> Option<Level> {
         match self {
             Self::District | Self::Base => None,
+            Self::Fittings => Some(Level::Two),
             Self::Walls(level) | Self::Trees(level) => Some(level),
         }
     }
@@ -73,7 +76,10 @@ pub struct LevelFade(
 /// Present where a plugin gives cell meshes their materials; else whoever spawns them gives plain ones. Its materials switch levels, cut
 /// cards out by their tiles and show of a tree's cards the one that looks towards the eye.
 #[derive(Resource, Debug, Default, Clone, Copy)]
-pub struct MaterialsProvided;
+pub struct MaterialsProvided {
+    /// Whether the materials can be given yet. Cells stand only when they can: nobody would see them.
+    pub are_made: bool,
+}
 
 /// The viewer has crossed into another cell, or out of every cell.
 #[derive(Message, Debug, Clone, Copy, PartialEq, Eq)]

@@ -25,12 +25,15 @@ pub struct Daylight {
     pub zenith: Vec3,
     /// Luminance of the sky at the horizon.
     pub horizon: Vec3,
+    /// Mean luminance of all that surfaces see that look up, level and down, without what the key light itself sends.
+    pub fill: [Vec3; 3],
     /// 0 by day, 1 at night: lamps burn and windows are lit.
     pub night: f32,
 }
 
 impl Default for Daylight {
     fn default() -> Self {
-        Self { zenith: Vec3::new(260.0, 650.0, 1_500.0), horizon: Vec3::new(1_400.0, 1_700.0, 2_000.0), night: 0.0 }
+        let (zenith, horizon) = (Vec3::new(260.0, 650.0, 1_500.0), Vec3::new(1_400.0, 1_700.0, 2_000.0));
+        Self { zenith, horizon, fill: [zenith.lerp(horizon, 0.7), horizon * 0.6, horizon * 0.3], night: 0.0 }
     }
 }

@@ -2,13 +2,14 @@
 #import bevy_pbr::{
     pbr_fragment::pbr_input_from_standard_material,
     pbr_functions::{apply_pbr_lighting, main_pass_post_lighting_processing},
+    pbr_types::{STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT, pbr_input_new},
     forward_io::{VertexOutput, FragmentOutput},
     mesh_functions,
-    mesh_view_bindings::{globals, view},
+    mesh_view_bindings::{globals, lights, view},
 }
 
-#import veduta_facade::levels::{Facade, bayer, is_cut, is_drawn, is_turned_to, keeps, opening_share, weathering_share}
-#import veduta_facade::surface::{ground_wear, hash, noise, plain_wear, puddle, roof_cover, wall_paint}
+#import veduta_facade::levels::{Facade, bayer, is_drawn, is_turned_to, keeps, opening_share, weathering_share}
+#import veduta_facade::surface::{ground_wear, hash, noise, plain_wear, puddle, roof_cover, unpacked, wall_paint}
 #import veduta_facade::glass::{fresnel, mirrored, room}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
@@ -27,6 +28,7 @@ const STONE: i32 = 29;
 const LEAVES: i32 = 31;
 const CARVED: i32 = 32;
 const LANTERN: i32 = 34;
+const FIRST_TRADE: i32 = 47;
 
 // Luminance of a lit lantern and of a room by its lamp, candela per square metre.
 const LANTERN_GLOW: f32 = 1800.0;
@@ -35,6 +37,12 @@ const ROOM_GLOW: f32 = 420.0;
 const STREET_GLOW: f32 = 60.0;
 // What floodlights send onto stone, lux.
 const FLOODLIGHT: f32 = 110.0;
+
+#ifdef CARDS
+const IS_CUT: bool = true;
+#else
+const IS_CUT: bool = false;
+#endif
 
 @fragment
 fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
@@ -48,19 +56,23 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let is_water = layer == WATER;
     let drift = select(vec2<f32>(0.0), vec2<f32>(0.021, 0.013) * globals.time, is_water);
     let tile = textureSample(colour_tiles, tile_sampler, in.uv + drift, layer);
-    let relief = textureSample(normal_tiles, tile_sampler, in.uv + drift, layer);
+    let relief = unpacked(textureSample(normal_tiles, tile_sampler, in.uv + drift, layer), IS_CUT);
     let model = mesh_functions::get_world_from_local(in.instance_index);
     let centre = (model * vec4<f32>(in.uv_b.x, 0.0, in.uv_b.y, 1.0)).xz;
     let away = distance(centre, view.world_position.xz);
     let tag = mesh_functions::get_tag(in.instance_index);
+#ifdef SHARED
     if !keeps(facade, in.position.xy, away, tag) { discard; }
-    if is_cut(facade) {
+#endif
+#ifdef CARDS
+    {
         if !is_drawn(relief.a, in.position.xy) { discard; }
         let back = view.world_from_view[2].xyz;
         let from_tree = view.world_position - vec3<f32>(centre.x, in.world_position.y, centre.y);
         let to_eye = normalize(select(from_tree, back, view.clip_from_view[3].w == 1.0));
         if !is_turned_to(cross(across, down), to_eye, bayer(vec2<u32>(in.position.xy))) { discard; }
     }
+#endif
 
     // What the layer is off a whole number tells the floor's height, in 1,024 m.
     let height = in.world_position.y - (in.color.a - f32(layer)) * 1024.0;
@@ -69,15 +81,16 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let at = in.world_position.xyz;
     let to_eye = normalize(view.world_position - at);
     // Level 3 is composed here: how much of it is seen at this distance. What has no levels has it near the eye. Where it is forbidden nothing
-    // of it is paid for.
-    let is_composed = facade.far_kind.y > 0.0;
+    // of it is there to be paid for: a processor that draws does both sides of every choice.
+#ifdef COMPOSED
     let of_level = select(0.0, weathering_share(facade, away, tag), level > 1);
-    let near = select(of_level, 1.0 - smoothstep(15.0, 60.0, distance(at, view.world_position)), level == 0 && is_composed);
+    let near = select(of_level, 1.0 - smoothstep(15.0, 60.0, distance(at, view.world_position)), level == 0);
+#endif
 
     let n = normalize(in.world_normal);
     let is_level = abs(n.y) > 0.9;
     let is_ground = is_level && layer >= FIRST_GROUND && layer <= LAST_GROUND;
-    let is_plant = facade.far_kind.w > 0.0 || layer == LEAVES;
+    let is_plant = facade.far_kind.w == 1.0 || facade.far_kind.w == 2.0 || layer == LEAVES;
     var tangent = vec3<f32>(1.0, 0.0, 0.0);
     if !is_level {
         tangent = normalize(cross(vec3<f32>(0.0, 1.0, 0.0), n));
@@ -91,10 +104,10 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 
     // Where alpha is 1 the tile modulates the vertex colour about one half; where it is 0 it stands as it is.
     var albedo = mix(tile.rgb, 2.0 * tile.rgb * in.color.rgb, tile.a);
-    var roughness = select(clamp(relief.a, 0.08, 1.0), 0.85, is_cut(facade));
-    var bump = relief.xyz * 2.0 - 1.0;
+    var roughness = select(clamp(relief.a, 0.08, 1.0), 0.85, IS_CUT);
+    var bump = relief.xyz;
     // Openings come out of a plain wall.
-    let is_bay = layer >= FIRST_BAY && layer <= LAST_BAY && level > 1;
+    let is_bay = (layer >= FIRST_BAY && layer <= LAST_BAY || layer >= FIRST_TRADE) && level > 1;
     let opened = select(1.0, opening_share(facade, away, tag), is_bay);
     if opened < 1.0 {
         // By cube roots, which are nearer to what eyes see than light is: dark panes do not come all at the end.
@@ -108,13 +121,17 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     var mirrors = select(0.0, 1.0, is_water);
     let seed = hash(floor(centre * 4.0 + 0.127));
     if is_water {
+#ifdef COMPOSED
         // The swell of water runs another way than its ripples.
         let swell = textureSampleGrad(
             normal_tiles, tile_sampler, in.uv.yx * 0.43 - drift.yx * 0.7, layer, uv_across.yx * 0.43, uv_down.yx * 0.43,
         );
-        bump = normalize(vec3<f32>(0.5 * bump.xy + 0.5 * (swell.xy * 2.0 - 1.0), 1.0));
+        bump = normalize(vec3<f32>(0.5 * bump.xy + 0.5 * unpacked(swell, false).xy, 1.0));
+#endif
         roughness = 0.08;
-    } else if !is_composed || is_plant {
+    }
+#ifdef COMPOSED
+    else if is_plant {
         albedo *= plain_wear(at, n.y);
     } else if is_ground {
         albedo *= ground_wear(at.xz, near);
@@ -124,9 +141,18 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         let paint = wall_paint(dot(at, tangent), height, seed, near);
         albedo *= mix(mix(vec3<f32>(1.0), paint, 0.45), paint, mix(1.0, tile.a, opened));
     }
+#else
+    else {
+        albedo *= plain_wear(at, n.y);
+    }
+#endif
     if wet > 0.0 && n.y > 0.25 && !is_water && !is_plant {
         // A film of water darkens and shines; on the ground it stands in hollows, and is level.
+#ifdef COMPOSED
         let pool = select(0.0, puddle(at.xz, wet), is_ground);
+#else
+        let pool = 0.0;
+#endif
         albedo *= mix(1.0, 0.5, wet * mix(0.75, 1.0, pool));
         roughness = mix(roughness, mix(0.42, 0.10, pool), wet);
         bump = mix(bump, vec3<f32>(0.0, 0.0, 1.0), pool);
@@ -136,14 +162,16 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 
     let is_glass = is_bay && tile.a < 0.25 && relief.a < 0.3;
     if is_glass {
-        // Roughness tells cloth from clear glass.
-        let cloth = smoothstep(0.13, 0.2, relief.a);
         // Centres lie on a grid: a little off it, so that all pixels of a house agree.
         let bay = floor(in.uv) + floor(centre * 3.0 + 0.127);
         let own = hash(bay);
-        let is_shop = layer == SHOP;
+        let is_shop = layer == SHOP || layer >= FIRST_TRADE;
         let lit = night * select(0.0, 1.0, own < select(0.34, 0.8, is_shop));
         let lamp = mix(vec3<f32>(1.0, 0.60, 0.26), vec3<f32>(1.0, 0.76, 0.48), fract(own * 17.0));
+        var veil = 1.0;
+#ifdef COMPOSED
+        // Roughness tells cloth from clear glass.
+        let cloth = smoothstep(0.13, 0.2, relief.a);
         if near > 0.0 && !is_shop {
             // Bays a metre, by how the texture lies on the wall.
             let per_m = vec2<f32>(
@@ -157,24 +185,28 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
             albedo = mix(albedo, day + 0.12 * albedo, clear * opened);
             emissive += lit * lamp * ROOM_GLOW * (0.35 + 0.65 * behind.light) * behind.albedo * 1.6 * clear;
         }
+        // Every pane hangs a little askew.
+        let pane = floor(vec2<f32>(fract(in.uv.x) * 6.0, fract(in.uv.y) * 7.0)) + bay * 5.0;
+        let askew = (vec2<f32>(hash(pane), hash(pane + 3.7)) - 0.5) * 0.05;
+        let face = normalize(n + tangent * (askew.x + 0.3 * bump.x) + bitangent * (askew.y + 0.3 * bump.y));
+        let toward = reflect(-to_eye, face);
+        let share = fresnel(dot(face, to_eye)) * (1.0 - 0.6 * cloth);
+        emissive += share * mirrored(toward, facade.zenith_wet.xyz, facade.horizon_night.xyz);
+        veil = mix(1.0 - near, 1.0, max(cloth, select(0.0, 1.0, is_shop)));
+#endif
         // From afar, and through cloth, a lit window is an even glow.
-        let veil = mix(1.0 - near, 1.0, max(cloth, select(0.0, 1.0, is_shop)));
         emissive += lit * lamp * ROOM_GLOW * mix(0.45, 2.2 * dot(tile.rgb, vec3<f32>(0.33)), 0.5) * veil;
-        if is_composed {
-            // Every pane hangs a little askew.
-            let pane = floor(vec2<f32>(fract(in.uv.x) * 6.0, fract(in.uv.y) * 7.0)) + bay * 5.0;
-            let askew = (vec2<f32>(hash(pane), hash(pane + 3.7)) - 0.5) * 0.05;
-            let face = normalize(n + tangent * (askew.x + 0.3 * bump.x) + bitangent * (askew.y + 0.3 * bump.y));
-            let toward = reflect(-to_eye, face);
-            let share = fresnel(dot(face, to_eye)) * (1.0 - 0.6 * cloth);
-            emissive += share * mirrored(toward, facade.zenith_wet.xyz, facade.horizon_night.xyz);
-        }
         emissive *= opened;
         roughness = max(roughness, 0.2);
     } else if mirrors > 0.0 {
         let toward = reflect(-to_eye, bumped);
         let share = mirrors * fresnel(dot(bumped, to_eye));
-        emissive += share * mirrored(vec3<f32>(toward.x, abs(toward.y), toward.z), facade.zenith_wet.xyz, facade.horizon_night.xyz);
+        let upward = vec3<f32>(toward.x, abs(toward.y), toward.z);
+#ifdef COMPOSED
+        emissive += share * mirrored(upward, facade.zenith_wet.xyz, facade.horizon_night.xyz);
+#else
+        emissive += share * mix(facade.horizon_night.xyz, facade.zenith_wet.xyz, sqrt(upward.y));
+#endif
     } else if layer == LANTERN {
         emissive += night * LANTERN_GLOW * vec3<f32>(1.0, 0.70, 0.36) * albedo;
     }
@@ -189,21 +221,37 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         emissive += night * STREET_GLOW / 3.14159 * lamplit * albedo * vec3<f32>(1.0, 0.62, 0.30);
     }
 
+    // Contact shade where walls meet the ground, and less sky the deeper a wall stands in its street.
+    let foot = mix(0.45, 1.0, smoothstep(-0.2, 1.4, height)) * mix(0.62, 1.0, smoothstep(0.0, 15.0, height));
+    let open_sky = mix(1.0, foot, 1.0 - abs(select(n.y, bumped.y, IS_CUT)));
+
+    var out: FragmentOutput;
+#ifdef PLAIN_LIGHT
+    let level_fill = facade.fill[1].xyz;
+    let fill = mix(level_fill, select(facade.fill[2].xyz, facade.fill[0].xyz, bumped.y > 0.0), bumped.y * bumped.y);
+    var radiance = albedo * fill * open_sky + emissive;
+    if lights.n_directional_lights > 0u {
+        let key = &lights.directional_lights[0];
+        radiance += albedo / 3.14159 * (*key).color.rgb * max(dot(bumped, (*key).direction_to_light), 0.0);
+    }
+    var pbr_input = pbr_input_new();
+    pbr_input.frag_coord = in.position;
+    pbr_input.world_position = in.world_position;
+    pbr_input.material.flags |= STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT;
+    out.color = vec4<f32>(radiance * view.exposure, 1.0);
+#else
     var pbr_input = pbr_input_from_standard_material(in, is_front);
     pbr_input.material.base_color = vec4<f32>(albedo, 1.0);
     pbr_input.material.perceptual_roughness = roughness;
     pbr_input.material.emissive = vec4<f32>(emissive, 1.0);
     pbr_input.N = bumped;
-
-    // Contact shade where walls meet the ground, and less sky the deeper a wall stands in its street.
-    let foot = mix(0.45, 1.0, smoothstep(-0.2, 1.4, height)) * mix(0.62, 1.0, smoothstep(0.0, 15.0, height));
-    let wall = 1.0 - abs(select(n.y, pbr_input.N.y, is_cut(facade)));
-    pbr_input.diffuse_occlusion *= vec3<f32>(mix(1.0, foot, wall));
+    pbr_input.diffuse_occlusion *= vec3<f32>(open_sky);
+#ifdef COMPOSED
     // What composed glass mirrors has been told.
-    if is_glass && is_composed { pbr_input.specular_occlusion *= 1.0 - opened; }
-
-    var out: FragmentOutput;
+    if is_glass { pbr_input.specular_occlusion *= 1.0 - opened; }
+#endif
     out.color = apply_pbr_lighting(pbr_input);
+#endif
     out.color = main_pass_post_lighting_processing(pbr_input, out.color);
     return out;
 }

@@ -3,9 +3,11 @@
 
 struct Facade {
     near_level: vec4<f32>,
+    // What is drawn: walls (0), cards of trees (1), which their tiles do not fill, bodies of trees (2) or fittings (3), of which there is nothing finer.
     far_kind: vec4<f32>,
     zenith_wet: vec4<f32>,
     horizon_night: vec4<f32>,
+    fill: array<vec4<f32>, 3>,
 }
 
 // Half the angle between the directions of a tree's cards, and half of that over which neighbours take turns; radians.
@@ -40,12 +42,6 @@ fn is_turned_to(normal: vec3<f32>, to_eye: vec3<f32>, threshold: f32) -> bool {
 fn is_drawn(cover: f32, pixel: vec2<f32>) -> bool {
     let grain = fract(52.9829189 * fract(dot(floor(pixel), vec2<f32>(0.06711056, 0.00583715))));
     return cover > 0.2 + 0.6 * grain;
-}
-
-// What is drawn: walls (0), cards of trees (1), which their tiles do not fill: the normal's alpha tells how much of a pixel is covered; or
-// bodies of trees (2), of which there is nothing finer.
-fn is_cut(facade: Facade) -> bool {
-    return facade.far_kind.w == 1.0;
 }
 
 // Threshold of the 8×8 Bayer pattern at a pixel, in (0, 1): bits of x and x^y interleaved, most significant last.
@@ -129,6 +125,6 @@ fn keeps(facade: Facade, pixel: vec2<f32>, distance: f32, tag: u32) -> bool {
     let reach = reaches(facade, distance, fades(tag));
     let threshold = bayer(vec2<u32>(pixel));
     var finer = 0.0;
-    if level < 4 && facade.far_kind.w != 2.0 { finer = reach[level]; }
+    if level < 4 && facade.far_kind.w < 2.0 { finer = reach[level]; }
     return threshold < reach[level - 1] && threshold >= finer;
 }

@@ -5,6 +5,8 @@
 //! neighbouring levels so that level n keeps a pixel exactly where level n + 1 drops it. There is never a hole and never
 //! both, without temporal anti-aliasing, and also for cells that arrive late: they fade in over what was there before.
 //!
+//! Meshes of which no façade has a pixel are hidden as wholes, by their bounds; those that share pixels with no other level are opaque.
+//!
 //! Levels change places while they look alike, in the first fifth of a band of distances or of a fade: the walls of level 2 come as plain as level 1,
 //! those of level 4 as flat as the levels before. In the rest openings come out of the wall and relief rises. Level 3 is composed in the shader on the
 //! meshes of levels 2 and 4, each façade by its own seed: mottled and streaked paint, repairs, damp, hairlines, and behind clear panes a room.
@@ -23,7 +25,7 @@
 //! | 3 | `far[1]` | weathered paint, panes and rooms |
 //! | 4 | `far[2]` | relief |
 //!
-//! Trees have two: cards at level 1, bodies from level 2 on. A tree's cards look in eight directions, upright and leaning back, and
+//! Fittings (chimneys, dormers, lamps) come with level 2 and stay. Trees have two: cards at level 1, bodies from level 2 on. A tree's cards look in eight directions, upright and leaning back, and
 //! one looks up; the shader shows the one that looks towards the eye, and for shadows the one that looks towards the sun.
 //!
 //! # Use
@@ -42,7 +44,8 @@
 //!
 //! # Limits
 //! Shadows of walls are cast by level 1 alone, which has every level's silhouette, so that they neither pop nor dither; those of trees by
-//! their bodies where these have come. Relief neither casts nor catches shadows of its own: it is shaded as if it were flat, and contact
+//! their bodies where these have come, however far. [`Shading::Plain`] knows one directional light and the sky: no shadows, lamps or gloss.
+//! Monuments of level 4 are made more finely than those of level 2, and look alike only from some metres. Relief neither casts nor catches shadows of its own: it is shaded as if it were flat, and contact
 //! shade comes from ambient occlusion where there is any. WebGL2-safe: no storage buffers, two texture arrays, one uniform. Rims of cards are thinned out
 //! pixel by pixel and do not gain from MSAA. Where a cell's level 2 never comes, its trees stay cards however near they are. An orthographic
 //! camera must have no depth prepass: it is taken for the sun's view there.
@@ -54,18 +57,24 @@
 
 mod fade;
 mod material;
+mod share;
+mod tiles;
 
+use bevy::camera::visibility::VisibilitySystems;
 use bevy::prelude::*;
 use veduta_ecs::{CellMesh, MaterialsProvided, VedutaSystems};
 
 pub use fade::FadeSettings;
-pub use material::{CityMaterial, CityMaterials, FacadeExtension, LevelDistances, TileQuality};
+pub use material::{CityMaterial, CityMaterials, FacadeExtension, LevelDistances, Shading};
+pub use tiles::{Painting, TileFormat, TileQuality};
 
 /// Gives cell meshes their material and switches levels per façade.
 #[derive(Debug, Clone, Default)]
 pub struct FacadePlugin {
     /// How finely tiles are painted and sampled.
     pub tiles: TileQuality,
+    /// Where they are painted.
+    pub painting: Painting,
 }
 
 impl Plugin for FacadePlugin {
@@ -73,13 +82,26 @@ impl Plugin for FacadePlugin {
         veduta_ecs::ensure(app);
         app.init_resource::<LevelDistances>()
             .init_resource::<FadeSettings>()
+            .init_resource::<Shading>()
             .insert_resource(self.tiles)
-            .insert_resource(MaterialsProvided)
+            .insert_resource(self.painting)
             .register_type::<LevelDistances>()
-            .register_type::<FadeSettings>();
+            .register_type::<FadeSettings>()
+            .register_type::<Shading>();
         // Without rendering (tests, servers) there is nothing to shade: fading still runs, so that its state can be tested.
         app.add_systems(Update, (fade::fade_levels, fade::tag_meshes).chain().in_set(VedutaSystems::Show));
-        if app.is_plugin_added::<bevy::pbr::PbrPlugin>() {
+        app.add_systems(
+            PostUpdate,
+            (share::find_shares, share::heed_shares)
+                .chain()
+                .after(TransformSystems::Propagate)
+                .after(VisibilitySystems::CalculateBounds)
+                .before(VisibilitySystems::VisibilityPropagate)
+                .before(bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed),
+        );
+        let is_drawn = app.is_plugin_added::<bevy::pbr::PbrPlugin>();
+        app.insert_resource(MaterialsProvided { are_made: !is_drawn });
+        if is_drawn {
             material::build(app);
         }
     }

@@ -1,37 +1,18 @@
-use bevy::asset::{RenderAssetUsages, embedded_asset};
-use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
+use bevy::asset::embedded_asset;
 use bevy::light::NotShadowCaster;
 use bevy::mesh::MeshVertexBufferLayoutRef;
 use bevy::pbr::{ExtendedMaterial, MaterialExtension, MaterialExtensionKey, MaterialExtensionPipeline};
 use bevy::prelude::*;
-use bevy::render::render_resource::{
-    AsBindGroup, Extent3d, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError, TextureDimension, TextureFormat,
-    TextureViewDescriptor, TextureViewDimension,
-};
+use bevy::render::render_resource::{AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError};
 use bevy::shader::{ShaderRef, load_shader_library};
 use veduta_city::Level;
-use veduta_ecs::{ATTRIBUTE_RELIEF, CellMesh, CellMeshKind, Daylight, VedutaSystems, Weather};
-use veduta_texture::paint_tiles;
+use veduta_ecs::{ATTRIBUTE_RELIEF, CellMesh, CellMeshKind, Daylight, MaterialsProvided, VedutaSystems, Weather};
 
 use crate::NewCellMesh;
+use crate::tiles::{self, Easel, Painting, TileQuality};
 
 /// The material of everything in a cell.
 pub type CityMaterial = ExtendedMaterial<StandardMaterial, FacadeExtension>;
-
-/// How finely tiles are painted and sampled. Read once, when the materials are made.
-#[derive(Resource, Debug, Clone, Copy, PartialEq, Eq)]
-pub struct TileQuality {
-    /// Edge of a tile in texels: a power of two from 32 to 1024.
-    pub texels: u32,
-    /// Anisotropic samples, 1 to 16. Software renderers pay dearly for more than one.
-    pub anisotropy: u16,
-}
-
-impl Default for TileQuality {
-    fn default() -> Self {
-        Self { texels: 256, anisotropy: 4 }
-    }
-}
 
 /// At which distances façades and trees change level, metres from the eye to the façade's or tree's centre. Live.
 #[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq)]
@@ -39,7 +20,7 @@ impl Default for TileQuality {
 pub struct LevelDistances {
     /// Level n + 2 is all there nearer than `near[n]`.
     pub near: [f32; 3],
-    /// Level n + 2 begins to show at `far[n]`; not below `near[n]`. 0 forbids the level.
+    /// Level n + 2 begins to show at `far[n]`; not below `near[n]`, and none farther off than the one before. 0 forbids the level.
     pub far: [f32; 3],
 }
 
@@ -69,6 +50,8 @@ pub struct FacadeUniform {
     zenith_wet: Vec4,
     /// `x, y, z`: luminance of the sky at the horizon; `w`: 0 by day, 1 at night.
     horizon_night: Vec4,
+    /// `x, y, z`: luminance of what surfaces see that look up, level and down.
+    fill: [Vec4; 3],
 }
 
 impl FacadeUniform {
@@ -76,13 +59,46 @@ impl FacadeUniform {
         Self {
             zenith_wet: light.zenith.extend(wet.clamp(0.0, 1.0)),
             horizon_night: light.horizon.extend(light.night),
+            fill: light.fill.map(|colour| colour.extend(0.0)),
             ..Self::default()
         }
     }
 }
 
+/// How surfaces are lit. Live.
+#[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[reflect(Resource)]
+pub enum Shading {
+    /// By the engine's model: every light, shadows, gloss.
+    #[default]
+    Physical,
+    /// By the first directional light and the sky alone, without shadows or gloss: a fraction of the work, for processors that draw.
+    Plain,
+}
+
+/// Which shader a material takes: what is not wanted is left out of it, for a processor that draws does both sides of every choice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct FacadeKey {
+    /// Whether level 3 is composed: it is not where it is forbidden.
+    is_composed: bool,
+    shading: Shading,
+    /// Whether pixels are left to other levels.
+    is_shared: bool,
+    /// Whether cards are drawn, of which pixels are left out.
+    is_cut: bool,
+}
+
+impl From<&FacadeExtension> for FacadeKey {
+    fn from(extension: &FacadeExtension) -> Self {
+        let FacadeExtension { uniform, shading, is_shared, .. } = extension;
+        let is_cut = uniform.far_kind.w == f32::from(Kind::Cards as u8);
+        Self { is_composed: uniform.far_kind.y > 0.0, shading: *shading, is_shared: *is_shared, is_cut }
+    }
+}
+
 /// Extends the standard material by tiles, level switching, weathering and glass.
 #[derive(Asset, AsBindGroup, Reflect, Debug, Clone)]
+#[bind_group_data(FacadeKey)]
 pub struct FacadeExtension {
     #[uniform(100)]
     uniform: FacadeUniform,
@@ -91,6 +107,8 @@ pub struct FacadeExtension {
     colour: Handle<Image>,
     #[texture(103, dimension = "2d_array")]
     normal: Handle<Image>,
+    shading: Shading,
+    is_shared: bool,
 }
 
 /// Where the vertex shaders expect the relief.
@@ -105,6 +123,8 @@ enum Kind {
     Cards = 1,
     /// Bodies of trees, of which there is nothing finer.
     Bodies = 2,
+    /// Fittings, of which there is nothing finer either.
+    Fittings = 3,
 }
 
 impl MaterialExtension for FacadeExtension {
@@ -120,8 +140,14 @@ impl MaterialExtension for FacadeExtension {
         _: &MaterialExtensionPipeline,
         descriptor: &mut RenderPipelineDescriptor,
         layout: &MeshVertexBufferLayoutRef,
-        _: MaterialExtensionKey<Self>,
+        key: MaterialExtensionKey<Self>,
     ) -> Result<(), SpecializedMeshPipelineError> {
+        if let Some(fragment) = &mut descriptor.fragment {
+            let FacadeKey { is_composed, shading, is_shared, is_cut } = key.bind_group_data;
+            let defs =
+                [(is_composed, "COMPOSED"), (shading == Shading::Plain, "PLAIN_LIGHT"), (is_shared, "SHARED"), (is_cut, "CARDS")];
+            fragment.shader_defs.extend(defs.into_iter().filter(|def| def.0).map(|def| def.1.into()));
+        }
         if layout.0.contains(ATTRIBUTE_RELIEF) {
             let relief = layout.0.get_layout(&[ATTRIBUTE_RELIEF.at_shader_location(RELIEF_LOCATION)])?;
             if let Some(buffer) = descriptor.vertex.buffers.first_mut() {
@@ -141,18 +167,37 @@ impl MaterialExtension for FacadeExtension {
     }
 }
 
-/// The materials in use: for what shows at every distance, for each level's walls and bodies, and for cards.
+/// The materials in use: for what shows at every distance, for each level's walls, for trees' cards and bodies, and for fittings.
 #[derive(Resource, Debug, Clone)]
 pub struct CityMaterials {
     base: Handle<CityMaterial>,
     levels: [Handle<CityMaterial>; 4],
     cards: Handle<CityMaterial>,
     bodies: Handle<CityMaterial>,
+    fittings: Handle<CityMaterial>,
+    /// Of walls of levels 1 and 2, bodies and fittings, for where they have all pixels: opaque, so that what lies behind is dropped at
+    /// once. Their shader is that of `base`, which is always there.
+    alone: [Handle<CityMaterial>; 4],
 }
 
 impl CityMaterials {
     fn handles(&self) -> impl Iterator<Item = &Handle<CityMaterial>> {
-        [&self.base, &self.cards, &self.bodies].into_iter().chain(&self.levels)
+        [&self.base, &self.cards, &self.bodies, &self.fittings].into_iter().chain(&self.levels).chain(&self.alone)
+    }
+
+    /// What a mesh is drawn with, where its level shares pixels with others and where it has them all.
+    pub(crate) fn of(&self, kind: CellMeshKind, is_alone: bool) -> &Handle<CityMaterial> {
+        match (kind, is_alone) {
+            (CellMeshKind::Base | CellMeshKind::District, _) => &self.base,
+            (CellMeshKind::Walls(Level::One), true) => &self.alone[0],
+            (CellMeshKind::Walls(Level::Two), true) => &self.alone[1],
+            (CellMeshKind::Trees(Level::Two), true) => &self.alone[2],
+            (CellMeshKind::Fittings, true) => &self.alone[3],
+            (CellMeshKind::Fittings, false) => &self.fittings,
+            (CellMeshKind::Walls(level), _) => &self.levels[level.index()],
+            (CellMeshKind::Trees(Level::One), _) => &self.cards,
+            (CellMeshKind::Trees(_), _) => &self.bodies,
+        }
     }
 }
 
@@ -164,45 +209,31 @@ pub(crate) fn build(app: &mut App) {
     embedded_asset!(app, "prepass_vertex.wgsl");
     embedded_asset!(app, "facade.wgsl");
     embedded_asset!(app, "prepass.wgsl");
-    app.add_plugins(MaterialPlugin::<CityMaterial>::default())
-        .add_systems(Startup, paint)
-        .add_systems(Update, (set_distances, set_light, dress_meshes).chain().in_set(VedutaSystems::Show));
+    app.add_plugins(MaterialPlugin::<CityMaterial>::default()).add_systems(Startup, tiles::set_up).add_systems(
+        Update,
+        (make.run_if(resource_exists::<Easel>), set_distances, set_light, dress_meshes).chain().in_set(VedutaSystems::Show),
+    );
 }
 
-/// Seed of the stock tiles: one workshop for every city, so that the same tiles are painted everywhere.
-const WORKSHOP_SEED: u64 = 1;
-
-fn paint(
+/// Makes the materials when their tiles are painted.
+fn make(
     mut commands: Commands,
+    mut easel: ResMut<Easel>,
+    painting: Res<Painting>,
     quality: Res<TileQuality>,
     distances: Res<LevelDistances>,
+    shading: Res<Shading>,
     light: Res<Daylight>,
     weather: Res<Weather>,
     mut images: ResMut<Assets<Image>>,
     mut materials: ResMut<Assets<CityMaterial>>,
+    mut provided: ResMut<MaterialsProvided>,
 ) {
-    let tiles = paint_tiles(quality.texels, WORKSHOP_SEED);
-    let mut array = |data: Vec<u8>, format| {
-        let extent = Extent3d { width: tiles.size, height: tiles.size, depth_or_array_layers: tiles.layers };
-        let mut image = Image::new_uninit(extent, TextureDimension::D2, format, RenderAssetUsages::RENDER_WORLD);
-        image.data = Some(data);
-        image.texture_descriptor.mip_level_count = tiles.mips;
-        image.texture_view_descriptor =
-            Some(TextureViewDescriptor { dimension: Some(TextureViewDimension::D2Array), ..TextureViewDescriptor::default() });
-        image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
-            address_mode_u: ImageAddressMode::Repeat,
-            address_mode_v: ImageAddressMode::Repeat,
-            mag_filter: ImageFilterMode::Linear,
-            min_filter: ImageFilterMode::Linear,
-            mipmap_filter: ImageFilterMode::Linear,
-            anisotropy_clamp: quality.anisotropy.clamp(1, 16),
-            ..ImageSamplerDescriptor::linear()
-        });
-        images.add(image)
-    };
-    let colour = array(tiles.colour, TextureFormat::Rgba8UnormSrgb);
-    let normal = array(tiles.normal, TextureFormat::Rgba8Unorm);
-    let mut material = |level: f32, kind: Kind| {
+    let Some(painted) = tiles::take(&mut easel, *painting) else { return };
+    commands.remove_resource::<Easel>();
+    provided.are_made = true;
+    let [colour, normal] = painted.images(quality.anisotropy).map(|image| images.add(image));
+    let mut material = |level: f32, kind: Kind, is_shared: bool| {
         let [a, b, c] = distances.near;
         let [d, e, f] = distances.far;
         materials.add(CityMaterial {
@@ -210,7 +241,7 @@ fn paint(
                 base_color: Color::WHITE,
                 reflectance: 0.25,
                 // Walls drop pixels by level, and so must their prepass; what has no levels needs no fragment there.
-                alpha_mode: if level > 0.0 { AlphaMode::Mask(0.5) } else { AlphaMode::Opaque },
+                alpha_mode: if is_shared { AlphaMode::Mask(0.5) } else { AlphaMode::Opaque },
                 ..StandardMaterial::default()
             },
             extension: FacadeExtension {
@@ -221,17 +252,28 @@ fn paint(
                 },
                 colour: colour.clone(),
                 normal: normal.clone(),
+                shading: *shading,
+                is_shared,
             },
         })
     };
-    let levels = [1.0, 2.0, 3.0, 4.0].map(|level| material(level, Kind::Walls));
-    let (base, cards, bodies) = (material(0.0, Kind::Walls), material(1.0, Kind::Cards), material(2.0, Kind::Bodies));
-    commands.insert_resource(CityMaterials { base, levels, cards, bodies });
+    let levels = [1.0, 2.0, 3.0, 4.0].map(|level| material(level, Kind::Walls, true));
+    let (cards, bodies) = (material(1.0, Kind::Cards, true), material(2.0, Kind::Bodies, true));
+    let (base, fittings) = (material(0.0, Kind::Walls, false), material(2.0, Kind::Fittings, true));
+    let alone = [(1.0, Kind::Walls), (2.0, Kind::Walls), (2.0, Kind::Bodies), (2.0, Kind::Fittings)]
+        .map(|(level, kind)| material(level, kind, false));
+    commands.insert_resource(CityMaterials { base, levels, cards, bodies, fittings, alone });
 }
 
-fn set_distances(distances: Res<LevelDistances>, in_use: Option<Res<CityMaterials>>, mut assets: ResMut<Assets<CityMaterial>>) {
+/// Tells the materials which levels show from where, and how they are lit.
+fn set_distances(
+    distances: Res<LevelDistances>,
+    shading: Res<Shading>,
+    in_use: Option<Res<CityMaterials>>,
+    mut assets: ResMut<Assets<CityMaterial>>,
+) {
     let Some(in_use) = in_use else { return };
-    if !distances.is_changed() || distances.is_added() {
+    if !distances.is_changed() && !shading.is_changed() {
         return;
     }
     for handle in in_use.handles() {
@@ -239,6 +281,7 @@ fn set_distances(distances: Res<LevelDistances>, in_use: Option<Res<CityMaterial
         let u = &mut material.extension.uniform;
         u.near_level = Vec3::from_array(distances.near).extend(u.near_level.w);
         u.far_kind = Vec3::from_array(distances.far).extend(u.far_kind.w);
+        material.extension.shading = *shading;
     }
 }
 
@@ -258,14 +301,15 @@ fn set_light(
     let scale = now.zenith_wet.truncate().max(now.horizon_night.truncate()).max_element().max(1.0);
     let unit = Vec3::splat(scale).extend(1.0);
     let differs = |a: Vec4, b: Vec4| ((a - b) / unit).abs().max_element() > LEAST_CHANGE;
-    if !differs(now.zenith_wet, told.zenith_wet) && !differs(now.horizon_night, told.horizon_night) {
+    let fills = now.fill.iter().zip(&told.fill).any(|(now, told)| differs(*now, *told));
+    if !fills && !differs(now.zenith_wet, told.zenith_wet) && !differs(now.horizon_night, told.horizon_night) {
         return;
     }
     *told = now;
     for handle in in_use.handles() {
         if let Some(mut material) = assets.get_mut(handle) {
             let u = &mut material.extension.uniform;
-            (u.zenith_wet, u.horizon_night) = (now.zenith_wet, now.horizon_night);
+            (u.zenith_wet, u.horizon_night, u.fill) = (now.zenith_wet, now.horizon_night, now.fill);
         }
     }
 }
@@ -276,12 +320,7 @@ fn dress_meshes(mut commands: Commands, in_use: Option<Res<CityMaterials>>, new:
     let Some(in_use) = in_use else { return };
     for (entity, mesh) in &new {
         let mut entity = commands.entity(entity);
-        match mesh.kind {
-            CellMeshKind::Base | CellMeshKind::District => entity.insert(MeshMaterial3d(in_use.base.clone())),
-            CellMeshKind::Trees(Level::One) => entity.insert(MeshMaterial3d(in_use.cards.clone())),
-            CellMeshKind::Trees(_) => entity.insert(MeshMaterial3d(in_use.bodies.clone())),
-            CellMeshKind::Walls(level) => entity.insert(MeshMaterial3d(in_use.levels[level.index()].clone())),
-        };
+        entity.insert(MeshMaterial3d(in_use.of(mesh.kind, false).clone()));
         if matches!(mesh.kind, CellMeshKind::Walls(level) if level != Level::One) {
             entity.insert(NotShadowCaster);
         }
@@ -309,6 +348,8 @@ mod tests {
         assert_eq!(layer("LEAVES"), Tile::Leaves.index());
         assert_eq!((layer("STONE"), layer("CARVED")), (Tile::Stone.index(), Tile::Carved.index()));
         assert_eq!(layer("LANTERN"), Tile::Lantern.index());
+        let trades: Vec<usize> = Tile::all().filter(|tile| matches!(tile, Tile::Shop(_))).map(Tile::index).collect();
+        assert_eq!(trades, (layer("FIRST_TRADE")..Tile::COUNT).collect::<Vec<_>>(), "the last layers");
     }
 
     #[test]

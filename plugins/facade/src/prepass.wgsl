@@ -3,33 +3,35 @@
 #ifdef PREPASS_FRAGMENT
 #import bevy_pbr::prepass_io::FragmentOutput
 #endif
-#import veduta_facade::levels::{Facade, bayer, fades, is_cut, is_drawn, is_turned_to, keeps}
+#import veduta_facade::levels::{Facade, bayer, fades, is_drawn, is_turned_to, keeps}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
 @group(#{MATERIAL_BIND_GROUP}) @binding(102) var tile_sampler: sampler;
 @group(#{MATERIAL_BIND_GROUP}) @binding(103) var normal_tiles: texture_2d_array<f32>;
 
 fn drop_other_levels(in: VertexOutput) {
-    let normal = cross(dpdx(in.world_position.xyz), dpdy(in.world_position.xyz));
     let tag = mesh_functions::get_tag(in.instance_index);
-    if is_cut(facade) {
-        let cover = textureSample(normal_tiles, tile_sampler, in.uv, i32(in.color.a + 0.5)).a;
-        if !is_drawn(cover, in.position.xy) { discard; }
-    }
+#ifdef CARDS
+    let normal = cross(dpdx(in.world_position.xyz), dpdy(in.world_position.xyz));
+    let cover = textureSample(normal_tiles, tile_sampler, in.uv, i32(in.color.a + 0.5)).a;
+    if !is_drawn(cover, in.position.xy) { discard; }
 #ifdef VIEW_PROJECTION_ORTHOGRAPHIC
-    // The sun's views are orthographic: level 1 casts whole shadows, whatever the eye sees of it; but cards cast none where bodies do,
-    // and of those that cross one another the one does that looks towards the sun.
-    if is_cut(facade) && (fades(tag).y > 0.5 || !is_turned_to(normal, normalize(view.world_from_view[2].xyz), 0.5)) { discard; }
-#else
+    // The sun's views are orthographic. Cards cast no shadows where bodies do, and of those that cross one another the one does that looks
+    // towards the sun.
+    if fades(tag).y > 0.5 || !is_turned_to(normal, normalize(view.world_from_view[2].xyz), 0.5) { discard; }
+#endif
+#endif
+#ifdef SHARED
+#ifndef VIEW_PROJECTION_ORTHOGRAPHIC
+    // Level 1 casts whole shadows, whatever the eye sees of it.
     let model = mesh_functions::get_world_from_local(in.instance_index);
     let centre = (model * vec4<f32>(in.uv_b.x, 0.0, in.uv_b.y, 1.0)).xz;
-    if !keeps(facade, in.position.xy, distance(centre, view.world_position.xz), tag) {
-        discard;
-    }
-    if is_cut(facade) {
-        let to_eye = normalize(view.world_position - vec3<f32>(centre.x, in.world_position.y, centre.y));
-        if !is_turned_to(normal, to_eye, bayer(vec2<u32>(in.position.xy))) { discard; }
-    }
+    if !keeps(facade, in.position.xy, distance(centre, view.world_position.xz), tag) { discard; }
+#ifdef CARDS
+    let to_eye = normalize(view.world_position - vec3<f32>(centre.x, in.world_position.y, centre.y));
+    if !is_turned_to(normal, to_eye, bayer(vec2<u32>(in.position.xy))) { discard; }
+#endif
+#endif
 #endif
 }
 

@@ -1,6 +1,13 @@
 // What weather and years leave on surfaces, in metres where tiles repeat in centimetres, and different on every house.
 #define_import_path veduta_facade::surface
 
+// What a texel of the normal picture tells: the normal, and how rough it is; of cards, how much they cover.
+fn unpacked(texel: vec4<f32>, is_card: bool) -> vec4<f32> {
+    let parts = select(texel.agr, texel.rga, is_card);
+    let xy = parts.xy * 2.0 - 1.0;
+    return vec4<f32>(xy, sqrt(max(1.0 - dot(xy, xy), 0.0)), parts.z);
+}
+
 fn hash(p: vec2<f32>) -> f32 {
     let q = fract(p * vec2<f32>(0.1031, 0.1030));
     let r = dot(q, q.yx + 33.33);

@@ -55,7 +55,14 @@ pub(crate) fn find_light(
     let lat_deg = city.map_or(settings.lat_deg, |city| city.anchor.lat);
     light.set_if_neq(Light::at(lat_deg, *clock));
     let p = light.palette;
-    told.set_if_neq(Daylight { zenith: p.zenith * p.sky, horizon: p.horizon * p.sky, night: p.night });
+    let fill = fill_of(&p).map(|colour| colour * p.fill);
+    told.set_if_neq(Daylight { zenith: p.zenith * p.sky, horizon: p.horizon * p.sky, fill, night: p.night });
+}
+
+/// What lights surfaces that look up, level and down, in shares of the fill. What faces up sees the whole sky. A wall sees other walls: a
+/// third of the sky's strength, and warm.
+fn fill_of(p: &crate::Palette) -> [Vec3; 3] {
+    [p.zenith.lerp(p.horizon, 0.7) * 1.5, p.horizon.lerp(p.bounce, 0.55) * 0.62, p.bounce * 0.8]
 }
 
 /// Hangs the key light.
@@ -158,13 +165,8 @@ pub(crate) fn dress_viewers(
                 viewer.insert(EnvironmentMapLight { intensity: p.fill, ..map.clone() });
             }
             _ => {
-                // What faces up sees the whole sky. A wall sees other walls: a third of the sky's strength, and warm.
-                let mut map = EnvironmentMapLight::hemispherical_gradient(
-                    &mut images,
-                    colour(p.zenith.lerp(p.horizon, 0.7) * 1.5),
-                    colour(p.horizon.lerp(p.bounce, 0.55) * 0.62),
-                    colour(p.bounce * 0.8),
-                );
+                let [above, level, below] = fill_of(&p).map(colour);
+                let mut map = EnvironmentMapLight::hemispherical_gradient(&mut images, above, level, below);
                 map.intensity = p.fill;
                 viewer.insert(map);
             }

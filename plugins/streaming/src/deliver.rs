@@ -402,14 +402,14 @@ fn forget_level(world: &mut World, cell: u32, entity: Entity, level: Level) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use veduta_ecs::CellMeshKind::{Base, Trees, Walls};
+    use veduta_ecs::CellMeshKind::{Base, Fittings, Trees, Walls};
 
     #[test]
-    fn a_level_goes_with_its_walls_and_trees() {
+    fn a_level_goes_with_its_walls_trees_and_fittings() {
         let mut world = World::new();
         world.init_resource::<StandingCells>();
         let cell = world.spawn(Cell(3)).id();
-        let kinds = [Base, Walls(Level::One), Trees(Level::One), Walls(Level::Two), Trees(Level::Two)];
+        let kinds = [Base, Walls(Level::One), Trees(Level::One), Walls(Level::Two), Trees(Level::Two), Fittings];
         for kind in kinds {
             world.spawn((CellMesh { cell: 3, kind }, ChildOf(cell)));
         }
