@@ -22,6 +22,8 @@ use veduta_store::CityStats;
 
 use crate::{Failure, cities};
 
+mod entities;
+mod frames;
 mod stream;
 
 /// What to measure.
@@ -34,6 +36,10 @@ pub enum Bench {
     /// What streaming costs the main thread and the line, along the sample tour and on a run through a town of 50,000 houses, beside the
     /// naive way; and whether a city's size matters.
     Stream,
+    /// What a frame costs the processor before it is drawn, beside a city of the same houses with an entity for each of their parts.
+    Entities,
+    /// How many frames of the sample tour are drawn in a second, for each profile.
+    Frames,
 }
 
 /// How many times larger the large city is.
@@ -56,6 +62,8 @@ pub fn bench(what: Bench, city: Option<&str>, json: bool) -> Result<(), Failure>
         Bench::Bake => bench_bake(&scene),
         Bench::Walk => bench_walk(&scene),
         Bench::Stream => stream::stream(&scene, json),
+        Bench::Entities => entities::entities(&scene),
+        Bench::Frames => frames::frames(&scene),
     }
 }
 

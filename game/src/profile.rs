@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::WgpuAdapterInfo;
 use bevy::render::renderer::RenderAdapterInfo;
 use veduta::buildings::BuildSettings;
-use veduta::facade::TileQuality;
+use veduta::facade::{Shading, TileFormat, TileQuality};
 use veduta::prelude::*;
 
 /// How much the picture may cost.
@@ -44,7 +44,7 @@ impl Profile {
             Self::High => (512, 8),
             Self::Ultra => (512, 16),
         };
-        TileQuality { texels, anisotropy }
+        TileQuality { texels, anisotropy, format: TileFormat::Fitting }
     }
 
     /// Sky and shadows.
@@ -63,7 +63,7 @@ impl Profile {
     #[must_use]
     pub fn levels(self) -> LevelDistances {
         let mut distances = LevelDistances::uniform(match self {
-            Self::Low => 110.0,
+            Self::Low => 90.0,
             Self::Medium => 240.0,
             Self::High => 360.0,
             Self::Ultra => 500.0,
@@ -74,6 +74,12 @@ impl Profile {
             distances.far[1..].fill(0.0);
         }
         distances
+    }
+
+    /// How surfaces are lit.
+    #[must_use]
+    pub fn shading(self) -> Shading {
+        if self == Self::Low { Shading::Plain } else { Shading::Physical }
     }
 
     /// What is loaded.
@@ -94,6 +100,7 @@ impl Profile {
         app.insert_resource(self)
             .insert_resource(self.sky())
             .insert_resource(self.levels())
+            .insert_resource(self.shading())
             .insert_resource(self.streaming())
             .insert_resource(self.buildings())
             .add_systems(Update, dress_cameras);
@@ -127,6 +134,7 @@ pub(crate) fn adapt(adapter: Option<Res<RenderAdapterInfo>>, mut commands: Comma
     commands.insert_resource(profile);
     commands.insert_resource(profile.sky());
     commands.insert_resource(profile.levels());
+    commands.insert_resource(profile.shading());
     commands.insert_resource(profile.streaming());
     commands.insert_resource(profile.buildings());
 }

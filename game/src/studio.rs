@@ -19,7 +19,7 @@ use bevy::winit::WinitPlugin;
 use image::RgbaImage;
 use veduta::buildings::{BuildSettings, Building, BuildingsPlugin};
 use veduta::ecs::StandingCells;
-use veduta::facade::FacadePlugin;
+use veduta::facade::{FacadePlugin, Painting};
 use veduta::prelude::*;
 use veduta::streaming::{Fetching, RetryTime, Wanted};
 use veduta::tour::TourState;
@@ -56,6 +56,39 @@ const PATIENCE: Duration = Duration::from_secs(12);
 const EXPOSURE: usize = 4_000;
 
 type Captured = Arc<Mutex<Option<RgbaImage>>>;
+
+/// The engine without windows, in which time stands; each update draws at once.
+pub(crate) fn darkroom() -> App {
+    let mut app = App::new();
+    app.add_plugins(
+        DefaultPlugins
+            .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
+            .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
+            .set(AssetPlugin { watch_for_changes_override: Some(false), ..default() })
+            .set(bevy::log::LogPlugin { filter: "warn,wgpu=error,naga=warn,bevy_render=error".into(), ..default() })
+            .disable::<WinitPlugin>()
+            .disable::<PipelinedRenderingPlugin>(),
+    )
+    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO))
+    .insert_resource(Time::<Virtual>::from_max_delta(Duration::from_secs(3_600)));
+    app
+}
+
+/// What a camera draws on.
+pub(crate) fn film(app: &mut App, size: Size) -> Handle<Image> {
+    let mut image = Image::new_target_texture(size.width, size.height, TextureFormat::Rgba8UnormSrgb, None);
+    image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+    app.world_mut().resource_mut::<Assets<Image>>().add(image)
+}
+
+/// Waits for plugins that ask the system for something, and ends the making of an app.
+pub(crate) fn finish(app: &mut App) {
+    while app.plugins_state() == PluginsState::Adding {
+        bevy::tasks::tick_global_task_pools_on_main_thread();
+    }
+    app.finish();
+    app.cleanup();
+}
 
 /// A camera in a city, without a display.
 pub struct Studio {
@@ -119,42 +152,29 @@ impl Studio {
     /// # Errors
     /// If there is no adapter to render with, or the city does not open.
     pub fn open(city: &str, size: Size, profile: Profile) -> Result<Self, Failure> {
-        let mut app = App::new();
-        app.add_plugins(
-            DefaultPlugins
-                .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
-                .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
-                .set(AssetPlugin { watch_for_changes_override: Some(false), ..default() })
-                .set(bevy::log::LogPlugin { filter: "warn,wgpu=error,naga=warn,bevy_render=error".into(), ..default() })
-                .disable::<WinitPlugin>()
-                .disable::<PipelinedRenderingPlugin>(),
-        )
-        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO))
-        .insert_resource(Time::<Virtual>::from_max_delta(Duration::from_secs(3_600)));
+        Self::open_with(city, size, profile, |_| ())
+    }
+
+    /// The same; the engine is prepared before it begins.
+    pub(crate) fn open_with(city: &str, size: Size, profile: Profile, prepare: impl FnOnce(&mut App)) -> Result<Self, Failure> {
+        let mut app = darkroom();
         profile.apply(&mut app);
         app.add_plugins((
             veduta::ecs::EcsPlugin,
             StreamingPlugin { fetching: Fetching::Inline },
             BuildingsPlugin { building: Building::Inline },
-            FacadePlugin { tiles: profile.tiles() },
+            FacadePlugin { tiles: profile.tiles(), painting: Painting::Inline },
             SkyPlugin,
             TourPlugin::default(),
         ))
         .insert_resource(BuildSettings { vertices_a_frame: usize::MAX, in_the_making: 64, ..profile.buildings() })
         .insert_resource(OpenCity(city.to_owned()));
-        let target = {
-            let mut image = Image::new_target_texture(size.width, size.height, TextureFormat::Rgba8UnormSrgb, None);
-            image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
-            app.world_mut().resource_mut::<Assets<Image>>().add(image)
-        };
+        let target = film(&mut app, size);
         let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
         (settings.packets_a_frame, settings.finer_within_s) = (usize::MAX, f64::INFINITY);
         let viewer = app.world_mut().spawn((camera(), RenderTarget::Image(target.clone().into()), Viewer, ShadowLodOrigin)).id();
-        while app.plugins_state() == PluginsState::Adding {
-            bevy::tasks::tick_global_task_pools_on_main_thread();
-        }
-        app.finish();
-        app.cleanup();
+        finish(&mut app);
+        prepare(&mut app);
         let mut studio = Self { app, target, viewer, captured: Captured::default(), given_up: Missing::default() };
         studio.look(false);
         studio.await_city(city)?;
@@ -267,6 +287,20 @@ impl Studio {
         let missing = self.missing();
         self.given_up.add(&missing);
         missing
+    }
+
+    /// Lets time pass and draws, for nobody.
+    pub(crate) fn walk(&mut self, time: Duration) {
+        self.look(true);
+        self.advance(time);
+        self.look(false);
+    }
+
+    /// Draws this moment, for nobody.
+    pub(crate) fn draw(&mut self) {
+        self.look(true);
+        self.app.update();
+        self.look(false);
     }
 
     /// Renders until nothing changes any more: for the first picture.

@@ -53,7 +53,7 @@ pub fn walk(city: &str, chosen: Option<Profile>, first: Option<&FirstTour>, jour
         veduta::ecs::EcsPlugin,
         StreamingPlugin::default(),
         BuildingsPlugin::default(),
-        FacadePlugin { tiles: start.tiles() },
+        FacadePlugin { tiles: start.tiles(), ..default() },
         SkyPlugin,
         WalkerPlugin::default(),
         TourPlugin::default(),
