@@ -87,11 +87,7 @@ fn compare(name: &str, city: &Path, eye: Eye) -> Result<(), Failure> {
     let world = studio.world();
     let meshes = world.query_filtered::<(), With<CellMesh>>().iter(world).count();
     let cells = world.query_filtered::<(), With<CellContent>>().iter(world).count();
-    let mut kinds: BTreeMap<String, usize> = BTreeMap::new();
-    for mesh in world.query::<&CellMesh>().iter(world) {
-        *kinds.entry(format!("{:?}", mesh.kind)).or_default() += 1;
-    }
-    eprintln!("{name}: {} houses in {cells} cells, {} parts; {kinds:?}", parts.houses, parts.all.len());
+    eprintln!("{name}: {} houses in {cells} cells, {} parts", parts.houses, parts.all.len());
     let (entities, peers) = ((meshes + cells) as f64, parts.all.len() as f64);
     line(&format!("{name}_houses"), parts.houses as f64, "1");
     line(&format!("{name}_entities"), entities, "1");

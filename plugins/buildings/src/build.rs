@@ -180,7 +180,11 @@ fn make(order: Order, season: Season, has_cards: bool) -> Made {
                 parts.push((CellMeshKind::Walls(level), mesh::level1(shell)));
             }
             Level::Two => match order.sheet.as_ref().map(|sheet| mesh::level2(shell, sheet)) {
-                Some(Ok(data)) => parts.push((CellMeshKind::Walls(level), data)),
+                Some(Ok(data)) => {
+                    let mut fittings = mesh::roof_details(shell);
+                    fittings.append(&mesh::objects(shell));
+                    parts.extend([(CellMeshKind::Walls(level), data), (CellMeshKind::Fittings, fittings)]);
+                }
                 Some(Err(e)) => error = Some(e.to_string()),
                 None => error = Some("its façade sheet is not here".to_owned()),
             },
@@ -194,11 +198,6 @@ fn make(order: Order, season: Season, has_cards: bool) -> Made {
         }
         // Apart from the walls, so that what has most of a city's vertices is drawn only where it is seen.
         parts.push((CellMeshKind::Walls(level), mesh::monuments(shell, MonumentDetail::of(level))));
-    }
-    if level == Level::Two && !order.is_turned {
-        let mut fittings = mesh::roof_details(shell);
-        fittings.append(&mesh::objects(shell));
-        parts.push((CellMeshKind::Fittings, fittings));
     }
     match level {
         Level::One if has_cards => parts.push((CellMeshKind::Trees(level), mesh::tree_cards(shell, season))),
@@ -242,9 +241,6 @@ pub(crate) fn finish(
     mut standing: ResMut<StandingCells>,
     mut stands: MessageWriter<CellStands>,
 ) {
-    if provided.as_ref().is_some_and(|provided| !provided.are_made) {
-        return;
-    }
     let settings = settings.in_frame(&viewers);
     let mut vertices = 0;
     while vertices < settings.vertices_a_frame {

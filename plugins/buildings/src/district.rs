@@ -106,9 +106,6 @@ pub(crate) fn finish(
     mut assets: ResMut<Assets<Mesh>>,
     mut plain: Plain,
 ) {
-    if provided.as_ref().is_some_and(|provided| !provided.are_made) {
-        return;
-    }
     let most = (settings.in_frame(&viewers).vertices_a_frame / SHARE).max(1);
     let mut vertices = 0;
     for part in districts.parts.values_mut() {

@@ -6,10 +6,10 @@
 //! ```
 //!
 //! Packets carry plans, not meshes: walls, roofs and ground are made on the walker's machine, off the main thread, and
-//! spawned as one mesh of walls and one of monuments per cell and level. Fittings (chimneys, dormers, eaves, standing objects) are a mesh that
-//! comes with level 2. Where a plugin provides materials, cells stand when these are made. Trees are meshes of their own, cards at level 1 and bodies at level 2 (bodies at level 1
-//! where no plugin provides materials), made for the season that the clock and the city's latitude tell; when it turns, they are made
-//! anew and take the place of those that stood.
+//! spawned as one mesh of walls and one of monuments per cell and level. Fittings (chimneys, dormers, eaves, standing objects) are a mesh
+//! that comes with level 2. Trees are meshes of their own, cards at level 1 and bodies at level 2 (bodies at level 1 where no plugin
+//! provides materials), made for the season that the clock and the city's latitude tell; when it turns, they are made anew and take
+//! the place of those that stood. Where a plugin provides materials, nothing stands before these are made.
 //!
 //! What maps know of a city is enough to draw it from afar: of each part of the [`City`](veduta_ecs::City)'s overview that is here, the
 //! cells are drawn as districts (ground, houses under plain roofs, bridges) as long as they do not stand themselves. So there is a city
@@ -66,17 +66,31 @@ impl Plugin for BuildingsPlugin {
             .init_resource::<district::Districts>()
             .add_systems(
                 Update,
-                (season::find_season, build::turn_season, relief::order, build::start, build::finish)
+                (
+                    season::find_season,
+                    build::turn_season,
+                    relief::order,
+                    build::start,
+                    build::finish.run_if(not(materials_are_awaited)),
+                )
                     .chain()
                     .in_set(VedutaSystems::Build),
             )
             .add_systems(
                 Update,
-                (district::start, district::finish, district::show).chain().after(build::finish).in_set(VedutaSystems::Build),
+                (district::start, district::finish.run_if(not(materials_are_awaited)), district::show)
+                    .chain()
+                    .after(build::finish)
+                    .in_set(VedutaSystems::Build),
             )
             .add_systems(
                 Update,
                 build::retire_coarser.in_set(VedutaSystems::Show).run_if(not(resource_exists::<MaterialsProvided>)),
             );
     }
+}
+
+/// Whether materials will be provided, but are not made yet.
+fn materials_are_awaited(provided: Option<Res<MaterialsProvided>>) -> bool {
+    provided.is_some_and(|provided| !provided.are_made)
 }

@@ -65,13 +65,11 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     if !keeps(facade, in.position.xy, away, tag) { discard; }
 #endif
 #ifdef CARDS
-    {
-        if !is_drawn(relief.a, in.position.xy) { discard; }
-        let back = view.world_from_view[2].xyz;
-        let from_tree = view.world_position - vec3<f32>(centre.x, in.world_position.y, centre.y);
-        let to_eye = normalize(select(from_tree, back, view.clip_from_view[3].w == 1.0));
-        if !is_turned_to(cross(across, down), to_eye, bayer(vec2<u32>(in.position.xy))) { discard; }
-    }
+    if !is_drawn(relief.a, in.position.xy) { discard; }
+    let back = view.world_from_view[2].xyz;
+    let from_tree = view.world_position - vec3<f32>(centre.x, in.world_position.y, centre.y);
+    let tree_to_eye = normalize(select(from_tree, back, view.clip_from_view[3].w == 1.0));
+    if !is_turned_to(cross(across, down), tree_to_eye, bayer(vec2<u32>(in.position.xy))) { discard; }
 #endif
 
     // What the layer is off a whole number tells the floor's height, in 1,024 m.

@@ -126,8 +126,12 @@ mod tests {
     use super::*;
     use veduta_ecs::Cell;
 
-    /// The shares of a cell's meshes of levels 1, 2 and 4 about a point so far from the eye.
+    /// The shares of a cell's walls of levels 1, 2 and 4 about a point so far from the eye.
     fn shares(away_m: f32, fade: [f32; 4], are_shadows_cast: bool) -> [Share; 3] {
+        shares_of([Level::One, Level::Two, Level::Four].map(CellMeshKind::Walls), away_m, fade, are_shadows_cast)
+    }
+
+    fn shares_of<const N: usize>(kinds: [CellMeshKind; N], away_m: f32, fade: [f32; 4], are_shadows_cast: bool) -> [Share; N] {
         let mut app = App::new();
         app.insert_resource(LevelDistances { near: [80.0, 40.0, 14.0], far: [110.0, 55.0, 18.0] });
         app.add_systems(Update, (find_shares, heed_shares).chain());
@@ -136,8 +140,8 @@ mod tests {
         world.spawn(DirectionalLight { shadow_maps_enabled: are_shadows_cast, ..default() });
         let cell = world.spawn((Cell(0), LevelFade(fade))).id();
         let bounds = Aabb::from_min_max(Vec3::new(-3.0, 0.0, -4.0), Vec3::new(3.0, 15.0, 4.0));
-        let meshes = [Level::One, Level::Two, Level::Four].map(|level| {
-            let mesh = CellMesh { cell: 0, kind: CellMeshKind::Walls(level) };
+        let meshes = kinds.map(|kind| {
+            let mesh = CellMesh { cell: 0, kind };
             world.spawn((mesh, bounds, GlobalTransform::IDENTITY, Visibility::default(), ChildOf(cell))).id()
         });
         // At first they share pixels.
@@ -177,5 +181,14 @@ mod tests {
         use Share::{All, None, Some};
         assert_eq!(shares(60.0, [1.0; 4], true), [Some, All, None]);
         assert_eq!(shares(3.0, [1.0; 4], true), [Some, None, All]);
+    }
+    #[test]
+    fn bodies_of_trees_stay_where_they_cast_shadows_and_their_cards_do_not() {
+        use Share::{All, None, Some};
+        let trees = [Level::One, Level::Two].map(CellMeshKind::Trees);
+        assert_eq!(shares_of(trees, 300.0, [1.0; 4], false), [All, None]);
+        assert_eq!(shares_of(trees, 300.0, [1.0; 4], true), [All, Some], "they have no pixel, but a shadow");
+        assert_eq!(shares_of(trees, 300.0, [1.0, 0.0, 0.0, 0.0], true), [All, None], "and none before they come");
+        assert_eq!(shares_of([CellMeshKind::Fittings], 60.0, [1.0; 4], true), [All]);
     }
 }

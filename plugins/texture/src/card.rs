@@ -364,3 +364,22 @@ impl TreeBuilder for Bodies {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use veduta_city::{Id, Tile};
+
+    /// Their z is not written down: see [`unpacked`](crate::unpacked).
+    #[test]
+    fn normals_of_cards_face_the_viewer() {
+        let draw = |tile: Tile| Draw::new(7, Id(tile.index() as u64), "texture");
+        let leaf = Leaf::new(draw(Tile::Leaves));
+        for kind in ObjectKind::TREES {
+            let card = Card::of_tree(kind, false, 64, draw(Tile::LeafyTree(kind)), &leaf);
+            for dot in card.mips.iter().flatten().filter(|dot| dot.cover > 0.0) {
+                assert!(dot.normal.normalize_or(Vec3::Z).z > -0.01, "{kind:?} shows its back: {}", dot.normal);
+            }
+        }
+    }
+}

@@ -75,7 +75,7 @@ const TRADES: [Trade; Tile::TRADES as usize] = [
     // China and glass.
     Trade {
         name: "WEISS",
-        front: 0x005E_6A62,
+        front: 0x0055_6159,
         wares: [0x00E2_E4E0, 0x00C4_D2DC, 0x00E8_E0D0, 0x008C_A6BC, 0x00D4_DCD8, 0x00B0_C8C4],
         shelves: 4,
         abreast: 9,

@@ -1,13 +1,12 @@
 use glam::DVec2;
-use veduta_city::draw::Draw;
-use veduta_city::{CellShell, FacadeSheet, HouseShell, Id, Opening, Rgb, Tile, VolumeShell, Wall, WallKind, metres};
+use veduta_city::{CellShell, FacadeSheet, HouseShell, Opening, Tile, VolumeShell, Wall, WallKind, metres};
 
 use super::arcade;
 use super::data::{MeshData, MeshError, Paint};
 use super::form::RoofForm;
 use super::gable;
 use super::moulding::add_mouldings;
-use super::outline::{Edge, centre_of, engine, wall_edge};
+use super::outline::{Edge, centre_of, draw_at, engine, wall_edge};
 
 /// The cell's walls as coloured outlines: one face from foot to eaves and the gable above it. Centres are the middles of the walls.
 #[must_use]
@@ -90,8 +89,11 @@ pub(super) fn facades_as(shell: &CellShell, sheet: &FacadeSheet, draw: impl Fn(&
     let mut along = Vec::new();
     for (house, volume, plans) in seen(shell, sheet) {
         let (first, form, plaster) = (mesh.positions.len(), RoofForm::new(volume), plaster(volume));
+        let corner = volume.footprint.outer.first().copied().unwrap_or_default();
+        let trade = draw_at(shell, corner, "shop").below("trade", Tile::TRADES.into()) as u8;
         for (&wall, plan) in volume.walls.iter().zip(plans) {
             let Some(front) = Front::new(volume, wall, plaster) else { continue };
+            let front = Front { trade, ..front };
             front.bays(plan, &draw, &mut mesh);
             front.gable(&form, wall, plan.kind == WallKind::Street, &mut along, &mut mesh);
         }
@@ -136,7 +138,7 @@ pub(super) struct Front {
     pub(super) bottom: f64,
     pub(super) eaves: f64,
     pub(super) plaster: Paint,
-    /// What its shops sell.
+    /// What its shops sell, if it has any.
     pub(super) trade: u8,
 }
 
@@ -146,12 +148,7 @@ impl Front {
         let edge = wall_edge(&volume.footprint, wall.into())?;
         let plaster = plaster.at(centre_of((edge.a + edge.b) / 2.0));
         let (bottom, eaves) = (metres(volume.bottom), metres(volume.eaves));
-        // By what does not change with the cell that draws it.
-        let Rgb(r, g, b) = volume.colour;
-        let key = [r.into(), g.into(), b.into(), volume.eaves as u64, (edge.length * 16.0) as u64];
-        let key = key.iter().fold(0_u64, |key, &word| key.rotate_left(11) ^ word);
-        let trade = Draw::new(0, Id(key), "shop").below("trade", Tile::TRADES.into()) as u8;
-        (bottom < eaves).then_some(Self { edge, bottom, eaves, plaster, trade })
+        (bottom < eaves).then_some(Self { edge, bottom, eaves, plaster, trade: 0 })
     }
 
     /// The tile of a run's bay.
@@ -327,6 +324,17 @@ pub(super) mod tests {
         assert_eq!(mesh.uvs[16..20], [[0.0, -1.0], [3.0, -1.0], [3.0, -3.0], [0.0, -3.0]], "three bays by two storeys");
         assert_eq!(mesh.positions[4], [3.0, 0.0, 0.0]);
         assert_eq!(mesh.positions[19], [0.0, 13.0, 0.0]);
+    }
+
+    #[test]
+    fn a_shops_name_stands_over_the_middle_of_its_bays() {
+        let ground_floor = GroundFloor { door_bay: None, shops: 0b111, ..front().ground_floor };
+        let wall = Wall { ground_floor, ..front() };
+        let mesh = facades(&shell(vec![0]), &FacadeSheet { walls: vec![wall] }).unwrap();
+        let shop = |quad: usize| Tile::all().nth(mesh.colours[quad * 4][3] as usize).and_then(Tile::shop);
+        let [Some(left), Some(middle), Some(right)] = [0, 1, 2].map(shop) else { panic!("three bays of a shop") };
+        assert_eq!([left.1, middle.1, right.1], [false, true, false]);
+        assert!(left.0 == middle.0 && middle.0 == right.0, "they are of one trade");
     }
 
     #[test]
