@@ -3,11 +3,10 @@
 use std::time::Duration;
 
 use bevy::prelude::*;
-use veduta::ecs::{Cell, CellMesh, CellMeshKind, StandingCells};
+use veduta::ecs::{Cell, CellMesh, StandingCells};
 use veduta::prelude::*;
 use veduta::streaming::{CurrentCell, Fetching, Journal, StreamingStats, Wanted};
 use veduta_city::{GridPos, Level, draw::Draw};
-use veduta_growth::mesh;
 use veduta_store::{DirReader, read_index};
 use veduta_tests::{inner_point, quiet_app, sample_city, update_until};
 
@@ -27,20 +26,12 @@ struct Held {
     in_flight: usize,
 }
 
-/// All but fittings: which cells have level 2 under the cap depends on the way that led here, and walls of one level take the place of
-/// another's, but fittings none's.
 fn held(app: &mut App) -> Held {
-    let fittings =
-        app.world_mut().query::<&CellMesh>().iter(app.world()).filter(|mesh| mesh.kind == CellMeshKind::Fittings).count();
-    let standing = app.world().resource::<StandingCells>();
-    let finer = standing.iter().filter(|(_, levels, _)| levels.has(Level::Two));
-    let fitted = finer.filter(|(_, _, shell)| !mesh::roof_details(shell).is_empty() || !mesh::objects(shell).is_empty()).count();
-    assert_eq!(fittings, fitted, "one mesh of fittings in each cell with level 2 that has any");
     Held {
-        entities: app.world().entities().count_spawned() - fittings as u32,
+        entities: app.world().entities().count_spawned(),
         cells: app.world_mut().query::<&Cell>().iter(app.world()).count(),
-        meshes: app.world_mut().query::<&CellMesh>().iter(app.world()).count() - fittings,
-        mesh_assets: app.world().resource::<Assets<Mesh>>().len() - fittings,
+        meshes: app.world_mut().query::<&CellMesh>().iter(app.world()).count(),
+        mesh_assets: app.world().resource::<Assets<Mesh>>().len(),
         in_flight: app.world().resource::<StreamingStats>().in_flight,
     }
 }

@@ -177,14 +177,14 @@ fn make(order: Order, season: Season, has_cards: bool) -> Made {
                 base.append(&mesh::spans(shell));
                 base.append(&mesh::roof_bodies(shell));
                 parts.push((CellMeshKind::Base, base));
+                // Not with level 2: a cell without façades has none.
+                let mut fittings = mesh::roof_details(shell);
+                fittings.append(&mesh::objects(shell));
+                parts.push((CellMeshKind::Fittings, fittings));
                 parts.push((CellMeshKind::Walls(level), mesh::level1(shell)));
             }
             Level::Two => match order.sheet.as_ref().map(|sheet| mesh::level2(shell, sheet)) {
-                Some(Ok(data)) => {
-                    let mut fittings = mesh::roof_details(shell);
-                    fittings.append(&mesh::objects(shell));
-                    parts.extend([(CellMeshKind::Walls(level), data), (CellMeshKind::Fittings, fittings)]);
-                }
+                Some(Ok(data)) => parts.push((CellMeshKind::Walls(level), data)),
                 Some(Err(e)) => error = Some(e.to_string()),
                 None => error = Some("its façade sheet is not here".to_owned()),
             },

@@ -7,7 +7,7 @@
 //!
 //! Packets carry plans, not meshes: walls, roofs and ground are made on the walker's machine, off the main thread, and
 //! spawned as one mesh of walls and one of monuments per cell and level. Fittings (chimneys, dormers, eaves, standing objects) are a mesh
-//! that comes with level 2. Trees are meshes of their own, cards at level 1 and bodies at level 2 (bodies at level 1 where no plugin
+//! too, which materials show from near by. Trees are meshes of their own, cards at level 1 and bodies at level 2 (bodies at level 1 where no plugin
 //! provides materials), made for the season that the clock and the city's latitude tell; when it turns, they are made anew and take
 //! the place of those that stood. Where a plugin provides materials, nothing stands before these are made.
 //!

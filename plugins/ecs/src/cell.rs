@@ -36,19 +36,18 @@ pub enum CellMeshKind {
     Base,
     /// Walls of one level, or its monuments: a mesh each.
     Walls(Level),
-    /// What comes with level 2 and stays at finer ones: chimneys, dormers and eaves; standing objects but trees.
+    /// What is there from the first and shown as near as level 2: chimneys, dormers and eaves; standing objects but trees.
     Fittings,
     /// Trees. With [`MaterialsProvided`] cards at level 1 and bodies from level 2 on; else bodies at level 1.
     Trees(Level),
 }
 
 impl CellMeshKind {
-    /// The level that shows it; `None` of what is shown at every distance.
+    /// The level that it belongs to; `None` of what stands with the cell whatever its levels.
     #[must_use]
     pub const fn level(self) -> Option<Level> {
         match self {
-            Self::District | Self::Base => None,
-            Self::Fittings => Some(Level::Two),
+            Self::District | Self::Base | Self::Fittings => None,
             Self::Walls(level) | Self::Trees(level) => Some(level),
         }
     }

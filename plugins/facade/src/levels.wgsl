@@ -110,7 +110,9 @@ fn risen_normal(normal: vec3<f32>, relief: vec3<f32>, scale: f32) -> vec3<f32> {
 fn reaches(facade: Facade, distance: f32, fade: vec4<f32>) -> vec4<f32> {
     let close = nearness(facade, distance);
     let is_wall = facade.far_kind.w == 0.0;
-    let faded = select(fade, min(fade / ALIKE_FADE, vec4<f32>(1.0)), is_wall);
+    // Fittings are there from the first.
+    let come = select(fade, vec4<f32>(1.0), facade.far_kind.w == 3.0);
+    let faded = select(come, min(fade / ALIKE_FADE, vec4<f32>(1.0)), is_wall);
     let crossed = select(close, min(close / ALIKE_BAND, vec3<f32>(1.0)), is_wall);
     let four = faded.w * crossed.z;
     let three = max(four, faded.z * crossed.y);

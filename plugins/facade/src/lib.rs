@@ -25,7 +25,7 @@
 //! | 3 | `far[1]` | weathered paint, panes and rooms |
 //! | 4 | `far[2]` | relief |
 //!
-//! Fittings (chimneys, dormers, lamps) come with level 2 and stay. Trees have two: cards at level 1, bodies from level 2 on. A tree's cards look in eight directions, upright and leaning back, and
+//! Fittings (chimneys, dormers, lamps) are shown where level 2 is, whether or not a cell has it. Trees have two: cards at level 1, bodies from level 2 on. A tree's cards look in eight directions, upright and leaning back, and
 //! one looks up; the shader shows the one that looks towards the eye, and for shadows the one that looks towards the sun.
 //!
 //! # Use

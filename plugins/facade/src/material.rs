@@ -123,7 +123,7 @@ enum Kind {
     Cards = 1,
     /// Bodies of trees, of which there is nothing finer.
     Bodies = 2,
-    /// Fittings, of which there is nothing finer either.
+    /// Fittings, of which there is nothing finer either, and which are there from the first.
     Fittings = 3,
 }
 

@@ -37,10 +37,18 @@ pub(crate) fn find_shares(
     let eyes: Vec<Vec2> = counted().map(|(_, place, _)| place.translation().xz()).collect();
     let are_shadows_cast = lights.iter().any(|light| light.shadow_maps_enabled);
     for (entity, mesh, bounds, place, cell, share) in &mut meshes {
-        let Some(level) = mesh.kind.level() else { continue };
+        let level = match mesh.kind {
+            CellMeshKind::Walls(level) | CellMeshKind::Trees(level) => level,
+            CellMeshKind::Fittings => Level::Two,
+            CellMeshKind::Base | CellMeshKind::District => continue,
+        };
         let Ok(fade) = cells.get(cell.parent()) else { continue };
         let reach = Reach::of(&eyes, bounds, place);
-        let own = if level == Level::One { Share::All } else { reach.share(level, &distances, fade) };
+        let own = match mesh.kind {
+            CellMeshKind::Fittings => reach.share(level, &distances, &LevelFade([1.0; 4])),
+            _ if level == Level::One => Share::All,
+            _ => reach.share(level, &distances, fade),
+        };
         // Level 3 has no meshes of its own, and there is nothing finer than trees' bodies and fittings.
         let finer = match mesh.kind {
             CellMeshKind::Walls(Level::One) => {
@@ -189,6 +197,10 @@ mod tests {
         assert_eq!(shares_of(trees, 300.0, [1.0; 4], false), [All, None]);
         assert_eq!(shares_of(trees, 300.0, [1.0; 4], true), [All, Some], "they have no pixel, but a shadow");
         assert_eq!(shares_of(trees, 300.0, [1.0, 0.0, 0.0, 0.0], true), [All, None], "and none before they come");
-        assert_eq!(shares_of([CellMeshKind::Fittings], 60.0, [1.0; 4], true), [All]);
+    }
+    #[test]
+    fn fittings_ask_for_no_level() {
+        let fittings = |away_m: f32| shares_of([CellMeshKind::Fittings], away_m, [1.0, 0.0, 0.0, 0.0], true);
+        assert_eq!([300.0, 100.0, 60.0].map(fittings), [[Share::None], [Share::Some], [Share::All]]);
     }
 }
