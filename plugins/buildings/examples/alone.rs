@@ -88,6 +88,6 @@ mod tests {
             app.update();
         }
         assert!(app.world().resource::<StandingCells>().levels(0).has(Level::One));
-        assert_eq!(app.world_mut().query::<(&CellMesh, &Mesh3d)>().iter(app.world()).count(), 2, "walls; all else");
+        assert_eq!(app.world_mut().query::<(&CellMesh, &Mesh3d)>().iter(app.world()).count(), 3, "walls; fittings; all else");
     }
 }
