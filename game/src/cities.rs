@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anstream::eprintln;
 use indicatif::{ProgressBar, ProgressStyle};
-use veduta_bake::{BakeSettings, Input, InputKind, Stage, bake, overrides_beside};
-use veduta_city::Tour;
+use veduta_bake::{BakeSettings, Input, InputKind, Stage, bake, files_of_overrides, overrides_beside};
+use veduta_city::{GraphOverrides, Tour, file};
 use veduta_store::{FORMAT_VERSION, INDEX_NAME};
 
 use crate::Failure;
@@ -76,7 +76,7 @@ fn open_path(path: &Path) -> Result<String, Failure> {
     Ok(baked.display().to_string())
 }
 
-/// Where the city of an input lies in the cache: named by its content, that of its overrides, and the versions that made it.
+/// Where the city of an input lies in the cache: named by its content, that of its overrides and what they name, and the versions that made it.
 fn cached(input: &Input) -> Result<PathBuf, Failure> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(&FORMAT_VERSION.to_le_bytes());
@@ -90,6 +90,11 @@ fn cached(input: &Input) -> Result<PathBuf, Failure> {
     let overrides = overrides_beside(&input.path);
     if input.kind != InputKind::Plan && overrides.exists() {
         hasher.update(&read(&overrides)?);
+        // What is wrong with them is told when they are baked.
+        let edits: GraphOverrides = file::read(&overrides).unwrap_or_default();
+        for file in files_of_overrides(&edits, &overrides) {
+            hasher.update(&read(&file)?);
+        }
     }
     let stem = input.path.file_name().unwrap_or_default().to_string_lossy();
     let stem = stem.split('.').next().unwrap_or("city");

@@ -101,6 +101,14 @@ pub enum BakeError {
         /// What is wrong, and what to do.
         reason: String,
     },
+    /// A façade cannot be cut out of its picture.
+    #[error("{path}: {reason}")]
+    Facade {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        reason: String,
+    },
     /// The graph could not be grown.
     #[error("{0}")]
     Grow(#[from] veduta_growth::plan::GrowthError),

@@ -244,7 +244,7 @@ pub(crate) fn house_parts(plan: &CityPlan, house: &House) -> Result<Vec<(String,
         if house.monument.is_some() {
             continue;
         }
-        let sheet = FacadeSheet { walls: volume.walls.iter().take(usize::from(u16::MAX) + 1).cloned().collect() };
+        let sheet = FacadeSheet::of(volume.walls.iter().take(usize::from(u16::MAX) + 1).cloned().collect());
         let mut made = by_centre(&mesh::level2(&of_walls(all.clone(), false), &sheet)?);
         for (wall, i) in sheet.walls.iter().zip(0..) {
             let Some(centre) = mesh::level1(&of_walls(vec![i], false)).centres.first().copied() else { continue };

@@ -7,7 +7,7 @@ use veduta_city::{Cells, CityGraph, CityPlan, Finding, GraphOverrides, Id, Sever
 use veduta_growth::plan::Stock;
 use veduta_store::{CellParts, CityStats, CityWriter};
 
-use crate::{BakeError, Heights, Input, InputKind, lay_on_ground, overrides_beside, read_models};
+use crate::{BakeError, Heights, Input, InputKind, lay_on_ground, overrides_beside, read_facades, read_models};
 
 /// What may be chosen of a bake.
 #[derive(Debug, Clone, Default)]
@@ -94,6 +94,7 @@ pub fn survey(input: &Input) -> Result<(CityGraph, Stock, Vec<Finding>), BakeErr
         let (models, notes) = read_models(&overrides, &beside).map_err(|mut errors| errors.swap_remove(0))?;
         findings.extend(notes.into_iter().map(|note| Finding::new(Severity::Note, Id::NONE, None, note)));
         stock.models = models;
+        stock.facades = read_facades(&overrides, &beside).map_err(|mut errors| errors.swap_remove(0))?;
         stock = stock.with(&overrides.styles, overrides.monuments, overrides.furniture).map_err(told)?;
     }
     let (old, new): (Vec<_>, Vec<_>) = graph.validate().into_iter().partition(|error| own.contains(error));
@@ -198,7 +199,7 @@ pub fn bake_input(input: &Input, out: &Path, settings: &BakeSettings, progress: 
     let parts = |cell: usize| {
         let shell = contents.shell(cell);
         let ground = Some(ground_from_afar(&shell));
-        CellParts { shell: Cow::Owned(shell), sheet: Cow::Owned(contents.sheet(cell)), ground }
+        CellParts { shell: Cow::Owned(shell), sheet: Cow::Owned(contents.sheet(cell)), pictures: contents.pictures(cell), ground }
     };
     writer.cells(&plan, &cells, &parts)?;
     // The index of a large city takes as much again as its cells: the plan need not be there meanwhile.

@@ -186,7 +186,7 @@ fn a_house_has_the_walls_and_roofs_that_its_cell_has() {
         let volumes = house.volumes.iter().map(|volume| VolumeShell::of(volume, (0..volume.walls.len() as u16).collect(), true));
         let shell = HouseShell { style: house.style, floor: house.floor, volumes: volumes.collect(), is_monument: false };
         let shell = CellShell { ground: plan.ground.clone(), houses: vec![shell], ..CellShell::default() };
-        let sheet = FacadeSheet { walls: house.volumes.iter().flat_map(|volume| volume.walls.iter().cloned()).collect() };
+        let sheet = FacadeSheet::of(house.volumes.iter().flat_map(|volume| volume.walls.iter().cloned()).collect());
         let walls = mesh::level2(&shell, &sheet).unwrap_or_else(|e| panic!("{e}"));
         let want = walls.triangle_count() + mesh::roofs(&shell).triangle_count();
         let meshes = node.children.iter().flatten().filter_map(|child| root.nodes[child.value()].mesh);

@@ -159,6 +159,7 @@ fn opened(city: &Path) -> Opened {
                     walls = shell.houses.iter().flat_map(|h| &h.volumes).map(|v| v.walls.len()).sum();
                 }
                 Packet::Facades(sheet) => assert_eq!(sheet.walls.len(), walls, "cell {i}"),
+                Packet::Pictures(_) => panic!("cell {i} of {} is painted", index.name),
             }
         }
         assert!(cell.packet(Level::One).is_some(), "cell {i} has no packet");

@@ -22,7 +22,7 @@ fn main() -> AppExit {
 
 /// Spawns a cell with its content and says that it is ready: the plugin makes and spawns its meshes.
 fn give_cell(mut commands: Commands, mut ready: MessageWriter<CellReady>) {
-    let content = CellContent { shell: Arc::new(yard()), sheet: None };
+    let content = CellContent { shell: Arc::new(yard()), sheet: None, pictures: None };
     let entity = commands.spawn((Cell(0), content, LevelFade::default())).id();
     ready.write(CellReady { entity, cell: 0, level: Level::One });
 }

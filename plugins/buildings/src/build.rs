@@ -4,11 +4,14 @@ use std::sync::Arc;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
-use veduta_city::{CellShell, FacadeSheet, Level, Season};
-use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellReady, CellStands, Eye, MaterialsProvided, StandingCells, Viewer};
+use veduta_city::{CellShell, FacadeSheet, Level, PictureFile, Season};
+use veduta_ecs::{
+    Cell, CellContent, CellMesh, CellMeshKind, CellPictures, CellReady, CellStands, Eye, MaterialsProvided, StandingCells, Viewer,
+};
 use veduta_growth::mesh::{self, MeshData, MonumentDetail};
 
 use crate::convert::mesh_from;
+use crate::pictures;
 use crate::season::CitySeason;
 
 /// Where meshes are made.
@@ -56,9 +59,14 @@ impl BuildSettings {
 struct Made {
     order: Order,
     meshes: Vec<(CellMeshKind, Mesh, usize)>,
+    /// Pictures of its painted walls, as fine as the level.
+    pictures: Option<Image>,
     season: Season,
     error: Option<String>,
 }
+
+/// Bytes of a picture that cost as much as a vertex to hand over.
+const BYTES_A_VERTEX: usize = 48;
 
 /// What is to be made.
 #[derive(Clone)]
@@ -66,13 +74,15 @@ struct Order {
     ready: CellReady,
     shell: Arc<CellShell>,
     sheet: Option<Arc<FacadeSheet>>,
+    pictures: Option<Arc<[PictureFile]>>,
     /// Whether the level stands already and the season has turned.
     is_turned: bool,
 }
 
 impl Order {
     fn new(ready: CellReady, content: &CellContent) -> Self {
-        Self { ready, shell: Arc::clone(&content.shell), sheet: content.sheet.clone(), is_turned: false }
+        let CellContent { shell, sheet, pictures } = content.clone();
+        Self { ready, shell, sheet, pictures, is_turned: false }
     }
 }
 
@@ -140,8 +150,7 @@ pub(crate) fn start(
     mut queue: ResMut<Queue>,
 ) {
     let (settings, season) = (settings.in_frame(&viewers), season.0);
-    // Without the tiles a card is but a board.
-    let has_cards = provided.is_some();
+    let provided = provided.as_deref().copied();
     for &ready in ready.read() {
         let Ok(content) = contents.get(ready.entity) else { continue };
         queue.waiting.push_back(Order::new(ready, content));
@@ -153,10 +162,10 @@ pub(crate) fn start(
             continue;
         }
         let work = match *building {
-            Building::Inline => Work::Done(Box::new(make(order, season, has_cards))),
+            Building::Inline => Work::Done(Box::new(make(order, season, provided))),
             Building::Pool => {
                 let own = order.clone();
-                Work::Task(order, AsyncComputeTaskPool::get().spawn(async move { make(own, season, has_cards) }))
+                Work::Task(order, AsyncComputeTaskPool::get().spawn(async move { make(own, season, provided) }))
             }
         };
         queue.making.push_back(work);
@@ -165,8 +174,12 @@ pub(crate) fn start(
 
 /// Makes the meshes of one level of one cell; of a level that stands, for another season, its trees. Where there are no cards trees are
 /// bodies at level 1. Pure.
-fn make(order: Order, season: Season, has_cards: bool) -> Made {
+fn make(order: Order, season: Season, provided: Option<MaterialsProvided>) -> Made {
+    // Without the tiles a card is but a board.
+    let has_cards = provided.is_some();
+    let in_blocks = provided.is_some_and(|provided| provided.reads_blocks);
     let (shell, level) = (&order.shell, order.ready.level);
+    let mut pictures = None;
     let mut parts: Vec<(CellMeshKind, MeshData)> = Vec::new();
     let mut error = None;
     if !order.is_turned {
@@ -183,18 +196,22 @@ fn make(order: Order, season: Season, has_cards: bool) -> Made {
                 parts.push((CellMeshKind::Fittings, fittings));
                 parts.push((CellMeshKind::Walls(level), mesh::level1(shell)));
             }
-            Level::Two => match order.sheet.as_ref().map(|sheet| mesh::level2(shell, sheet)) {
-                Some(Ok(data)) => parts.push((CellMeshKind::Walls(level), data)),
+            Level::Two | Level::Four => match order.sheet.as_ref().map(|sheet| walls(shell, sheet, level)) {
+                Some(Ok(walls)) => parts.extend(walls),
                 Some(Err(e)) => error = Some(e.to_string()),
                 None => error = Some("its façade sheet is not here".to_owned()),
             },
-            Level::Four => match order.sheet.as_ref().map(|sheet| mesh::level4(shell, sheet)) {
-                Some(Ok(data)) => parts.push((CellMeshKind::Walls(level), data)),
-                Some(Err(e)) => error = Some(e.to_string()),
-                None => error = Some("its façade sheet is not here".to_owned()),
-            },
-            // Level 3 of generated walls is composed by the material on level 2's mesh.
-            Level::Three => error = Some("no mesh is made of it".to_owned()),
+            // Level 3 of generated walls is composed by the material on level 2's mesh; that of painted ones lies on it.
+            Level::Three => {}
+        }
+        match (level, &order.sheet, &order.pictures) {
+            (Level::Two, Some(sheet), _) => pictures = pictures::coarse(sheet, in_blocks),
+            (Level::Three, Some(sheet), Some(files)) if has_cards => {
+                let (made, errors) = pictures::fine(sheet, files, in_blocks);
+                pictures = made;
+                error = (!errors.is_empty()).then(|| errors.join("; "));
+            }
+            _ => {}
         }
         // Apart from the walls, so that what has most of a city's vertices is drawn only where it is seen.
         parts.push((CellMeshKind::Walls(level), mesh::monuments(shell, MonumentDetail::of(level))));
@@ -209,7 +226,14 @@ fn make(order: Order, season: Season, has_cards: bool) -> Made {
         let vertices = data.positions.len();
         (kind, mesh_from(data), vertices)
     });
-    Made { meshes: meshes.collect(), order, season, error }
+    Made { meshes: meshes.collect(), order, pictures, season, error }
+}
+
+/// Walls of level 2 or 4: those of tiles, and those that somebody painted.
+fn walls(shell: &CellShell, sheet: &FacadeSheet, level: Level) -> Result<[(CellMeshKind, MeshData); 2], mesh::MeshError> {
+    let in_relief = level == Level::Four;
+    let tiled = if in_relief { mesh::level4(shell, sheet)? } else { mesh::level2(shell, sheet)? };
+    Ok([(CellMeshKind::Walls(level), tiled), (CellMeshKind::Painted(level), mesh::painted(shell, sheet, in_relief)?)])
 }
 
 /// The material of meshes where no plugin provides any.
@@ -235,8 +259,10 @@ pub(crate) fn finish(
     provided: Option<Res<MaterialsProvided>>,
     mut queue: ResMut<Queue>,
     mut assets: ResMut<Assets<Mesh>>,
+    mut images: Option<ResMut<Assets<Image>>>,
     mut plain: Plain,
     cells: Query<(&Cell, &CellContent)>,
+    mut pictures: Query<&mut CellPictures>,
     trees: Query<(Entity, &CellMesh, &ChildOf), With<MadeFor>>,
     mut standing: ResMut<StandingCells>,
     mut stands: MessageWriter<CellStands>,
@@ -269,7 +295,19 @@ pub(crate) fn finish(
         }
         if let Some(error) = made.error {
             error!("cell {cell}, {level}: {error}; the level before it stays");
-            continue;
+            // Of several pictures those that can be shown are.
+            if made.pictures.is_none() {
+                continue;
+            }
+        }
+        // Where nothing is drawn there are no images.
+        if let (Some(image), Some(images)) = (made.pictures, &mut images) {
+            vertices += image.data.as_ref().map_or(0, Vec::len) / BYTES_A_VERTEX;
+            let image = images.add(image);
+            match pictures.get_mut(entity) {
+                Ok(mut pictures) if level == Level::Three => pictures.fine = Some(image),
+                _ => _ = commands.entity(entity).insert(CellPictures { coarse: image, fine: None }),
+            }
         }
         if made.order.is_turned {
             let old = trees.iter().filter(|(_, mesh, cell)| cell.parent() == entity && mesh.kind == CellMeshKind::Trees(level));
@@ -302,7 +340,7 @@ pub(crate) fn retire_coarser(
     meshes: Query<(Entity, &CellMesh)>,
 ) {
     for finer in &arrived {
-        let CellMeshKind::Walls(level) = finer.kind else { continue };
+        let (CellMeshKind::Walls(level) | CellMeshKind::Painted(level)) = finer.kind else { continue };
         for (entity, coarser) in &meshes {
             if coarser.cell == finer.cell && matches!(coarser.kind, CellMeshKind::Walls(l) if l < level) {
                 commands.entity(entity).despawn();

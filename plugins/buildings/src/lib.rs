@@ -19,6 +19,9 @@
 //! packets as level 2. The mesh tells by how much each vertex lies off its wall ([`ATTRIBUTE_RELIEF`](veduta_ecs::ATTRIBUTE_RELIEF)), so that a
 //! material can let it rise.
 //!
+//! Walls that somebody painted are a mesh of their own, with an array texture for each cell that has some: put together of small textures at
+//! level 2, decoded from pictures at level 3, on the task pool.
+//!
 //! # Use
 //! ```no_run
 //! use bevy::prelude::*;
@@ -39,6 +42,7 @@
 mod build;
 mod convert;
 mod district;
+mod pictures;
 mod relief;
 mod season;
 
@@ -70,6 +74,7 @@ impl Plugin for BuildingsPlugin {
                     season::find_season,
                     build::turn_season,
                     relief::order,
+                    pictures::forget,
                     build::start,
                     build::finish.run_if(not(materials_are_awaited)),
                 )

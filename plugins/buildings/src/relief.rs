@@ -1,6 +1,6 @@
 use bevy::prelude::*;
 use veduta_city::Level;
-use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellReady, Eye, LevelFade, MaterialsProvided, StandingCells, Viewer};
+use veduta_ecs::{Cell, CellContent, CellMesh, CellReady, Eye, LevelFade, MaterialsProvided, StandingCells, Viewer};
 
 use crate::build::{BuildSettings, Queue};
 
@@ -32,7 +32,7 @@ pub(crate) fn order(
         }
         let away = viewers.iter().map(|eye| distance_m(content, eye)).fold(f64::INFINITY, f64::min);
         if has_relief && (!has_walls || away > settings.relief_m + KEEP_M) {
-            let is_relief = |mesh: &CellMesh| mesh.cell == cell && mesh.kind == CellMeshKind::Walls(Level::Four);
+            let is_relief = |mesh: &CellMesh| mesh.cell == cell && mesh.kind.level() == Some(Level::Four);
             meshes.iter().filter(|(_, mesh)| is_relief(mesh)).for_each(|(mesh, _)| commands.entity(mesh).despawn());
             fade.0[Level::Four.index()] = 0.0;
             standing.remove_level(cell, Level::Four);

@@ -40,16 +40,16 @@ fn street() -> (CellShell, FacadeSheet) {
     let front =
         Wall { kind: WallKind::Street, bays: 3, storeys: vec![storey; 2], ground_floor: GroundFloor::default(), ornament: None };
     let shell = CellShell { outline: rectangle((0, -10), (40, 0)), houses: vec![house], ..CellShell::default() };
-    (shell, FacadeSheet { walls: vec![front] })
+    (shell, FacadeSheet::of(vec![front]))
 }
 
 fn app(building: Building, relief_m: f64) -> (App, Entity, Entity) {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), BuildingsPlugin { building })).init_asset::<Mesh>();
-    app.insert_resource(MaterialsProvided { are_made: true })
+    app.insert_resource(MaterialsProvided { are_made: true, reads_blocks: false })
         .insert_resource(BuildSettings { relief_m, ..BuildSettings::default() });
     let (shell, sheet) = street();
-    let content = CellContent { shell: Arc::new(shell), sheet: Some(Arc::new(sheet)) };
+    let content = CellContent { shell: Arc::new(shell), sheet: Some(Arc::new(sheet)), pictures: None };
     let entity = app.world_mut().spawn((Cell(0), content, LevelFade::default())).id();
     let viewer = app.world_mut().spawn((Viewer, Eye { plan_pos: DVec2::new(4.0, -5.0), ..Eye::default() })).id();
     for level in [Level::One, Level::Two] {

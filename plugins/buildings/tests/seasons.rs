@@ -29,7 +29,7 @@ fn trees_at(app: &mut App, level: Level) -> Vec<usize> {
 fn ordered(building: Building) -> (App, Entity) {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), BuildingsPlugin { building })).init_asset::<Mesh>();
-    let content = CellContent { shell: Arc::new(tree()), sheet: None };
+    let content = CellContent { shell: Arc::new(tree()), sheet: None, pictures: None };
     let entity = app.world_mut().spawn((Cell(0), content)).id();
     app.world_mut().write_message(CellReady { entity, cell: 0, level: Level::One });
     (app, entity)
@@ -82,7 +82,7 @@ fn where_there_are_tiles_trees_are_cards_from_afar_and_bodies_near_by() {
     plain.update();
     let bodies = trees(&mut plain);
     let (mut app, entity) = ordered(Building::Inline);
-    app.insert_resource(MaterialsProvided { are_made: true });
+    app.insert_resource(MaterialsProvided { are_made: true, reads_blocks: false });
     app.update();
     assert_eq!(
         (trees_at(&mut app, Level::One), trees_at(&mut app, Level::Two)),

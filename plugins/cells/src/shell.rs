@@ -3,7 +3,8 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use veduta_city::{
     Cell, CellShell, Cells, CityPlan, Course, Design, FacadeSheet, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch,
-    House, HouseShell, Marking, ObjectShell, PlacedMonument, PlanObject, PlanTerrain, SpanStation, Volume, VolumeShell, WaySpan,
+    House, HouseShell, Marking, ObjectShell, PaintedWall, PictureFile, PlacedMonument, PlanFacade, PlanObject, PlanTerrain,
+    SpanStation, Volume, VolumeShell, WaySpan,
 };
 
 use crate::overlay::{Bounds, Keep, combine, turned_rings};
@@ -73,7 +74,31 @@ impl<'a> Contents<'a> {
             Some(volume.walls.get(usize::from(w)).cloned().unwrap_or_default())
         };
         let walls = self.cells.cells.get(cell).map_or(&[][..], |cell| &cell.walls);
-        FacadeSheet { walls: walls.iter().filter_map(wall).collect() }
+        let mut sheet = FacadeSheet::of(walls.iter().filter_map(wall).collect());
+        sheet.painted = self.painted(cell).map(|(wall, facade)| PaintedWall { wall, painted: facade.painted.clone() }).collect();
+        sheet
+    }
+
+    /// Content of a cell's level-3 packet: pictures of its painted walls, in the order in which its sheet lists them.
+    #[must_use]
+    pub fn pictures(&self, cell: usize) -> Vec<PictureFile> {
+        self.painted(cell).flat_map(|(_, facade)| facade.pictures.iter().cloned()).collect()
+    }
+
+    /// Painted walls of a cell, as many as it may have: where in its sheet each is.
+    fn painted(&self, cell: usize) -> impl Iterator<Item = (u32, &'a PlanFacade)> {
+        let facades = &self.plan.facades;
+        let walls = self.cells.cells.get(cell).filter(|_| !facades.is_empty()).map_or(&[][..], |cell| &cell.walls);
+        let is_of_plan = |&&(h, v, _): &&(u32, u16, u16)| {
+            self.plan.houses.get(h as usize).is_some_and(|house| usize::from(v) < house.volumes.len())
+        };
+        let walls = (0_u32..).zip(walls.iter().filter(is_of_plan));
+        let painted = walls.filter_map(|(n, wall)| facades.iter().find(|facade| facade.wall == *wall).map(|facade| (n, facade)));
+        let mut sections = 0;
+        painted.take_while(move |(_, facade)| {
+            sections += usize::from(facade.painted.sections);
+            sections <= FacadeSheet::MOST_SECTIONS
+        })
     }
 }
 

@@ -43,6 +43,7 @@ mod ornament;
 mod overrides;
 mod overview;
 mod packet;
+mod painted;
 mod place;
 mod plan;
 mod season;
@@ -76,9 +77,13 @@ pub use limits::{FARTHEST_M, HIGHEST_M, MOST_LEVELS, WIDEST_M};
 pub use monument::{Design, Monument, MonumentError, MonumentTag, Monuments, PlacedMonument};
 pub use object::{ObjectKind, StandingObject};
 pub use ornament::{Articulation, Balconies, BalconyPlaces, Niche, Oriel, Ornament, Parapet};
-pub use overrides::{GraphOverride, GraphOverrides, LinkEdit, ModelFile, OverrideError, Target};
+pub use overrides::{FacadeFile, GraphOverride, GraphOverrides, LinkEdit, ModelFile, OverrideError, Target};
 pub use overview::{District, DistrictOf, HouseName, MAP_STEP, Massing, Overview, OverviewParts};
 pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, ObjectShell, VolumeShell};
+pub use painted::{
+    FacadeDraft, FacadeError, FacadeObject, FacadeObjectKind, ObjectHead, ObjectRepeat, PaintedFacade, PaintedObject, PaintedWall,
+    PictureFile, PlacedFacade, PlanFacade, SmallTexture,
+};
 pub use place::{Place, PlaceKind, Viewpoint};
 pub use plan::{
     CityPlan, GroundFloor, GroundPatch, House, Marking, MarkingKind, Opening, PlanObject, PlanRoof, PlanStreet, Storey,

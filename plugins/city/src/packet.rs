@@ -3,8 +3,8 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Arcade, Course, Design, Gable, GridPolygon, GridPos, GroundPatch, Marking, ObjectKind, PlacedMonument, PlanObject, PlanRoof,
-    PlanTerrain, Rgb, Volume, Wall, WaySpan,
+    Arcade, Course, Design, Gable, GridPolygon, GridPos, GroundPatch, Marking, ObjectKind, PaintedWall, PlacedMonument, PlanObject,
+    PlanRoof, PlanTerrain, Rgb, Volume, Wall, WaySpan,
 };
 
 /// Urban level of detail of a façade.
@@ -221,6 +221,27 @@ impl VolumeShell {
 pub struct FacadeSheet {
     /// One for each wall.
     pub walls: Vec<Wall>,
+    /// Those of them that somebody painted, ascending. Their pictures are the level-3 packet: one for each section of each of them, in
+    /// order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub painted: Vec<PaintedWall>,
+}
+
+impl FacadeSheet {
+    /// Most sections of all painted walls of a cell: layers of a texture that every GPU has.
+    pub const MOST_SECTIONS: usize = 200;
+
+    /// A sheet without painted walls.
+    #[must_use]
+    pub const fn of(walls: Vec<Wall>) -> Self {
+        Self { walls, painted: Vec::new() }
+    }
+
+    /// How many sections its painted walls have together, each of which has a picture.
+    #[must_use]
+    pub fn sections(&self) -> usize {
+        self.painted.iter().map(|wall| usize::from(wall.painted.sections)).sum()
+    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Anchor, Arcade, Course, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Ornament, Place, PlacedMonument, PlanTerrain, Rgb,
-    RoofShape, Styles, Viewpoint, WaySpan,
+    Anchor, Arcade, Course, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Ornament, Place, PlacedMonument, PlanFacade,
+    PlanTerrain, Rgb, RoofShape, Styles, Viewpoint, WaySpan,
 };
 
 /// The city plan: everything that will stand and lie in the city, on the grid, with every choice made that looks at
@@ -40,6 +40,9 @@ pub struct CityPlan {
     pub courses: Vec<Course>,
     /// Houses.
     pub houses: Vec<House>,
+    /// Walls of them that somebody painted, ascending by wall.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub facades: Vec<PlanFacade>,
     /// What stands in the streets.
     pub objects: Vec<PlanObject>,
     /// What is painted on carriageways, and rails.

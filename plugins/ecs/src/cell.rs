@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use bevy::mesh::{MeshTag, MeshVertexAttribute, VertexFormat};
 use bevy::prelude::*;
-use veduta_city::{CellShell, FacadeSheet, GridPos, Level, Levels};
+use veduta_city::{CellShell, FacadeSheet, GridPos, Level, Levels, PictureFile};
 
 /// A cell of the open city that is wanted or loaded; one entity each, at the cell's origin.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +20,18 @@ pub struct CellContent {
     pub shell: Arc<CellShell>,
     /// Level 2: openings.
     pub sheet: Option<Arc<FacadeSheet>>,
+    /// Level 3: pictures of painted walls.
+    pub pictures: Option<Arc<[PictureFile]>>,
+}
+
+/// Pictures of a cell's painted walls as textures, a layer for each of their sections. Kept by whoever builds, for whoever provides
+/// materials.
+#[derive(Component, Debug, Clone, PartialEq, Eq)]
+pub struct CellPictures {
+    /// Level 2.
+    pub coarse: Handle<Image>,
+    /// Level 3, once it is here.
+    pub fine: Option<Handle<Image>>,
 }
 
 /// Of meshes in relief: the normal (x, z) of the wall that a vertex belongs to, and how far before the wall it lies, metres. Whoever provides
@@ -36,6 +48,9 @@ pub enum CellMeshKind {
     Base,
     /// Walls of one level, or its monuments: a mesh each.
     Walls(Level),
+    /// Walls that somebody painted, flat (level 2) or in relief (level 4). Their texture coordinates lie on the layers of the cell's
+    /// [`CellPictures`].
+    Painted(Level),
     /// What is there from the first and shown as near as level 2: chimneys, dormers and eaves; standing objects but trees.
     Fittings,
     /// Trees. With [`MaterialsProvided`] cards at level 1 and bodies from level 2 on; else bodies at level 1.
@@ -48,7 +63,7 @@ impl CellMeshKind {
     pub const fn level(self) -> Option<Level> {
         match self {
             Self::District | Self::Base | Self::Fittings => None,
-            Self::Walls(level) | Self::Trees(level) => Some(level),
+            Self::Walls(level) | Self::Painted(level) | Self::Trees(level) => Some(level),
         }
     }
 }
@@ -78,6 +93,8 @@ pub struct LevelFade(
 pub struct MaterialsProvided {
     /// Whether the materials can be given yet. Cells stand only when they can: nobody would see them.
     pub are_made: bool,
+    /// Whether the GPU is to be given textures in blocks (BC).
+    pub reads_blocks: bool,
 }
 
 /// The viewer has crossed into another cell, or out of every cell.

@@ -27,7 +27,7 @@ mod space;
 use bevy::prelude::*;
 
 pub use cell::{
-    ATTRIBUTE_RELIEF, Awaited, Cell, CellContent, CellEntered, CellMesh, CellMeshKind, CellReady, CellReleased, CellStands,
+    ATTRIBUTE_RELIEF, Awaited, Cell, CellContent, CellEntered, CellMesh, CellMeshKind, CellPictures, CellReady, CellReleased, CellStands,
     LevelFade, MaterialsProvided, OpenCells, StandingCells,
 };
 pub use clock::CityClock;

@@ -8,7 +8,7 @@
     mesh_view_bindings::{globals, lights, view},
 }
 
-#import veduta_facade::levels::{Facade, bayer, is_drawn, is_turned_to, keeps, opening_share, weathering_share}
+#import veduta_facade::levels::{Facade, bayer, is_drawn, is_turned_to, keeps, opening_share, picture_share, weathering_share}
 #import veduta_facade::surface::{ground_wear, hash, noise, plain_wear, puddle, roof_cover, unpacked, wall_paint}
 #import veduta_facade::glass::{fresnel, mirrored, room}
 
@@ -38,6 +38,13 @@ const STREET_GLOW: f32 = 60.0;
 // What floodlights send onto stone, lux.
 const FLOODLIGHT: f32 = 110.0;
 
+#ifdef PAINTED
+// As meshes tell panes: from where on texture coordinates do, how far apart those of one and the next are, and how dark glass is.
+const PANE: f32 = 4.0;
+const PANES_APART: f32 = 2.0;
+const DARK_GLASS: f32 = 0.12;
+#endif
+
 #ifdef CARDS
 const IS_CUT: bool = true;
 #else
@@ -53,10 +60,22 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let down = dpdy(in.world_position.xyz);
     let uv_across = dpdx(in.uv);
     let uv_down = dpdy(in.uv);
+#ifdef PAINTED
+    let is_water = false;
+    let section = floor(in.uv.x);
+    let is_pane = in.uv.y > PANE - 1.0;
+    let pane_number = select(0.0, floor((in.uv.y - PANE + 0.5) / PANES_APART), is_pane);
+    let place = vec2<f32>(in.uv.x - section, in.uv.y - select(0.0, PANE + pane_number * PANES_APART, is_pane));
+    let picture = layer + i32(section);
+    let fine = textureSampleGrad(colour_tiles, tile_sampler, place, picture, uv_across, uv_down);
+    let coarse = textureSampleGrad(normal_tiles, tile_sampler, place, picture, uv_across, uv_down);
+    let drift = vec2<f32>(0.0);
+#else
     let is_water = layer == WATER;
     let drift = select(vec2<f32>(0.0), vec2<f32>(0.021, 0.013) * globals.time, is_water);
     let tile = textureSample(colour_tiles, tile_sampler, in.uv + drift, layer);
     let relief = unpacked(textureSample(normal_tiles, tile_sampler, in.uv + drift, layer), IS_CUT);
+#endif
     let model = mesh_functions::get_world_from_local(in.instance_index);
     let centre = (model * vec4<f32>(in.uv_b.x, 0.0, in.uv_b.y, 1.0)).xz;
     let away = distance(centre, view.world_position.xz);
@@ -70,6 +89,13 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let from_tree = view.world_position - vec3<f32>(centre.x, in.world_position.y, centre.y);
     let tree_to_eye = normalize(select(from_tree, back, view.clip_from_view[3].w == 1.0));
     if !is_turned_to(cross(across, down), tree_to_eye, bayer(vec2<u32>(in.position.xy))) { discard; }
+#endif
+
+#ifdef PAINTED
+    let tile = vec4<f32>(mix(coarse.rgb, fine.rgb, picture_share(facade, away, tag)), 0.0);
+    // At night lamps shine through curtains, too.
+    let is_dark = is_pane && dot(tile.rgb, vec3<f32>(0.3333)) < mix(DARK_GLASS, 0.4, facade.horizon_night.w);
+    let relief = vec4<f32>(0.0, 0.0, 1.0, select(0.85, 0.1, is_dark));
 #endif
 
     // What the layer is off a whole number tells the floor's height, in 1,024 m.
@@ -87,8 +113,15 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 
     let n = normalize(in.world_normal);
     let is_level = abs(n.y) > 0.9;
+#ifdef PAINTED
+    let is_ground = false;
+    let is_plant = false;
+    let is_bay = true;
+#else
     let is_ground = is_level && layer >= FIRST_GROUND && layer <= LAST_GROUND;
+    let is_bay = (layer >= FIRST_BAY && layer <= LAST_BAY || layer >= FIRST_TRADE) && level > 1;
     let is_plant = facade.far_kind.w == 1.0 || facade.far_kind.w == 2.0 || layer == LEAVES;
+#endif
     var tangent = vec3<f32>(1.0, 0.0, 0.0);
     if !is_level {
         tangent = normalize(cross(vec3<f32>(0.0, 1.0, 0.0), n));
@@ -105,7 +138,6 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     var roughness = select(clamp(relief.a, 0.08, 1.0), 0.85, IS_CUT);
     var bump = relief.xyz;
     // Openings come out of a plain wall.
-    let is_bay = (layer >= FIRST_BAY && layer <= LAST_BAY || layer >= FIRST_TRADE) && level > 1;
     let opened = select(1.0, opening_share(facade, away, tag), is_bay);
     if opened < 1.0 {
         // By cube roots, which are nearer to what eyes see than light is: dark panes do not come all at the end.
@@ -137,7 +169,12 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         albedo *= roof_cover(at, seed, near);
     } else {
         let paint = wall_paint(dot(at, tangent), height, seed, near);
+#ifdef PAINTED
+        // Pictures have aged already.
+        albedo *= mix(paint, vec3<f32>(1.0), opened);
+#else
         albedo *= mix(mix(vec3<f32>(1.0), paint, 0.45), paint, mix(1.0, tile.a, opened));
+#endif
     }
 #else
     else {
@@ -161,15 +198,23 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let is_glass = is_bay && tile.a < 0.25 && relief.a < 0.3;
     if is_glass {
         // Centres lie on a grid: a little off it, so that all pixels of a house agree.
+#ifdef PAINTED
+        let bay = vec2<f32>(pane_number, 0.0) + floor(centre * 3.0 + 0.127);
+        let is_shop = false;
+#else
         let bay = floor(in.uv) + floor(centre * 3.0 + 0.127);
-        let own = hash(bay);
         let is_shop = layer == SHOP || layer >= FIRST_TRADE;
+#endif
+        let own = hash(bay);
         let lit = night * select(0.0, 1.0, own < select(0.34, 0.8, is_shop));
         let lamp = mix(vec3<f32>(1.0, 0.60, 0.26), vec3<f32>(1.0, 0.76, 0.48), fract(own * 17.0));
         var veil = 1.0;
 #ifdef COMPOSED
         // Roughness tells cloth from clear glass.
         let cloth = smoothstep(0.13, 0.2, relief.a);
+#ifdef PAINTED
+        // What lies behind it is painted.
+#else
         if near > 0.0 && !is_shop {
             // Bays a metre, by how the texture lies on the wall.
             let per_m = vec2<f32>(
@@ -183,14 +228,19 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
             albedo = mix(albedo, day + 0.12 * albedo, clear * opened);
             emissive += lit * lamp * ROOM_GLOW * (0.35 + 0.65 * behind.light) * behind.albedo * 1.6 * clear;
         }
+        veil = mix(1.0 - near, 1.0, max(cloth, select(0.0, 1.0, is_shop)));
+#endif
         // Every pane hangs a little askew.
         let pane = floor(vec2<f32>(fract(in.uv.x) * 6.0, fract(in.uv.y) * 7.0)) + bay * 5.0;
         let askew = (vec2<f32>(hash(pane), hash(pane + 3.7)) - 0.5) * 0.05;
         let face = normalize(n + tangent * (askew.x + 0.3 * bump.x) + bitangent * (askew.y + 0.3 * bump.y));
         let toward = reflect(-to_eye, face);
-        let share = fresnel(dot(face, to_eye)) * (1.0 - 0.6 * cloth);
+        var share = fresnel(dot(face, to_eye)) * (1.0 - 0.6 * cloth);
+#ifdef PAINTED
+        // Its mirror is painted, too: what is left comes and goes with how dark it is.
+        share *= 0.5 * (1.0 - smoothstep(0.3, 1.0, dot(tile.rgb, vec3<f32>(0.3333)) / DARK_GLASS));
+#endif
         emissive += share * mirrored(toward, facade.zenith_wet.xyz, facade.horizon_night.xyz);
-        veil = mix(1.0 - near, 1.0, max(cloth, select(0.0, 1.0, is_shop)));
 #endif
         // From afar, and through cloth, a lit window is an even glow.
         emissive += lit * lamp * ROOM_GLOW * mix(0.45, 2.2 * dot(tile.rgb, vec3<f32>(0.33)), 0.5) * veil;
@@ -205,7 +255,9 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 #else
         emissive += share * mix(facade.horizon_night.xyz, facade.zenith_wet.xyz, sqrt(upward.y));
 #endif
-    } else if layer == LANTERN {
+    }
+#ifndef PAINTED
+    else if layer == LANTERN {
         emissive += night * LANTERN_GLOW * vec3<f32>(1.0, 0.70, 0.36) * albedo;
     }
 
@@ -213,6 +265,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         // Towers and monuments are lit from below.
         emissive += night * FLOODLIGHT / 3.14159 * exp(-max(height, 0.0) / 45.0) * (1.0 - 0.5 * abs(n.y)) * albedo * vec3<f32>(1.0, 0.78, 0.50);
     }
+#endif
     if night > 0.0 && !is_water {
         let glass = select(0.0, opened, is_glass);
         let lamplit = (1.0 - glass) * select(exp(-max(height, 0.0) / 5.0), 0.55, is_ground) * (0.6 + 0.8 * noise(at.xz * 0.045));

@@ -88,6 +88,11 @@ fn weathering_share(facade: Facade, distance: f32, tag: u32) -> f32 {
     return nearness(facade, distance).y * unveiled(fades(tag).y, 1.0);
 }
 
+// How much of its picture a painted façade shows: it comes as it arrives.
+fn picture_share(facade: Facade, distance: f32, tag: u32) -> f32 {
+    return nearness(facade, distance).y * fades(tag).z;
+}
+
 // How far the relief of a façade has risen: 0 where level 4 takes over, flat as what was there before, to 1.
 fn relief_scale(facade: Facade, distance: f32, tag: u32) -> f32 {
     return unveiled(fades(tag).w, nearness(facade, distance).z);
@@ -115,9 +120,9 @@ fn reaches(facade: Facade, distance: f32, fade: vec4<f32>) -> vec4<f32> {
     let faded = select(come, min(fade / ALIKE_FADE, vec4<f32>(1.0)), is_wall);
     let crossed = select(close, min(close / ALIKE_BAND, vec3<f32>(1.0)), is_wall);
     let four = faded.w * crossed.z;
-    let three = max(four, faded.z * crossed.y);
-    let two = max(three, faded.y * crossed.x);
-    return vec4<f32>(max(two, fade.x), two, three, four);
+    let two = max(four, faded.y * crossed.x);
+    // Level 3 is shading on the others' meshes.
+    return vec4<f32>(max(two, fade.x), two, four, four);
 }
 
 // Whether this material's level keeps a pixel of a façade at a distance from the eye. What has no levels keeps all.

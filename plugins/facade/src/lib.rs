@@ -100,7 +100,7 @@ impl Plugin for FacadePlugin {
                 .before(bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed),
         );
         let is_drawn = app.is_plugin_added::<bevy::pbr::PbrPlugin>();
-        app.insert_resource(MaterialsProvided { are_made: !is_drawn });
+        app.insert_resource(MaterialsProvided { are_made: !is_drawn, reads_blocks: false });
         if is_drawn {
             material::build(app);
         }

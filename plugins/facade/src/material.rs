@@ -1,4 +1,5 @@
 use bevy::asset::embedded_asset;
+use bevy::ecs::entity::EntityHashMap;
 use bevy::light::NotShadowCaster;
 use bevy::mesh::MeshVertexBufferLayoutRef;
 use bevy::pbr::{ExtendedMaterial, MaterialExtension, MaterialExtensionKey, MaterialExtensionPipeline};
@@ -6,7 +7,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError};
 use bevy::shader::{ShaderRef, load_shader_library};
 use veduta_city::Level;
-use veduta_ecs::{ATTRIBUTE_RELIEF, CellMesh, CellMeshKind, Daylight, MaterialsProvided, VedutaSystems, Weather};
+use veduta_ecs::{ATTRIBUTE_RELIEF, CellMesh, CellMeshKind, CellPictures, Daylight, MaterialsProvided, VedutaSystems, Weather};
 
 use crate::NewCellMesh;
 use crate::tiles::{self, Easel, Painting, TileQuality};
@@ -86,13 +87,15 @@ pub struct FacadeKey {
     is_shared: bool,
     /// Whether cards are drawn, of which pixels are left out.
     is_cut: bool,
+    /// Whether walls are drawn that somebody painted.
+    is_painted: bool,
 }
 
 impl From<&FacadeExtension> for FacadeKey {
     fn from(extension: &FacadeExtension) -> Self {
-        let FacadeExtension { uniform, shading, is_shared, .. } = extension;
+        let FacadeExtension { uniform, shading, is_shared, is_painted, .. } = extension;
         let is_cut = uniform.far_kind.w == f32::from(Kind::Cards as u8);
-        Self { is_composed: uniform.far_kind.y > 0.0, shading: *shading, is_shared: *is_shared, is_cut }
+        Self { is_composed: uniform.far_kind.y > 0.0, shading: *shading, is_shared: *is_shared, is_cut, is_painted: *is_painted }
     }
 }
 
@@ -104,11 +107,14 @@ pub struct FacadeExtension {
     uniform: FacadeUniform,
     #[texture(101, dimension = "2d_array")]
     #[sampler(102)]
+    /// Of tiles; of painted walls the finest pictures that are here.
     colour: Handle<Image>,
+    /// Of tiles; of painted walls the pictures of level 2.
     #[texture(103, dimension = "2d_array")]
     normal: Handle<Image>,
     shading: Shading,
     is_shared: bool,
+    is_painted: bool,
 }
 
 /// Where the vertex shaders expect the relief.
@@ -143,9 +149,14 @@ impl MaterialExtension for FacadeExtension {
         key: MaterialExtensionKey<Self>,
     ) -> Result<(), SpecializedMeshPipelineError> {
         if let Some(fragment) = &mut descriptor.fragment {
-            let FacadeKey { is_composed, shading, is_shared, is_cut } = key.bind_group_data;
-            let defs =
-                [(is_composed, "COMPOSED"), (shading == Shading::Plain, "PLAIN_LIGHT"), (is_shared, "SHARED"), (is_cut, "CARDS")];
+            let FacadeKey { is_composed, shading, is_shared, is_cut, is_painted } = key.bind_group_data;
+            let defs = [
+                (is_composed, "COMPOSED"),
+                (shading == Shading::Plain, "PLAIN_LIGHT"),
+                (is_shared, "SHARED"),
+                (is_cut, "CARDS"),
+                (is_painted, "PAINTED"),
+            ];
             fragment.shader_defs.extend(defs.into_iter().filter(|def| def.0).map(|def| def.1.into()));
         }
         if layout.0.contains(ATTRIBUTE_RELIEF) {
@@ -178,16 +189,21 @@ pub struct CityMaterials {
     /// Of walls of levels 1 and 2, bodies and fittings, for where they have all pixels: opaque, so that what lies behind is dropped at
     /// once. Their shader is that of `base`, which is always there.
     alone: [Handle<CityMaterial>; 4],
+    /// Of the painted walls of a cell, by its entity: of levels 2 and 4.
+    painted: EntityHashMap<[Handle<CityMaterial>; 2]>,
 }
 
 impl CityMaterials {
     fn handles(&self) -> impl Iterator<Item = &Handle<CityMaterial>> {
-        [&self.base, &self.cards, &self.bodies, &self.fittings].into_iter().chain(&self.levels).chain(&self.alone)
+        let painted = self.painted.values().flatten();
+        [&self.base, &self.cards, &self.bodies, &self.fittings].into_iter().chain(&self.levels).chain(&self.alone).chain(painted)
     }
 
-    /// What a mesh is drawn with, where its level shares pixels with others and where it has them all.
-    pub(crate) fn of(&self, kind: CellMeshKind, is_alone: bool) -> &Handle<CityMaterial> {
-        match (kind, is_alone) {
+    /// What a mesh of a cell is drawn with, where its level shares pixels with others and where it has them all. `None` as long as its
+    /// pictures are not here.
+    pub(crate) fn of(&self, kind: CellMeshKind, cell: Entity, is_alone: bool) -> Option<&Handle<CityMaterial>> {
+        Some(match (kind, is_alone) {
+            (CellMeshKind::Painted(level), _) => &self.painted.get(&cell)?[usize::from(level > Level::Two)],
             (CellMeshKind::Base | CellMeshKind::District, _) => &self.base,
             (CellMeshKind::Walls(Level::One), true) => &self.alone[0],
             (CellMeshKind::Walls(Level::Two), true) => &self.alone[1],
@@ -197,7 +213,7 @@ impl CityMaterials {
             (CellMeshKind::Walls(level), _) => &self.levels[level.index()],
             (CellMeshKind::Trees(Level::One), _) => &self.cards,
             (CellMeshKind::Trees(_), _) => &self.bodies,
-        }
+        })
     }
 }
 
@@ -211,7 +227,7 @@ pub(crate) fn build(app: &mut App) {
     embedded_asset!(app, "prepass.wgsl");
     app.add_plugins(MaterialPlugin::<CityMaterial>::default()).add_systems(Startup, tiles::set_up).add_systems(
         Update,
-        (make.run_if(resource_exists::<Easel>), set_distances, set_light, dress_meshes).chain().in_set(VedutaSystems::Show),
+        (make.run_if(resource_exists::<Easel>), paint, set_distances, set_light, dress_meshes).chain().in_set(VedutaSystems::Show),
     );
 }
 
@@ -254,6 +270,7 @@ fn make(
                 normal: normal.clone(),
                 shading: *shading,
                 is_shared,
+                is_painted: false,
             },
         })
     };
@@ -262,7 +279,47 @@ fn make(
     let (base, fittings) = (material(0.0, Kind::Walls, false), material(2.0, Kind::Fittings, true));
     let alone = [(1.0, Kind::Walls), (2.0, Kind::Walls), (2.0, Kind::Bodies), (2.0, Kind::Fittings)]
         .map(|(level, kind)| material(level, kind, false));
-    commands.insert_resource(CityMaterials { base, levels, cards, bodies, fittings, alone });
+    commands.insert_resource(CityMaterials { base, levels, cards, bodies, fittings, alone, painted: EntityHashMap::default() });
+}
+
+/// Keeps materials for cells with painted walls.
+fn paint(
+    in_use: Option<ResMut<CityMaterials>>,
+    mut gone: RemovedComponents<CellPictures>,
+    cells: Query<(Entity, Ref<CellPictures>)>,
+    mut assets: ResMut<Assets<CityMaterial>>,
+) {
+    let Some(mut in_use) = in_use else { return };
+    for cell in gone.read().filter(|&cell| !cells.contains(cell)) {
+        in_use.painted.remove(&cell);
+    }
+    // Also those that came before the materials were made.
+    for (cell, pictures) in &cells {
+        if in_use.painted.contains_key(&cell) && !pictures.is_changed() {
+            continue;
+        }
+        let finest = pictures.fine.as_ref().unwrap_or(&pictures.coarse);
+        let painted = |level: Level| {
+            let plain = assets.get(&in_use.levels[level.index()])?.clone();
+            let extension =
+                FacadeExtension { colour: finest.clone(), normal: pictures.coarse.clone(), is_painted: true, ..plain.extension };
+            Some(CityMaterial { extension, ..plain })
+        };
+        let (Some(flat), Some(relief)) = (painted(Level::Two), painted(Level::Four)) else { continue };
+        match in_use.painted.get(&cell) {
+            Some(handles) => {
+                for (handle, material) in handles.iter().zip([flat, relief]) {
+                    if let Some(mut known) = assets.get_mut(handle) {
+                        *known = material;
+                    }
+                }
+            }
+            None => {
+                let handles = [assets.add(flat), assets.add(relief)];
+                in_use.painted.insert(cell, handles);
+            }
+        }
+    }
 }
 
 /// Tells the materials which levels show from where, and how they are lit.
@@ -316,12 +373,18 @@ fn set_light(
 
 /// Gives new cell meshes their material. Level 1 and the base cast shadows; finer walls have the same silhouette. Trees' bodies cast
 /// them in place of their cards.
-fn dress_meshes(mut commands: Commands, in_use: Option<Res<CityMaterials>>, new: Query<(Entity, &CellMesh), NewCellMesh>) {
+fn dress_meshes(
+    mut commands: Commands,
+    in_use: Option<Res<CityMaterials>>,
+    new: Query<(Entity, &CellMesh, Option<&ChildOf>), NewCellMesh>,
+) {
     let Some(in_use) = in_use else { return };
-    for (entity, mesh) in &new {
+    for (entity, mesh, cell) in &new {
+        // Districts are of no cell.
+        let Some(material) = in_use.of(mesh.kind, cell.map_or(entity, ChildOf::parent), false) else { continue };
         let mut entity = commands.entity(entity);
-        entity.insert(MeshMaterial3d(in_use.of(mesh.kind, false).clone()));
-        if matches!(mesh.kind, CellMeshKind::Walls(level) if level != Level::One) {
+        entity.insert(MeshMaterial3d(material.clone()));
+        if matches!(mesh.kind, CellMeshKind::Walls(level) | CellMeshKind::Painted(level) if level != Level::One) {
             entity.insert(NotShadowCaster);
         }
     }

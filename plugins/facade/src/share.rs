@@ -38,7 +38,7 @@ pub(crate) fn find_shares(
     let are_shadows_cast = lights.iter().any(|light| light.shadow_maps_enabled);
     for (entity, mesh, bounds, place, cell, share) in &mut meshes {
         let level = match mesh.kind {
-            CellMeshKind::Walls(level) | CellMeshKind::Trees(level) => level,
+            CellMeshKind::Walls(level) | CellMeshKind::Painted(level) | CellMeshKind::Trees(level) => level,
             CellMeshKind::Fittings => Level::Two,
             CellMeshKind::Base | CellMeshKind::District => continue,
         };
@@ -55,7 +55,7 @@ pub(crate) fn find_shares(
                 reach.share(Level::Two, &distances, fade).max(reach.share(Level::Four, &distances, fade))
             }
             CellMeshKind::Trees(Level::One) => reach.share(Level::Two, &distances, fade),
-            CellMeshKind::Walls(Level::Two) => reach.share(Level::Four, &distances, fade),
+            CellMeshKind::Walls(Level::Two) | CellMeshKind::Painted(Level::Two) => reach.share(Level::Four, &distances, fade),
             _ => Share::None,
         };
         let found = match (own, finer) {
@@ -80,15 +80,15 @@ pub(crate) fn find_shares(
 pub(crate) fn heed_shares(
     in_use: Option<Res<CityMaterials>>,
     mut meshes: Query<
-        (&CellMesh, &Share, &mut Visibility, Option<&mut MeshMaterial3d<CityMaterial>>),
+        (&CellMesh, &Share, &ChildOf, &mut Visibility, Option<&mut MeshMaterial3d<CityMaterial>>),
         Or<(Changed<Share>, Added<MeshMaterial3d<CityMaterial>>)>,
     >,
 ) {
-    for (mesh, &share, mut visibility, material) in &mut meshes {
+    for (mesh, &share, cell, mut visibility, material) in &mut meshes {
         visibility.set_if_neq(if share == Share::None { Visibility::Hidden } else { Visibility::Inherited });
         if let (Some(in_use), Some(mut material)) = (&in_use, material) {
-            let wanted = in_use.of(mesh.kind, share == Share::All);
-            if material.0 != *wanted {
+            let wanted = in_use.of(mesh.kind, cell.parent(), share == Share::All);
+            if let Some(wanted) = wanted.filter(|wanted| material.0 != **wanted) {
                 material.0 = wanted.clone();
             }
         }

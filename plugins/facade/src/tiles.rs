@@ -9,6 +9,7 @@ use bevy::render::render_resource::{
 use bevy::render::renderer::{RenderAdapterInfo, RenderDevice};
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures::check_ready};
 use veduta_city::Tile;
+use veduta_ecs::MaterialsProvided;
 use veduta_texture::Workshop;
 
 /// How finely tiles are painted and sampled. Read when painting begins and, for anisotropy, when it ends.
@@ -72,6 +73,7 @@ pub(crate) fn set_up(
     quality: Res<TileQuality>,
     device: Option<Res<RenderDevice>>,
     adapter: Option<Res<RenderAdapterInfo>>,
+    mut provided: ResMut<MaterialsProvided>,
 ) {
     let can_read = device.is_some_and(|device| device.features().contains(WgpuFeatures::TEXTURE_COMPRESSION_BC));
     let is_processor = adapter.is_some_and(|adapter| format!("{:?}", adapter.device_type) == "Cpu");
@@ -80,6 +82,7 @@ pub(crate) fn set_up(
         TileFormat::Texels => false,
         TileFormat::Blocks => can_read,
     };
+    provided.reads_blocks = in_blocks;
     let texels = quality.texels;
     let pool = AsyncComputeTaskPool::get();
     commands.insert_resource(Easel(pool.spawn(async move {

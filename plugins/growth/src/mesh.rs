@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  CellShell ──► ground, bridges, roofs, … ──────► MeshData     CellShell ──► collision
-//!  CellShell + FacadeSheet ──► level2, level4 ───► MeshData
+//!  CellShell + FacadeSheet ──► level2, level4 ───► MeshData     (walls that somebody painted: painted)
 //!  Overview ──► districts: CellShells ──► afar ──► MeshData
 //! ```
 //!
@@ -51,6 +51,7 @@ mod moulding;
 mod object;
 mod ornament;
 mod outline;
+mod painted;
 mod relief;
 mod roof;
 mod roof_detail;
@@ -73,6 +74,7 @@ pub use monument::{MonumentDetail, monument, monument_bounds, monuments};
 pub use moulding::mouldings;
 pub(crate) use object::radius_m;
 pub use object::{lantern, objects, tree_cards, trees};
+pub use painted::{PANE, PANES_APART, PANES_TOLD, painted};
 pub use relief::level4;
 pub use roof::{roof_bodies, roof_coverings, roof_details, roofs};
 pub use wall::{facades, level1, level2};

@@ -69,6 +69,7 @@ mod network;
 mod objects;
 mod ornament;
 mod outline;
+mod painted;
 mod perimeter;
 mod places;
 mod profile;
@@ -138,7 +139,7 @@ impl Area<'_> {
 /// # Errors
 /// [`GrowthError`] if the graph or the styles do not pass their own validation. A monument that cannot be built is a finding.
 pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
-    let Stock { styles, monuments, furniture, models } = stock;
+    let Stock { styles, monuments, furniture, models, facades } = stock;
     let mut graph = Cow::Borrowed(graph);
     if !graph.has_ids() {
         graph.to_mut().fill_ids();
@@ -206,6 +207,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
     arcades::open(&mut houses, (&on_ground, &standing), &terrain);
     cellars::build(&mut houses, &terrain);
     designs.stand_in(graph, &mut houses, &mut findings);
+    let facades = painted::hang(facades, &mut houses, &mut findings);
 
     let (doorsteps, decks) = rayon::join(|| walls::doorsteps(&houses), || spans::Decks::new(spans.iter().enumerate()));
     let site = objects::Site { terrain: &terrain, ground: &on_ground, decks: &decks, standing: &standing, doorsteps: &doorsteps };
@@ -233,6 +235,7 @@ pub fn grow(graph: &CityGraph, stock: &Stock) -> Result<Growth, GrowthError> {
         ground,
         courses: courses.finish(),
         houses,
+        facades,
         objects,
         markings,
         spans,

@@ -92,6 +92,9 @@ impl fmt::Debug for BlobRef {
 pub(crate) enum BlobKind {
     Shell = 1,
     Facades = 2,
+    /// Façades, some of which are painted.
+    Painted = 3,
+    Pictures = 4,
     Overview = 16,
     Styles = 17,
     Region = 18,
@@ -102,7 +105,8 @@ impl BlobKind {
     pub(crate) const fn words(self) -> &'static str {
         match self {
             Self::Shell => "a packet of level 1",
-            Self::Facades => "a packet of level 2",
+            Self::Facades | Self::Painted => "a packet of level 2",
+            Self::Pictures => "a packet of level 3",
             Self::Overview => "the overview",
             Self::Styles => "the styles",
             Self::Region => "a region of the index",
@@ -110,7 +114,7 @@ impl BlobKind {
     }
 
     const fn is_piece(self) -> bool {
-        matches!(self, Self::Shell | Self::Facades | Self::Region)
+        matches!(self, Self::Shell | Self::Facades | Self::Painted | Self::Pictures | Self::Region)
     }
 
     /// Most values that a blob of the kind may have.
@@ -128,13 +132,14 @@ impl BlobKind {
             Self::Shell => Prior::Shell,
             Self::Facades => Prior::Sheet,
             Self::Overview => Prior::Overview,
-            Self::Styles => Prior::None,
+            Self::Painted | Self::Pictures | Self::Styles => Prior::None,
             Self::Region => Prior::Region,
         }
     }
 
     fn of(byte: u8) -> Option<Self> {
-        [Self::Shell, Self::Facades, Self::Overview, Self::Styles, Self::Region].into_iter().find(|&kind| kind as u8 == byte)
+        let all = [Self::Shell, Self::Facades, Self::Painted, Self::Pictures, Self::Overview, Self::Styles, Self::Region];
+        all.into_iter().find(|&kind| kind as u8 == byte)
     }
 }
 
@@ -147,6 +152,11 @@ pub(crate) fn pack<T: Serialize>(kind: BlobKind, content: &T) -> Vec<u8> {
 
 /// Content of stored bytes that the reference stands for.
 pub(crate) fn unpack<T: DeserializeOwned>(kind: BlobKind, stored: &[u8], blob: &BlobRef) -> Result<T, StoreError> {
+    unpress(kind.words(), open(kind, stored, blob)?, kind.prior(), kind.values_cap())
+}
+
+/// What stands behind the kind of stored bytes that the reference stands for.
+pub(crate) fn open<'a>(kind: BlobKind, stored: &'a [u8], blob: &BlobRef) -> Result<&'a [u8], StoreError> {
     let what = kind.words();
     blob.verify(what, stored)?;
     let (&first, rest) = stored.split_first().ok_or(StoreError::Length { what, expected: 2, found: 0 })?;
@@ -155,7 +165,7 @@ pub(crate) fn unpack<T: DeserializeOwned>(kind: BlobKind, stored: &[u8], blob: &
             BlobKind::of(first).map_or_else(|| format!("something of unknown kind {first}"), |kind| kind.words().to_owned());
         return Err(StoreError::Kind { expected: what, found });
     }
-    unpress(what, rest, kind.prior(), kind.values_cap())
+    Ok(rest)
 }
 
 #[cfg(test)]

@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 
 use veduta_city::{
     Cell, CellShell, Cells, CityPlan, DistrictOf, FacadeSheet, GRID_PER_METRE, GridPos, GroundPatch, Level, OverviewParts, Palette,
-    Style, WaySpan,
+    PictureFile, Style, WaySpan,
 };
 
 use crate::index::encode_index;
 use crate::overview::{decode_overview, encode_overview};
-use crate::packet::{encode_sheet, encode_shell, encode_styles};
+use crate::packet::{encode_pictures, encode_sheet, encode_shell, encode_styles};
 use crate::region::{decode_region, encode_region, squares};
 use crate::wire::{bounds_beyond, metres_beyond};
 use crate::{
@@ -53,6 +53,8 @@ pub struct CellParts<'a> {
     pub shell: Cow<'a, CellShell>,
     /// Level 2: as many walls as the shell has.
     pub sheet: Cow<'a, FacadeSheet>,
+    /// Level 3: a picture for each section of the sheet's painted walls.
+    pub pictures: Vec<PictureFile>,
     /// Its ground as the overview is to tell it, in the city's own coordinates; `None`: piece by piece as the shell does.
     pub ground: Option<Vec<GroundPatch>>,
 }
@@ -86,7 +88,7 @@ pub(crate) fn entries<'a>(
             StoreError::Write { .. } => error,
             error => invalid(format!("cell {i} ({}): {error}", cells.cells[i].id)),
         };
-        let entry = entry((plan, &palettes), &cells.cells[i], (&parts.shell, &parts.sheet), sink).map_err(told)?;
+        let entry = entry((plan, &palettes), &cells.cells[i], (&parts.shell, &parts.sheet, &parts.pictures), sink).map_err(told)?;
         Ok((entry, parts.take_ground()))
     })?;
     let (entries, ground): (Vec<CellEntry>, _) = entries.into_iter().unzip();
@@ -285,7 +287,7 @@ fn palettes(plan: &CityPlan) -> Vec<Palette> {
 fn entry(
     (plan, palettes): (&CityPlan, &[Palette]),
     cell: &Cell,
-    (shell, sheet): (&CellShell, &FacadeSheet),
+    (shell, sheet, pictures): (&CellShell, &FacadeSheet, &[PictureFile]),
     sink: &Sink<'_>,
 ) -> Result<CellEntry, StoreError> {
     let walls = wall_count(shell);
@@ -311,6 +313,16 @@ fn entry(
         read_back(&Packet::Facades(sheet.clone()), &decode_packet(&stored, &blob, Level::Two, context)?)?;
         sink(&blob, &stored)?;
         packets[Level::Two.index()] = Some(blob);
+    }
+    if sheet.sections() != pictures.len() {
+        return Err(invalid(format!("its painted walls have {} sections, but there are {} pictures", sheet.sections(), pictures.len())));
+    }
+    if !pictures.is_empty() {
+        let stored = encode_pictures(pictures);
+        let blob = BlobRef::of(&stored);
+        read_back(&Packet::Pictures(pictures.to_vec()), &decode_packet(&stored, &blob, Level::Three, context)?)?;
+        sink(&blob, &stored)?;
+        packets[Level::Three.index()] = Some(blob);
     }
     Ok(CellEntry {
         bounds: bounds(cell, shell),

@@ -1,6 +1,6 @@
-use veduta_city::{CellShell, FacadeSheet, GridPolygon, Level, Palette, Styles};
+use veduta_city::{CellShell, FacadeSheet, GridPolygon, Level, PaintedWall, Palette, PictureFile, Styles};
 
-use crate::blob::{BlobKind, pack, unpack};
+use crate::blob::{BlobKind, open, pack, unpack};
 use crate::wire::{WireSheet, WireShell};
 use crate::{BlobRef, StoreError, valid};
 
@@ -11,6 +11,8 @@ pub enum Packet {
     Shell(Box<CellShell>),
     /// Level 2: openings of its walls.
     Facades(FacadeSheet),
+    /// Level 3: the picture of each section of its painted walls. They are not looked into: whoever decodes one has to mind what it claims.
+    Pictures(Vec<PictureFile>),
 }
 
 impl Packet {
@@ -20,6 +22,7 @@ impl Packet {
         match self {
             Self::Shell(_) => Level::One,
             Self::Facades(_) => Level::Two,
+            Self::Pictures(_) => Level::Three,
         }
     }
 }
@@ -40,6 +43,7 @@ pub fn encode_packet(packet: &Packet, context: PacketContext<'_>) -> Vec<u8> {
     match packet {
         Packet::Shell(shell) => encode_shell(shell, context),
         Packet::Facades(sheet) => encode_sheet(sheet),
+        Packet::Pictures(pictures) => encode_pictures(pictures),
     }
 }
 
@@ -48,7 +52,40 @@ pub(crate) fn encode_shell(shell: &CellShell, context: PacketContext<'_>) -> Vec
 }
 
 pub(crate) fn encode_sheet(sheet: &FacadeSheet) -> Vec<u8> {
-    pack(BlobKind::Facades, &WireSheet::from(sheet))
+    if sheet.painted.is_empty() {
+        pack(BlobKind::Facades, &WireSheet::from(sheet))
+    } else {
+        pack(BlobKind::Painted, &(WireSheet::from(sheet), &sheet.painted))
+    }
+}
+
+/// Pictures are as small as they get: their number and lengths, then all of them.
+pub(crate) fn encode_pictures(pictures: &[PictureFile]) -> Vec<u8> {
+    let mut stored = vec![BlobKind::Pictures as u8];
+    for number in core::iter::once(pictures.len()).chain(pictures.iter().map(|picture| picture.0.len())) {
+        stored.extend(u32::try_from(number).unwrap_or(u32::MAX).to_le_bytes());
+    }
+    pictures.iter().for_each(|picture| stored.extend(&picture.0));
+    stored
+}
+
+fn decode_pictures(stored: &[u8], blob: &BlobRef) -> Result<Vec<PictureFile>, StoreError> {
+    let what = BlobKind::Pictures.words();
+    let bytes = open(BlobKind::Pictures, stored, blob)?;
+    let short = || StoreError::Invalid { what, reason: "its pictures are cut off".to_owned() };
+    let (count, rest) = bytes.split_first_chunk::<4>().ok_or_else(short)?;
+    let count = u32::from_le_bytes(*count) as usize;
+    if count > FacadeSheet::MOST_SECTIONS {
+        return Err(StoreError::Invalid { what, reason: format!("it has {count} pictures") });
+    }
+    let (lengths, mut rest) = rest.split_at_checked(4 * count).ok_or_else(short)?;
+    let mut pictures = Vec::with_capacity(count);
+    for length in lengths.as_chunks::<4>().0 {
+        let (picture, behind) = rest.split_at_checked(u32::from_le_bytes(*length) as usize).ok_or_else(short)?;
+        pictures.push(PictureFile(picture.to_vec()));
+        rest = behind;
+    }
+    if rest.is_empty() { Ok(pictures) } else { Err(StoreError::Invalid { what, reason: "something follows its pictures".to_owned() }) }
 }
 
 /// The packet of stored bytes that the reference stands for. Any bytes are safe: length and checksum are looked at first,
@@ -68,10 +105,16 @@ pub fn decode_packet(stored: &[u8], blob: &BlobRef, level: Level, context: Packe
         }
         Level::Two => {
             let what = BlobKind::Facades.words();
-            let wire: WireSheet = unpack(BlobKind::Facades, stored, blob)?;
-            Ok(Packet::Facades(FacadeSheet::try_from(wire).map_err(|malformed| malformed.of(what))?))
+            let (wire, painted): (WireSheet, Vec<PaintedWall>) = match stored.first() {
+                Some(&kind) if kind == BlobKind::Painted as u8 => unpack(BlobKind::Painted, stored, blob)?,
+                _ => (unpack(BlobKind::Facades, stored, blob)?, Vec::new()),
+            };
+            let sheet = FacadeSheet { painted, ..FacadeSheet::try_from(wire).map_err(|malformed| malformed.of(what))? };
+            valid::check_painted(&sheet).map_err(|reason| StoreError::Invalid { what, reason })?;
+            Ok(Packet::Facades(sheet))
         }
-        Level::Three | Level::Four => Err(StoreError::NoSuchLevel(level)),
+        Level::Three => Ok(Packet::Pictures(decode_pictures(stored, blob)?)),
+        Level::Four => Err(StoreError::NoSuchLevel(level)),
     }
 }
 
@@ -344,7 +387,7 @@ mod tests {
         #[test]
         fn sheets_survive(different in vec(any_wall(), 0..5), uses in vec(any::<prop::sample::Index>(), 0..20)) {
             let walls = uses.iter().filter(|_| !different.is_empty()).map(|n| n.get(&different).clone()).collect();
-            let packet = Packet::Facades(FacadeSheet { walls });
+            let packet = Packet::Facades(FacadeSheet::of(walls));
             prop_assert_eq!(read(&write(&packet), Level::Two), Ok(packet));
         }
 
@@ -373,7 +416,7 @@ mod tests {
                 // Decoded positions may be added without overflow.
                 let _sum = shell.outline.outer.iter().map(|&p| p + shell.origin).max();
             }
-            let _either = read(&forge(&Packet::Facades(FacadeSheet { walls })), Level::Two);
+            let _either = read(&forge(&Packet::Facades(FacadeSheet::of(walls))), Level::Two);
         }
     }
 
@@ -486,7 +529,7 @@ mod tests {
             designs: vec![design()],
             monuments: vec![PlacedMonument { design: 0, pos: GridPos(-70, 8), z: 9, heading: 100 }],
         };
-        (shell, FacadeSheet { walls: [WallKind::Street, WallKind::Yard, WallKind::Party].map(wall).to_vec() })
+        (shell, FacadeSheet::of([WallKind::Street, WallKind::Yard, WallKind::Party].map(wall).to_vec()))
     }
 
     #[test]
@@ -495,14 +538,14 @@ mod tests {
         let hash = |packet: &Packet| blake3::hash(&write(packet)).to_hex()[..16].to_owned();
         let forms = (hash(&Packet::Shell(Box::new(shell))), hash(&Packet::Facades(sheet)));
         let expected = ("cd1e3ec5d6389907".to_owned(), "e2f4ae319b5c1de5".to_owned());
-        assert_eq!((crate::FORMAT_VERSION, forms), (14, expected), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((crate::FORMAT_VERSION, forms), (15, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]
     fn equal_walls_cost_next_to_nothing() {
         let storeys = vec![Storey { height: 3000, opening: Opening::Window }; 5];
         let wall = Wall { kind: WallKind::Street, bays: 6, storeys, ..Wall::default() };
-        let size = |n| write(&Packet::Facades(FacadeSheet { walls: vec![wall.clone(); n] })).len();
+        let size = |n| write(&Packet::Facades(FacadeSheet::of(vec![wall.clone(); n]))).len();
         assert!(size(1_100) - size(100) < 30, "{} B", size(1_100));
     }
 

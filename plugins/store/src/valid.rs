@@ -4,7 +4,7 @@
 //! difference of two of them leaves 32 bits.
 
 use veduta_city::{
-    CellShell, Course, District, GridPolygon, GridPos, GroundPatch, HouseShell, Massing, Overview, PlanTerrain, SpanForm,
+    CellShell, Course, District, FacadeSheet, GridPolygon, GridPos, GroundPatch, HouseShell, Massing, Overview, PlanTerrain, SpanForm,
     SpanStation, VolumeShell, WaySpan,
 };
 
@@ -382,6 +382,16 @@ pub(crate) fn check_region(region: &Region, entry: &RegionEntry, regions: &[Regi
     Ok(())
 }
 
+/// Painted walls are walls of the sheet, and can be drawn.
+pub(crate) fn check_painted(sheet: &FacadeSheet) -> Check {
+    check_ascending("its painted walls", &sheet.painted.iter().map(|wall| wall.wall).collect::<Vec<_>>(), sheet.walls.len())?;
+    sheet.painted.iter().try_for_each(|wall| wall.painted.check())?;
+    match sheet.sections() {
+        0..=FacadeSheet::MOST_SECTIONS => Ok(()),
+        many => Err(format!("its painted walls have {many} sections")),
+    }
+}
+
 fn check_cell(region: &Region, number: u32, count: usize, cell: &CellEntry) -> Check {
     check_polygon("its outline", &cell.outline, FAR)?;
     check_height("its floor", cell.floor.0)?;
@@ -400,9 +410,9 @@ fn check_cell(region: &Region, number: u32, count: usize, cell: &CellEntry) -> C
     if cell.visible.binary_search(&number).is_err() {
         return Err("it is not in its own visible set".to_owned());
     }
-    // Further levels have no kind of their own in this format; they are packets all the same.
     for (n, packet) in cell.packets.iter().enumerate() {
-        check_blob(if n == 0 { BlobKind::Shell } else { BlobKind::Facades }, packet.as_ref())?;
+        let kind = [BlobKind::Shell, BlobKind::Facades, BlobKind::Pictures, BlobKind::Facades][n];
+        check_blob(kind, packet.as_ref())?;
     }
     if let Some(level) = (1..4).find(|&n| cell.packets[n].is_some() && cell.packets[n - 1].is_none()) {
         return Err(format!("it has a packet of level {} but none of level {level}", level + 1));

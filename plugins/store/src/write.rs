@@ -15,7 +15,8 @@ use crate::{BlobRef, CellEntry, CityIndex, CityStats, INDEX_NAME, StoreError};
 /// A directory that does not exist is built beside its place and moved there in one step. One that holds a city already, or
 /// nothing, is brought up to date: missing blobs first, then the index in one step, then blobs that nothing names any more
 /// are removed; whoever reads it meanwhile sees the old city or the new one, and what an interrupted run leaves is taken up
-/// by the next. `shells` and `sheets` are by cell. The same arguments give the same bytes.
+/// by the next. `shells` and `sheets` are by cell; painted walls, which have pictures, are for a [`CityWriter`]. The same arguments give
+/// the same bytes.
 ///
 /// # Errors
 /// [`StoreError::Invalid`] if the arguments contradict each other; [`StoreError::Occupied`] if something else is in the
@@ -34,7 +35,12 @@ pub fn write_city(
         }
     }
     let mut writer = CityWriter::new(dir, plan)?;
-    let parts = |cell| CellParts { shell: Cow::Borrowed(&shells[cell]), sheet: Cow::Borrowed(&sheets[cell]), ground: None };
+    let parts = |cell| CellParts {
+        shell: Cow::Borrowed(&shells[cell]),
+        sheet: Cow::Borrowed(&sheets[cell]),
+        pictures: Vec::new(),
+        ground: None,
+    };
     writer.cells(plan, cells, &parts)?;
     writer.finish(cells.clone())
 }

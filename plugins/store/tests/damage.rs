@@ -104,6 +104,8 @@ fn a_packet_of_another_level_is_noticed_for_good() {
     let sheet = encode_packet(&Packet::Facades(city.sheets[0].clone()), PacketContext::default());
     let error = decode_packet(&sheet, &BlobRef::of(&sheet), Level::One, PacketContext::default()).expect_err("another level");
     assert!(matches!(error, StoreError::Kind { .. }) && error.is_permanent(), "{error:?}");
-    let error = decode_packet(&sheet, &BlobRef::of(&sheet), Level::Three, PacketContext::default()).expect_err("no such level");
-    assert_eq!(error, StoreError::NoSuchLevel(Level::Three));
+    let error = decode_packet(&sheet, &BlobRef::of(&sheet), Level::Three, PacketContext::default()).expect_err("another level");
+    assert!(matches!(error, StoreError::Kind { .. }), "{error:?}");
+    let error = decode_packet(&sheet, &BlobRef::of(&sheet), Level::Four, PacketContext::default()).expect_err("no such level");
+    assert_eq!(error, StoreError::NoSuchLevel(Level::Four));
 }

@@ -37,7 +37,7 @@ fn drift(time: Res<Time>, mut eyes: Query<&mut Eye>) {
 }
 
 fn draw_cells(mut gizmos: Gizmos, origin: Res<WorldOrigin>, cells: Query<&CellContent, With<Cell>>) {
-    for CellContent { shell, sheet } in &cells {
+    for CellContent { shell, sheet, .. } in &cells {
         let colour = if sheet.is_some() { Color::srgb(0.9, 0.6, 0.2) } else { Color::srgb(0.4, 0.5, 0.6) };
         for ring in shell.outline.rings() {
             let closed = ring.iter().chain(ring.first());

@@ -251,7 +251,7 @@ fn arrive(world: &mut World, store: &mut Store, cell: u32, level: Level, packet:
     let entity = match (packet, known) {
         (Packet::Shell(shell), None) => {
             let at = Transform::from_translation(origin.world_from_grid(shell.origin));
-            let content = CellContent { shell: Arc::from(shell), sheet: None };
+            let content = CellContent { shell: Arc::from(shell), sheet: None, pictures: None };
             world.spawn((Cell(cell), content, LevelFade::default(), at)).id()
         }
         (Packet::Facades(sheet), Some(entity)) => {
@@ -266,8 +266,13 @@ fn arrive(world: &mut World, store: &mut Store, cell: u32, level: Level, packet:
             content.sheet = Some(Arc::new(sheet));
             entity
         }
-        // A level 2 whose cell was released meanwhile: whoever comes back asks for it anew.
-        (Packet::Facades(_), None) => return store.client.forget(cell, level),
+        (Packet::Pictures(pictures), Some(entity)) => {
+            let Some(mut content) = world.get_mut::<CellContent>(entity) else { return };
+            content.pictures = Some(pictures.into());
+            entity
+        }
+        // A finer level whose cell was released meanwhile: whoever comes back asks for it anew.
+        (Packet::Facades(_) | Packet::Pictures(_), None) => return store.client.forget(cell, level),
         // A level 1 that is already here: nothing to do.
         (Packet::Shell(_), Some(_)) => return,
     };
@@ -388,10 +393,12 @@ fn forget_level(world: &mut World, cell: u32, entity: Entity, level: Level) {
     for mesh in gone {
         world.despawn(mesh);
     }
-    if let Some(mut content) = world.get_mut::<CellContent>(entity)
-        && level == Level::Two
-    {
-        content.sheet = None;
+    if let Some(mut content) = world.get_mut::<CellContent>(entity) {
+        match level {
+            Level::Two => content.sheet = None,
+            Level::Three => content.pictures = None,
+            Level::One | Level::Four => {}
+        }
     }
     if let Some(mut fade) = world.get_mut::<LevelFade>(entity) {
         fade.0[level.index()] = 0.0;

@@ -83,6 +83,8 @@ pub enum StreamingSystems {
 pub struct StreamingSettings {
     /// Level 2 is wanted within this distance of a viewer, metres.
     pub level_2_m: f64,
+    /// Level 3, the pictures of painted façades, is wanted within this distance of a viewer, metres.
+    pub level_3_m: f64,
     /// A viewer above the roofs wants level 1 within this distance, metres; beyond it the overview's districts are to be seen.
     pub flying_m: f64,
     /// Height above the ground from which a viewer counts as flying, metres.
@@ -117,6 +119,7 @@ impl Default for StreamingSettings {
     fn default() -> Self {
         Self {
             level_2_m: 220.0,
+            level_3_m: 90.0,
             flying_m: 250.0,
             flying_from_m: 6.0,
             skyline_m: 2_000.0,

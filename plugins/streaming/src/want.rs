@@ -172,7 +172,11 @@ impl Needs<'_> {
         }
         let Some(entry) = self.index.cell(cell) else { return };
         let distance_m = distance_to(entry.bounds, eye.plan_pos);
-        let finest = if distance_m <= self.settings.level_2_m { Level::Four } else { Level::One };
+        let finest = match distance_m {
+            near if near <= self.settings.level_3_m => Level::Four,
+            far if far <= self.settings.level_2_m => Level::Two,
+            _ => Level::One,
+        };
         let new = Need { rank, way_m, distance_m, finest, why };
         let nearer = |old: &mut Need| {
             *old = Need {

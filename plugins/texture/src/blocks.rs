@@ -24,8 +24,17 @@ impl Layer {
     }
 }
 
-/// Blocks of a mip chain of RGBA8 that begins with `size` × `size` texels, a power of two.
+/// Blocks of a mip chain of opaque pictures, BC1: half as many bytes.
+pub(crate) fn opaque(chain: &[u8], size: u32) -> Vec<u8> {
+    encode(CompressionVariant::BC1, chain, size)
+}
+
 fn in_blocks(chain: &[u8], size: u32) -> Vec<u8> {
+    encode(CompressionVariant::BC3, chain, size)
+}
+
+/// Blocks of a mip chain of RGBA8 that begins with `size` × `size` texels, a power of two.
+fn encode(variant: CompressionVariant, chain: &[u8], size: u32) -> Vec<u8> {
     let (mut blocks, mut rest, mut side) = (Vec::with_capacity(chain.len() / 4 + 32), chain, size as usize);
     while side > 0 {
         let (mip, smaller) = rest.split_at(side * side * 4);
@@ -38,8 +47,8 @@ fn in_blocks(chain: &[u8], size: u32) -> Vec<u8> {
             (mip, side as u32)
         };
         let start = blocks.len();
-        blocks.resize(start + CompressionVariant::BC3.blocks_byte_size(edge, edge), 0);
-        compress_rgba8(CompressionVariant::BC3, mip, &mut blocks[start..], edge, edge, edge * 4);
+        blocks.resize(start + variant.blocks_byte_size(edge, edge), 0);
+        compress_rgba8(variant, mip, &mut blocks[start..], edge, edge, edge * 4);
         side /= 2;
     }
     blocks

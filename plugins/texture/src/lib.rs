@@ -68,6 +68,7 @@ mod letter;
 mod mips;
 mod moulding;
 mod noise;
+mod painted;
 mod paving;
 mod roof;
 mod soil;
@@ -81,6 +82,10 @@ use veduta_city::draw::Draw;
 use veduta_city::{Id, Opening, SurfaceKind, Tile};
 
 pub use blocks::LayerBlocks;
+pub use painted::{
+    CutError, PICTURE_SIDE, PICTURE_STORED_CAP, PictureError, PictureLayer, Pixels, decode_picture, encode_picture, paint_facade,
+    put_together,
+};
 use canvas::Canvas;
 use card::{Card, Leaf};
 use mips::Encoder;

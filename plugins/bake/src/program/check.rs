@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use anstream::{eprintln, println};
+use glam::DVec2;
 use veduta_city::{CityGraph, CityPlan, GraphOverrides, Monuments, StyleDraft, Tour, Views, file};
 use veduta_growth::plan::Stock;
 use veduta_survey::CityWords;
@@ -35,10 +36,11 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
             overrides.monuments.len(),
             overrides.furniture.len(),
             overrides.models.len(),
+            overrides.facades.len(),
         ];
         let words = format!(
-            "{} edits, {} styles, {} monuments, {} furniture rules, {} models",
-            counts[0], counts[1], counts[2], counts[3], counts[4]
+            "{} edits, {} styles, {} monuments, {} furniture rules, {} models, {} façades",
+            counts[0], counts[1], counts[2], counts[3], counts[4], counts[5]
         );
         let edits = overrides.validate().into_iter().map(|e| e.to_string());
         let stock = Stock::new()
@@ -46,8 +48,14 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
             .err()
             .unwrap_or_default();
         let models = veduta_bake::read_models(&overrides, path).err().unwrap_or_default();
-        let edits = edits.chain(models.iter().map(ToString::to_string));
+        let facades = veduta_bake::read_facades(&overrides, path).err().unwrap_or_default();
+        let edits = edits.chain(models.iter().chain(&facades).map(ToString::to_string));
         return told(path, edits.chain(stock.iter().map(ToString::to_string)).collect(), words);
+    }
+    if name.ends_with(".facade.ron") {
+        let facade = veduta_bake::read_facade(path, DVec2::ZERO).map_err(|error| vec![error.to_string()])?;
+        let (small, large) = (facade.painted.textures.len(), facade.pictures.iter().map(|picture| picture.0.len()).sum::<usize>());
+        return Ok(format!("façade “{}”, {small} small textures, {} pictures of {large} B", facade.name, facade.pictures.len()));
     }
     if name.ends_with(".words.ron") {
         let city: CityWords = file::read(path).map_err(one)?;
@@ -83,7 +91,7 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
         return told(path, Stock::new().with(&[draft], Vec::new(), Vec::new()).err().unwrap_or_default(), words);
     }
     Err(vec![format!(
-        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .plan.ron, .words.ron, .style.ron, .monuments.ron, .tour.ron or .views.ron, or lie \
+        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .facade.ron, .plan.ron, .words.ron, .style.ron, .monuments.ron, .tour.ron or .views.ron, or lie \
          in a folder `styles` or `monuments`",
         path.display()
     )])

@@ -1,6 +1,7 @@
 use anstream::{eprintln, println};
 use veduta_bake::{Proof, ProofSettings, prove};
 use veduta_city::{CellShell, Level};
+use veduta_texture::decode_picture;
 use veduta_store::{
     CityIndex, Packet, Reader, StoreError, decode_overview, decode_packet, decode_styles, open_reader, read_index, sheet_fits,
 };
@@ -149,7 +150,7 @@ fn look(reader: &dyn Reader, index: &CityIndex) -> Found {
         found.broken.push(format!("styles: {}", error.in_file(reader.describe(), &blob.path())));
     }
     for (i, cell) in index.cells() {
-        let mut shell = None;
+        let (mut shell, mut sections) = (None, 0);
         for level in Level::ALL {
             let Some(blob) = cell.packet(level) else { continue };
             match read(blob).and_then(|stored| decode_packet(&stored, blob, level, index.packet_context(i))) {
@@ -161,6 +162,16 @@ fn look(reader: &dyn Reader, index: &CityIndex) -> Found {
                                 found.broken.push(format!("cell {i}, {level}: its walls are not those of level 1"));
                                 continue;
                             }
+                            sections = sheet.sections();
+                        }
+                        Packet::Pictures(pictures) => {
+                            let pictures: Vec<_> = pictures.iter().map(|picture| decode_picture(&picture.0)).collect();
+                            if pictures.len() != sections {
+                                found.broken.push(format!("cell {i}, {level}: its pictures are not those of level 2"));
+                                continue;
+                            }
+                            let errors = pictures.into_iter().filter_map(Result::err);
+                            found.broken.extend(errors.map(|error| format!("cell {i}, {level}: {error}")));
                         }
                     }
                     found.packets[level.index()] += 1;

@@ -64,6 +64,9 @@ pub struct GraphOverrides {
     /// Models in files, under names that buildings, houses and objects call them by as they do monuments.
     #[serde(default)]
     pub models: Vec<ModelFile>,
+    /// Façades given as pictures, and where they are.
+    #[serde(default)]
+    pub facades: Vec<FacadeFile>,
     /// Rules for furniture, added to, or put in place of, the stock ones.
     #[serde(default)]
     pub furniture: Vec<FurnitureRule>,
@@ -80,6 +83,16 @@ pub struct ModelFile {
     /// The node of the file that it is, with all below it; the whole scene if not given.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub node: String,
+}
+
+/// A painted façade ([`FacadeDraft`](crate::FacadeDraft)) in a file, and the wall that it is on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FacadeFile {
+    /// The file (`.facade.ron`), by its path from the folder of the overrides.
+    pub file: String,
+    /// A place before the wall: it goes on the street front that is nearest.
+    pub at: DVec2,
 }
 
 /// One edit.

@@ -6,6 +6,7 @@ use super::data::{MeshData, MeshError, Paint};
 use super::footing::stands;
 use super::ornament;
 use super::outline::{Edge, engine, neighbours, wall_edge};
+use super::painted;
 use super::roof_detail::{OVERHANG_DROP_M, mitre};
 use super::wall::{Front, check, runs, seen};
 
@@ -43,18 +44,26 @@ struct Paints {
 /// Adds the mouldings of walls that a sheet of the right length tells.
 pub(super) fn add_mouldings(shell: &CellShell, sheet: &FacadeSheet, mesh: &mut MeshData) {
     mesh.reserve_quads(sheet.walls.iter().filter(|wall| wall.kind == WallKind::Street).count() * 40);
-    for (house, volume, plans) in seen(shell, sheet) {
+    for (house, volume, plans, number) in seen(shell, sheet) {
         let first = mesh.positions.len();
         arcade::fine(volume, mesh);
         let stands = stands(house, volume);
         let trim = Paint::new([0.0; 2], volume.trim, Tile::Stone);
         let plinth = Paint::new([0.0; 2], volume.colour.scaled(0.75), Tile::Stone);
-        for (&wall, plan) in volume.walls.iter().zip(plans).filter(|(_, plan)| plan.kind == WallKind::Street) {
+        let walls = (number..).zip(volume.walls.iter().zip(plans));
+        for (n, (&wall, plan)) in walls.filter(|(_, (_, plan))| plan.kind == WallKind::Street) {
             let Some(front) = Front::new(volume, wall, trim) else { continue };
             let centre = front.plaster.centre;
             let paints = Paints { trim: trim.at(centre), plinth: plinth.at(centre) };
             let ends = ends(volume, plans, wall, &front.edge);
-            dress(&front, plan, ends, (volume.roof.is_there(), stands), &paints, mesh);
+            if volume.roof.is_there() {
+                crown(&front, ends, paints.trim, mesh);
+            }
+            // What else stands out of a painted wall is in its picture.
+            if painted::find(sheet, n).is_some() {
+                continue;
+            }
+            dress(&front, plan, ends, stands, &paints, mesh);
             if let Some(ornament) = &plan.ornament {
                 ornament::adorn(&front, plan, ornament, quoin_ends(volume, plans, wall, ends), (volume, stands), mesh);
             }
@@ -100,12 +109,17 @@ fn quoin_ends(volume: &VolumeShell, plans: &[Wall], wall: u16, ends: [End; 2]) -
     [end(ends[0], before), end(ends[1], after)]
 }
 
-fn dress(front: &Front, plan: &Wall, ends: [End; 2], (has_top, stands): (bool, bool), paints: &Paints, mesh: &mut MeshData) {
+/// The cornice below the eaves.
+fn crown(front: &Front, ends: [End; 2], trim: Paint, mesh: &mut MeshData) {
     let height = front.eaves - front.bottom;
-    let trim = paints.trim;
-    if has_top && height >= CORNICE_FROM_M && front.edge.length > 1.0 {
+    if height >= CORNICE_FROM_M && front.edge.length > 1.0 {
         sweep(&front.edge, ends, if height >= TALL_M { CROWN } else { LOW_CROWN }, front.eaves, trim, mesh);
     }
+}
+
+fn dress(front: &Front, plan: &Wall, ends: [End; 2], stands: bool, paints: &Paints, mesh: &mut MeshData) {
+    let height = front.eaves - front.bottom;
+    let trim = paints.trim;
     if !stands && front.edge.length > 1.0 {
         // Over an arcade or a passage.
         sweep(&front.edge, ends, STRING, front.bottom, trim, mesh);

@@ -396,7 +396,7 @@ mod tests {
             ornament: ornament.map(Box::new),
             ..Wall::default()
         };
-        mouldings(&cell(), &FacadeSheet { walls: vec![wall] }).expect("a sheet of one wall")
+        mouldings(&cell(), &FacadeSheet::of(vec![wall])).expect("a sheet of one wall")
     }
 
     /// What an ornament adds to a front: how much, and its box: metres along the wall, up, and out of it.
@@ -494,7 +494,7 @@ mod tests {
             ornament: Some(Box::new(Ornament { balconies: Some(balconies), ..Ornament::default() })),
             ..Wall::default()
         };
-        let mesh = mouldings(&shell, &FacadeSheet { walls: vec![wall; 2_000] }).expect("a sheet of the walls");
+        let mesh = mouldings(&shell, &FacadeSheet::of(vec![wall; 2_000])).expect("a sheet of the walls");
         assert!(mesh.positions.len() < 2 * MOST_VERTICES, "{}", mesh.positions.len());
     }
 
@@ -522,7 +522,7 @@ mod tests {
                 ornament: Some(Box::new(ornament)),
                 ..Wall::default()
             };
-            let mesh = mouldings(&cell(), &FacadeSheet { walls: vec![wall] }).expect("a sheet of one wall");
+            let mesh = mouldings(&cell(), &FacadeSheet::of(vec![wall])).expect("a sheet of one wall");
             prop_assert_eq!(mesh.validate(), Ok(()));
             for p in &mesh.positions {
                 prop_assert!(p[0] > -1.0 && p[0] < 14.0 && p[1] > -1.5 && p[1] < 16.0 && p[2] > -0.01 && p[2] < 1.3, "{:?}", p);

@@ -103,7 +103,7 @@ fn sheet(shell: &CellShell, bays: u8) -> FacadeSheet {
         ground_floor: GroundFloor { door_bay: Some(1), door: Opening::Portal, shops: 0b1001, blank: 0 },
         ornament: None,
     };
-    FacadeSheet { walls: (0..wall::wall_total(shell)).map(wall).collect() }
+    FacadeSheet::of((0..wall::wall_total(shell)).map(wall).collect())
 }
 
 fn triangles(mesh: &MeshData) -> impl Iterator<Item = [DVec3; 3]> + '_ {

@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn flattened_it_covers_the_wall_once_and_what_stands_out_covers_it_again() {
-        let sheet = FacadeSheet { walls: vec![front()] };
+        let sheet = FacadeSheet::of(vec![front()]);
         let (flat, relief) = (level2(&shell(vec![0]), &sheet).unwrap(), level4(&shell(vec![0]), &sheet).unwrap());
         assert_eq!(relief.validate(), Ok(()));
         assert_eq!(relief.reliefs.len(), relief.positions.len());
@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn windows_lie_behind_the_wall_and_sills_before_it() {
-        let mesh = level4(&shell(vec![0]), &FacadeSheet { walls: vec![front()] }).unwrap();
+        let mesh = level4(&shell(vec![0]), &FacadeSheet::of(vec![front()])).unwrap();
         let (low, high) = mesh.reliefs.iter().fold((0.0_f32, 0.0_f32), |(low, high), r| (low.min(r[2]), high.max(r[2])));
         assert!((low + 0.3).abs() < 1e-6 && high > 0.09, "{low} {high}: the portal's leaves lie deepest");
         // The wall runs along z = 0 and looks to +z; what is told of a vertex is where it is.

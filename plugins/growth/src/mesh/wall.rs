@@ -7,6 +7,7 @@ use super::form::RoofForm;
 use super::gable;
 use super::moulding::add_mouldings;
 use super::outline::{Edge, centre_of, draw_at, engine, wall_edge};
+use super::painted;
 
 /// The cell's walls as coloured outlines: one face from foot to eaves and the gable above it. Centres are the middles of the walls.
 #[must_use]
@@ -82,16 +83,19 @@ impl Run {
     }
 }
 
-/// The walls of a sheet of the right length; `draw` draws their runs.
+/// The walls of a sheet of the right length that nobody painted; `draw` draws their runs.
 pub(super) fn facades_as(shell: &CellShell, sheet: &FacadeSheet, draw: impl Fn(&Front, &Run, &mut MeshData)) -> MeshData {
     let mut mesh = MeshData::default();
     mesh.reserve_quads(sheet.walls.len() * 5);
     let mut along = Vec::new();
-    for (house, volume, plans) in seen(shell, sheet) {
+    for (house, volume, plans, number) in seen(shell, sheet) {
         let (first, form, plaster) = (mesh.positions.len(), RoofForm::new(volume), plaster(volume));
         let corner = volume.footprint.outer.first().copied().unwrap_or_default();
         let trade = draw_at(shell, corner, "shop").below("trade", Tile::TRADES.into()) as u8;
-        for (&wall, plan) in volume.walls.iter().zip(plans) {
+        for (n, (&wall, plan)) in (number..).zip(volume.walls.iter().zip(plans)) {
+            if painted::find(sheet, n).is_some() {
+                continue;
+            }
             let Some(front) = Front::new(volume, wall, plaster) else { continue };
             let front = Front { trade, ..front };
             front.bays(plan, &draw, &mut mesh);
@@ -107,17 +111,18 @@ pub(super) fn wall_total(shell: &CellShell) -> usize {
     shell.houses.iter().flat_map(|house| &house.volumes).map(|volume| volume.walls.len()).sum()
 }
 
-/// Volumes whose walls are seen, each with what a sheet tells of its walls.
+/// Volumes whose walls are seen, each with what a sheet tells of its walls, and the number of the first of them.
 pub(super) fn seen<'a>(
     shell: &'a CellShell,
     sheet: &'a FacadeSheet,
-) -> impl Iterator<Item = (&'a HouseShell, &'a VolumeShell, &'a [Wall])> {
+) -> impl Iterator<Item = (&'a HouseShell, &'a VolumeShell, &'a [Wall], usize)> {
     let mut told = sheet.walls.as_slice();
     let volumes = shell.houses.iter().flat_map(|house| house.volumes.iter().map(move |volume| (house, volume)));
     volumes.filter_map(move |(house, volume)| {
+        let number = sheet.walls.len() - told.len();
         let (plans, rest) = told.split_at(volume.walls.len().min(told.len()));
         told = rest;
-        (!house.is_monument).then_some((house, volume, plans))
+        (!house.is_monument).then_some((house, volume, plans, number))
     })
 }
 
@@ -227,7 +232,7 @@ impl Front {
     }
 
     /// The gable above the wall, up to the roof.
-    fn gable(&self, form: &RoofForm<'_>, wall: u16, has_windows: bool, along: &mut Vec<(f64, f64)>, mesh: &mut MeshData) {
+    pub(super) fn gable(&self, form: &RoofForm<'_>, wall: u16, has_windows: bool, along: &mut Vec<(f64, f64)>, mesh: &mut MeshData) {
         form.along_wall(wall.into(), along);
         let volume = form.volume;
         if gable::is_shaped(volume.gable, along) {
@@ -312,7 +317,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_front_is_one_rectangle_a_run() {
-        let mesh = facades(&shell(vec![0]), &FacadeSheet { walls: vec![front()] }).unwrap();
+        let mesh = facades(&shell(vec![0]), &FacadeSheet::of(vec![front()])).unwrap();
         // Window, portal and shop below, pediments, and both upper storeys together.
         assert_eq!(mesh.triangle_count(), 5 * 2);
         let layer = |quad: usize| mesh.colours[quad * 4][3] as usize;
@@ -330,7 +335,7 @@ pub(super) mod tests {
     fn a_shops_name_stands_over_the_middle_of_its_bays() {
         let ground_floor = GroundFloor { door_bay: None, shops: 0b111, ..front().ground_floor };
         let wall = Wall { ground_floor, ..front() };
-        let mesh = facades(&shell(vec![0]), &FacadeSheet { walls: vec![wall] }).unwrap();
+        let mesh = facades(&shell(vec![0]), &FacadeSheet::of(vec![wall])).unwrap();
         let shop = |quad: usize| Tile::all().nth(mesh.colours[quad * 4][3] as usize).and_then(Tile::shop);
         let [Some(left), Some(middle), Some(right)] = [0, 1, 2].map(shop) else { panic!("three bays of a shop") };
         assert_eq!([left.1, middle.1, right.1], [false, true, false]);
@@ -348,7 +353,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_sheet_of_another_cell_is_refused() {
-        let result = level2(&shell(vec![0, 1]), &FacadeSheet { walls: vec![front()] });
+        let result = level2(&shell(vec![0, 1]), &FacadeSheet::of(vec![front()]));
         assert_eq!(result, Err(MeshError::SheetLength { shell: 2, sheet: 1 }));
     }
 
@@ -356,7 +361,7 @@ pub(super) mod tests {
     fn storeys_that_do_not_add_up_are_stretched() {
         let mut wall = front();
         wall.storeys.truncate(2);
-        let mesh = facades(&shell(vec![0]), &FacadeSheet { walls: vec![wall] }).unwrap();
+        let mesh = facades(&shell(vec![0]), &FacadeSheet::of(vec![wall])).unwrap();
         let top = mesh.positions.iter().map(|p| p[1]).fold(0.0, f32::max);
         assert_eq!(top, 13.0);
     }

@@ -1,7 +1,8 @@
 //! The stock styles, monuments and furniture rules, as they lie in `assets`.
 
 use veduta_city::{
-    Design, FurnitureError, FurnitureRule, Monument, MonumentError, Monuments, StyleDraft, StyleError, Styles, file, furniture,
+    Design, FurnitureError, FurnitureRule, Monument, MonumentError, Monuments, PlacedFacade, StyleDraft, StyleError, Styles, file,
+    furniture,
 };
 
 /// Name and text of every stock style, in the order in which plans number them; each comes after those that it inherits from.
@@ -34,6 +35,8 @@ pub struct Stock {
     pub furniture: Vec<FurnitureRule>,
     /// Models from files, by their names: they go before monuments.
     pub models: Vec<Design>,
+    /// Façades given as pictures, cut, and where they are to go.
+    pub facades: Vec<PlacedFacade>,
 }
 
 /// What is wrong with styles, monuments or rules that are brought.
@@ -53,7 +56,7 @@ pub enum StockError {
 impl Stock {
     /// What comes with growth.
     pub fn new() -> Self {
-        Self { styles: styles(), monuments: monuments(), furniture: furniture(), models: Vec::new() }
+        Self { styles: styles(), monuments: monuments(), furniture: furniture(), models: Vec::new(), facades: Vec::new() }
     }
 
     /// Adds styles, monuments and rules, or puts them in place of those of the same name.

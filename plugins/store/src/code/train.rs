@@ -119,6 +119,7 @@ impl All {
                 match decode_packet(&stored(blob), blob, level, context).expect("whole") {
                     Packet::Shell(shell) => self.shells.push(WireShell::of(&shell, context)),
                     Packet::Facades(sheet) => self.sheets.push(WireSheet::from(&sheet)),
+                    Packet::Pictures(_) => {}
                 }
             }
         }

@@ -132,7 +132,7 @@ impl TryFrom<WireSheet> for FacadeSheet {
             spend(wall.storeys.len())?;
             walls.push(wall.clone());
         }
-        Ok(Self { walls })
+        Ok(Self::of(walls))
     }
 }
 
@@ -140,7 +140,7 @@ impl TryFrom<WireSheet> for FacadeSheet {
 impl WireSheet {
     /// A sheet that names one wall so often.
     pub(crate) fn named_often(wall: &Wall, often: usize) -> Self {
-        let sheet = FacadeSheet { walls: vec![wall.clone()] };
+        let sheet = FacadeSheet::of(vec![wall.clone()]);
         Self { walls: vec![0; often], ..Self::from(&sheet) }
     }
 }

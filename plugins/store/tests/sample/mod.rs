@@ -216,7 +216,7 @@ fn add_portals(city: &mut City, cell: &mut Cell, shell: &mut CellShell, c: usize
 impl City {
     pub fn parts(&self, cell: usize) -> CellParts<'_> {
         let (shell, sheet) = (Cow::Borrowed(&self.shells[cell]), Cow::Borrowed(&self.sheets[cell]));
-        CellParts { shell, sheet, ground: None }
+        CellParts { shell, sheet, pictures: Vec::new(), ground: None }
     }
 
     pub fn write(&self, dir: &Path) -> Result<CityStats, StoreError> {

@@ -99,7 +99,7 @@ fn detailed(plan: &CityPlan) -> Result<usize, MeshError> {
 fn meshes(plan: &CityPlan, detailed: usize) -> Result<usize, MeshError> {
     let (full, plain) = plan.houses.split_at(detailed);
     let full = full.par_chunks(AT_ONCE).map(|houses| {
-        let (shell, sheet) = (shell(houses), FacadeSheet { walls: walls(houses) });
+        let (shell, sheet) = (shell(houses), FacadeSheet::of(walls(houses)));
         Ok(triangles(&[mesh::level2(&shell, &sheet)?, mesh::roofs(&shell)]))
     });
     let plain = plain.par_chunks(AT_ONCE).map(|houses| {

@@ -119,6 +119,11 @@ impl Header {
         if header.sampling.is_empty() {
             return Err(broken("its data come before its size"));
         }
+        // Where tables stand between its scans, the decoder loses all but the first of them and says nothing.
+        if !header.is_progressive && header.in_first_scan < header.sampling.len() {
+            let feature = "a baseline JPEG that tells its colours one after another".to_owned();
+            return Err(Reason::Unsupported { feature, fix: SAVE_AS_PNG });
+        }
         Ok(header)
     }
 

@@ -1,0 +1,74 @@
+//! Façades given as pictures, from the files that overrides name.
+
+use std::path::{Component, Path, PathBuf};
+
+use glam::DVec2;
+use veduta_city::{FacadeDraft, FacadeFile, GraphOverrides, GridPos, PlacedFacade, file};
+use veduta_survey::raster::{Picture, PictureLimits};
+use veduta_texture::{Pixels, paint_facade};
+
+use crate::BakeError;
+
+/// What a façade's picture may take: 8,192 pixels a side.
+const LIMITS: PictureLimits = PictureLimits { side_px: 8_192, bytes: 1 << 30 };
+
+/// The façades that overrides name, cut. `path`: of the overrides.
+///
+/// # Errors
+/// Everything that is wrong with any of them.
+pub fn read_facades(overrides: &GraphOverrides, path: &Path) -> Result<Vec<PlacedFacade>, Vec<BakeError>> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let (mut facades, mut errors) = (Vec::new(), Vec::new());
+    for FacadeFile { file, at } in &overrides.facades {
+        match below(folder, file).ok_or_else(|| fault(&folder.join(file), AWAY)).and_then(|path| read_facade(&path, *at)) {
+            Ok(facade) => facades.push(facade),
+            Err(error) => errors.push(error),
+        }
+    }
+    if errors.is_empty() { Ok(facades) } else { Err(errors) }
+}
+
+/// A façade of a file, cut, for a place.
+///
+/// # Errors
+/// If the file or its picture cannot be read, or the one does not cut the other.
+pub fn read_facade(path: &Path, at: DVec2) -> Result<PlacedFacade, BakeError> {
+    let draft: FacadeDraft = file::read(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let picture = below(folder, &draft.picture).ok_or_else(|| fault(path, &format!("picture: {AWAY}")))?;
+    let bytes = std::fs::read(&picture).map_err(|source| BakeError::Read { path: picture.clone(), source })?;
+    let name = picture.display().to_string();
+    let Picture { width, pixels, .. } = Picture::decode(&bytes, &name, &LIMITS).map_err(|error| fault(path, &error.to_string()))?;
+    let pixels = Pixels::of_rgb(width, &pixels).ok_or_else(|| fault(&picture, "it has no pixels"))?;
+    let (painted, pictures) = paint_facade(&draft, &pixels).map_err(|error| fault(path, &error.to_string()))?;
+    Ok(PlacedFacade { name: draft.name.clone(), at, eaves: GridPos::steps(draft.eaves_m()), painted, pictures })
+}
+
+/// Files that overrides name: of models, façades and their pictures, as far as they are there. `path`: of the overrides.
+#[must_use]
+pub fn files_of_overrides(overrides: &GraphOverrides, path: &Path) -> Vec<PathBuf> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let named = overrides.models.iter().map(|model| &model.file).chain(overrides.facades.iter().map(|facade| &facade.file));
+    let mut files: Vec<PathBuf> = named.filter_map(|name| below(folder, name)).collect();
+    let pictures = files.iter().filter_map(|file| {
+        let draft: FacadeDraft = file::read(file).ok()?;
+        below(file.parent().unwrap_or(Path::new("")), &draft.picture)
+    });
+    let pictures: Vec<PathBuf> = pictures.collect();
+    files.extend(pictures);
+    files.retain(|file| file.is_file());
+    files
+}
+
+const AWAY: &str = "a façade needs a path that leads down from the folder of the file that names it";
+
+/// A path that leads down from a folder.
+fn below(folder: &Path, name: &str) -> Option<PathBuf> {
+    let path = Path::new(name);
+    let leads_down = !name.is_empty() && path.components().all(|part| matches!(part, Component::Normal(_)));
+    leads_down.then(|| folder.join(path))
+}
+
+fn fault(path: &Path, reason: &str) -> BakeError {
+    BakeError::Facade { path: path.to_owned(), reason: reason.to_owned() }
+}

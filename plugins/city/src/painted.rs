@@ -1,0 +1,563 @@
+//! Façades that somebody painted or photographed: as a person writes them, and as they travel.
+
+use core::fmt;
+use std::collections::BTreeSet;
+
+use glam::DVec2;
+use serde::de::{Error, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::grid::GridPos;
+use crate::opening::{Head, Recess};
+use crate::{GRID_PER_METRE, Rgb};
+
+/// A façade given as a picture, as a person or an authoring tool writes it: `X.facade.ron` beside the picture.
+///
+/// ```
+/// use veduta_city::{FacadeDraft, file};
+///
+/// let draft: FacadeDraft = file::parse(r#"(
+///     name: "House at the Minute",
+///     picture: "minute.jpg",
+///     size_m: (11.2, 15.4),
+///     objects: [
+///         // Four windows side by side in each of two storeys.
+///         (kind: Window, low: (1.0, 5.2), size: (1.1, 1.9), repeat: (columns: 4, rows: 2, step: (2.6, 3.4))),
+///         (kind: Door, low: (4.9, 0.0), size: (1.4, 2.6), head: Round),
+///         (kind: Painting, low: (4.4, 12.4), size: (2.4, 2.0)),
+///     ],
+/// )"#, "minute.facade.ron")?;
+/// assert_eq!(draft.validate(), []);
+/// assert_eq!(draft.eaves_m(), 15.4);
+/// # Ok::<(), veduta_city::file::SyntaxError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FacadeDraft {
+    /// What it is called in messages.
+    pub name: String,
+    /// The picture, by its path from the folder of this file: PNG, JPEG, TIFF or WebP.
+    pub picture: String,
+    /// Width and height of what the picture shows, metres: its lower edge is the foot of the wall.
+    pub size_m: DVec2,
+    /// The wall's outline in the picture, counter-clockwise, metres from its lower left corner; all of the picture if not given. Where its
+    /// sides end are the eaves; what is higher is a gable.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outline: Vec<DVec2>,
+    /// Windows, doors and paintings, each of which is a small texture of level 2.
+    #[serde(default)]
+    pub objects: Vec<FacadeObject>,
+}
+
+/// What is on a façade, metres from its lower left corner.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FacadeObject {
+    /// What it is.
+    pub kind: FacadeObjectKind,
+    /// Lower left corner of the first.
+    pub low: DVec2,
+    /// Width and height.
+    pub size: DVec2,
+    /// How it ends at the top.
+    #[serde(default)]
+    pub head: ObjectHead,
+    /// How deep it lies in the wall; by its kind if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depth_m: Option<f64>,
+    /// How it is repeated.
+    #[serde(default)]
+    pub repeat: ObjectRepeat,
+}
+
+/// An object side by side with itself, and one above the other.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectRepeat {
+    /// How many side by side.
+    pub columns: u8,
+    /// How many above one another.
+    pub rows: u8,
+    /// From one to the next, to the right and up, metres.
+    pub step: DVec2,
+}
+
+impl Default for ObjectRepeat {
+    fn default() -> Self {
+        Self { columns: 1, rows: 1, step: DVec2::ZERO }
+    }
+}
+
+/// Kind of a [`FacadeObject`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum FacadeObjectKind {
+    /// A window: glass behind the wall.
+    Window,
+    /// A door or gate behind the wall.
+    Door,
+    /// A shop front.
+    Shop,
+    /// Something painted or carved: no deeper than the wall.
+    Painting,
+}
+
+impl FacadeObjectKind {
+    /// How deep such an object lies in its wall, metres.
+    #[must_use]
+    pub const fn depth_m(self) -> f64 {
+        match self {
+            Self::Window => 0.2,
+            Self::Door => 0.28,
+            Self::Shop => 0.1,
+            Self::Painting => 0.0,
+        }
+    }
+}
+
+/// How an object ends at the top.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
+pub enum ObjectHead {
+    /// Straight lintel.
+    #[default]
+    Flat,
+    /// Arc that rises by a fifth of the width.
+    Segment,
+    /// Half circle.
+    Round,
+}
+
+/// What is wrong with a façade, with the fix.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FacadeError {
+    /// Sizes that no wall has.
+    #[error("size_m is {0}: width and height must be from 1 to {most} m", most = PaintedFacade::MOST_M)]
+    Size(DVec2),
+    /// An outline that is none.
+    #[error("the outline must have at least three corners, all within the picture")]
+    Outline,
+    /// An object that does not lie in the picture.
+    #[error("object {0} reaches out of the picture: mind low, size and repeat, which are metres")]
+    Beyond(usize),
+    /// An object that has no size.
+    #[error("object {0} must be at least 0.1 m wide and high")]
+    Small(usize),
+    /// Depths that no wall has.
+    #[error("object {0} lies {1} m deep: that must be from 0 to 1 m")]
+    Depth(usize, f64),
+    /// An object that covers another.
+    #[error("object {0} covers object {1}: each part of the wall belongs to one object")]
+    Covers(usize, usize),
+    /// Too many objects.
+    #[error("there are {0} objects, repeated ones counted: at most {most}", most = PaintedFacade::MOST_PLACES)]
+    Many(usize),
+}
+
+impl FacadeDraft {
+    /// Height of the eaves over the foot of the wall, metres: where the outline's sides end.
+    #[must_use]
+    pub fn eaves_m(&self) -> f64 {
+        let side = |x: f64| {
+            let on = self.outline.iter().filter(|p| (p.x - x).abs() < 0.05).map(|p| p.y);
+            on.fold(f64::NEG_INFINITY, f64::max)
+        };
+        let lower = side(0.0).min(side(self.size_m.x));
+        if lower > 0.5 { lower } else { self.size_m.y }
+    }
+
+    /// All mistakes.
+    #[must_use]
+    pub fn validate(&self) -> Vec<FacadeError> {
+        let within = |of: DVec2| of.cmpge(DVec2::splat(1.0)).all() && of.cmple(DVec2::splat(PaintedFacade::MOST_M)).all();
+        if !within(self.size_m) {
+            return vec![FacadeError::Size(self.size_m)];
+        }
+        let mut errors = Vec::new();
+        // A picture is never measured to the millimetre.
+        let slack = DVec2::splat(0.01);
+        let holds = |p: DVec2| p.cmpge(-slack).all() && p.cmple(self.size_m + slack).all();
+        if !self.outline.is_empty() && (self.outline.len() < 3 || !self.outline.iter().all(|&p| holds(p))) {
+            errors.push(FacadeError::Outline);
+        }
+        let count = self.objects.iter().map(|object| usize::from(object.repeat.columns) * usize::from(object.repeat.rows)).sum();
+        if count > PaintedFacade::MOST_PLACES || self.objects.len() > PaintedFacade::MOST_TEXTURES {
+            return [errors, vec![FacadeError::Many(count)]].concat();
+        }
+        for (n, object) in self.objects.iter().enumerate() {
+            let places: Vec<DVec2> = object.places().collect();
+            if !(object.size.x >= 0.1 && object.size.y >= 0.1) || places.is_empty() {
+                errors.push(FacadeError::Small(n));
+            } else if !places.iter().all(|&low| holds(low) && holds(low + object.size)) {
+                errors.push(FacadeError::Beyond(n));
+            }
+            if !object.depth_m.is_none_or(|depth| (0.0..=1.0).contains(&depth)) {
+                errors.push(FacadeError::Depth(n, object.depth_m.unwrap_or_default()));
+            }
+            let covers = |other: &FacadeObject| {
+                let apart = |a: DVec2, b: DVec2| {
+                    (a + object.size).cmple(b + 0.001).any() || (b + other.size).cmple(a + 0.001).any()
+                };
+                places.iter().any(|&a| other.places().any(|b| !apart(a, b)))
+            };
+            errors.extend(self.objects[..n].iter().position(covers).map(|other| FacadeError::Covers(n, other)));
+        }
+        errors
+    }
+}
+
+impl FacadeObject {
+    /// Lower left corners of all its repetitions, row by row.
+    pub fn places(&self) -> impl Iterator<Item = DVec2> + '_ {
+        let ObjectRepeat { columns, rows, step } = self.repeat;
+        (0..rows).flat_map(move |row| (0..columns).map(move |column| self.low + step * DVec2::new(column.into(), row.into())))
+    }
+}
+
+/// A façade that somebody painted, as level 2 tells it: small textures, and where they are on the wall. Lengths are grid steps; places are
+/// from the wall's lower left corner, as it is seen from the street.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PaintedFacade {
+    /// Width and height of the picture. The wall is as wide, whatever its length; above the picture's height it repeats the upper edge.
+    pub size: (i32, i32),
+    /// Into so many pictures side by side and equally wide the picture of level 3 is cut; never 0.
+    pub sections: u8,
+    /// The wall's colour between the objects.
+    pub colour: Rgb,
+    /// Small textures.
+    pub textures: Vec<SmallTexture>,
+    /// Where they are.
+    pub objects: Vec<PaintedObject>,
+}
+
+/// A small texture of up to 16 colours.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SmallTexture {
+    /// Texels in a row.
+    pub width: u8,
+    /// Its colours.
+    pub palette: Vec<Rgb>,
+    /// Of each texel its colour's place in the palette, row by row from the top.
+    pub texels: Vec<u8>,
+}
+
+/// An object of a [`PaintedFacade`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PaintedObject {
+    /// What it is.
+    pub kind: FacadeObjectKind,
+    /// Its texture's place among [`PaintedFacade::textures`].
+    pub texture: u8,
+    /// Lower left corner of the first.
+    pub low: (i32, i32),
+    /// Width and height.
+    pub size: (i32, i32),
+    /// How it ends at the top.
+    pub head: ObjectHead,
+    /// How deep it lies in the wall.
+    pub depth: i32,
+    /// How many side by side.
+    pub columns: u8,
+    /// How many above one another.
+    pub rows: u8,
+    /// From one to the next.
+    pub step: (i32, i32),
+}
+
+impl PaintedFacade {
+    /// Most metres of a façade, along and up.
+    pub const MOST_M: f64 = 200.0;
+    /// Most small textures.
+    pub const MOST_TEXTURES: usize = 64;
+    /// Most objects, repeated ones counted.
+    pub const MOST_PLACES: usize = 2_000;
+    /// Most sections.
+    pub const MOST_SECTIONS: u8 = 16;
+    /// Most rectangles into which the edges of its objects may cut a wall.
+    pub const MOST_RECTANGLES: usize = 10_000;
+    /// Most texels of a small texture, across and down.
+    pub const MOST_TEXELS: usize = 32;
+    /// Most colours of a small texture.
+    pub const MOST_COLOURS: usize = 16;
+
+    /// Whether it can be drawn.
+    ///
+    /// # Errors
+    /// What is wrong with it, in a clause.
+    pub fn check(&self) -> Result<(), String> {
+        let most = (Self::MOST_M as i32 + 1) * GRID_PER_METRE;
+        let is_length = |steps: i32| steps > 0 && steps <= most;
+        if !is_length(self.size.0) || !is_length(self.size.1) {
+            return Err(format!("a painted façade of {:?} steps", self.size));
+        }
+        if self.sections == 0 || self.sections > Self::MOST_SECTIONS {
+            return Err(format!("a painted façade of {} sections", self.sections));
+        }
+        if self.textures.len() > Self::MOST_TEXTURES {
+            return Err(format!("a painted façade has {} small textures", self.textures.len()));
+        }
+        for (n, texture) in self.textures.iter().enumerate() {
+            texture.check().map_err(|reason| format!("small texture {n} {reason}"))?;
+        }
+        let mut places = 0;
+        for (n, object) in self.objects.iter().enumerate() {
+            let fits = |low: i32, size: i32, step: i32, count: u8, whole: i32| {
+                let last = i64::from(step) * i64::from(count.saturating_sub(1));
+                let reach = [i64::from(low), i64::from(low) + last];
+                size > 0 && count > 0 && reach.iter().all(|&at| at >= 0 && at + i64::from(size) <= i64::from(whole))
+            };
+            let is_in = fits(object.low.0, object.size.0, object.step.0, object.columns, self.size.0)
+                && fits(object.low.1, object.size.1, object.step.1, object.rows, self.size.1);
+            places += usize::from(object.columns) * usize::from(object.rows);
+            if !is_in || places > Self::MOST_PLACES || !(0..=GRID_PER_METRE).contains(&object.depth) {
+                return Err(format!("object {n} of a painted façade lies beyond it"));
+            }
+            if usize::from(object.texture) >= self.textures.len() {
+                return Err(format!("object {n} of a painted façade has no texture"));
+            }
+        }
+        let cuts = |of: fn((i32, i32)) -> i32| {
+            let places = self.objects.iter().flat_map(|object| object.places().map(move |low| [of(low), of(low) + of(object.size)]));
+            places.flatten().collect::<BTreeSet<i32>>().len() + 1
+        };
+        let rectangles = cuts(|p| p.0) * cuts(|p| p.1);
+        if rectangles > Self::MOST_RECTANGLES {
+            return Err(format!("the objects of a painted façade cut it into {rectangles} rectangles: put them in rows"));
+        }
+        Ok(())
+    }
+}
+
+impl SmallTexture {
+    /// Texels in a column.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.texels.len().checked_div(self.width.into()).unwrap_or_default()
+    }
+
+    /// The colour of a texel; the last of its row or column beyond them.
+    #[must_use]
+    pub fn at(&self, column: usize, row: usize) -> Rgb {
+        let (width, height) = (usize::from(self.width), self.height());
+        let texel = row.min(height.saturating_sub(1)) * width + column.min(width.saturating_sub(1));
+        let colour = self.texels.get(texel).and_then(|&colour| self.palette.get(usize::from(colour)));
+        colour.copied().unwrap_or(Rgb(128, 128, 128))
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let (width, height) = (usize::from(self.width), self.height());
+        let is_side = |texels: usize| (1..=PaintedFacade::MOST_TEXELS).contains(&texels);
+        if !is_side(width) || !is_side(height) || width * height != self.texels.len() {
+            return Err(format!("has {} texels in rows of {width}", self.texels.len()));
+        }
+        if self.palette.is_empty() || self.palette.len() > PaintedFacade::MOST_COLOURS {
+            return Err(format!("has {} colours", self.palette.len()));
+        }
+        match self.texels.iter().find(|&&texel| usize::from(texel) >= self.palette.len()) {
+            None => Ok(()),
+            Some(texel) => Err(format!("names colour {texel} of {}", self.palette.len())),
+        }
+    }
+}
+
+impl PaintedObject {
+    /// Lower left corners of all its repetitions, row by row.
+    pub fn places(&self) -> impl Iterator<Item = (i32, i32)> + '_ {
+        let at = |low: i32, step: i32, n: u8| low + step * i32::from(n);
+        let row = move |row| (0..self.columns).map(move |column| (at(self.low.0, self.step.0, column), at(self.low.1, self.step.1, row)));
+        (0..self.rows).flat_map(row)
+    }
+
+    /// Its hole, metres, as if its lower left corner were (0, 0).
+    #[must_use]
+    pub fn recess(&self) -> Recess {
+        let high = GridPos(self.size.0, self.size.1).to_metres();
+        let head = match self.head {
+            ObjectHead::Flat => Head::Flat,
+            ObjectHead::Segment => Head::Segment((high.x / 5.0).min(high.y / 2.0)),
+            // Broader than high is no half circle.
+            ObjectHead::Round if high.x > 2.0 * high.y => Head::Segment(high.y / 2.0),
+            ObjectHead::Round => Head::Round,
+        };
+        let depth_m = f64::from(self.depth) / f64::from(GRID_PER_METRE);
+        Recess { low: DVec2::ZERO, high, head, jamb_m: 0.0, depth_m, surround: None }
+    }
+}
+
+/// A painted façade in a plan: on which wall it is, and its pictures.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanFacade {
+    /// Index of the house, of its volume, and of that one's wall.
+    pub wall: (u32, u16, u16),
+    /// What level 2 tells.
+    pub painted: PaintedFacade,
+    /// What level 3 shows: a picture for each section, from the left.
+    pub pictures: Vec<PictureFile>,
+}
+
+/// A façade that is cut, and where it is to go.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlacedFacade {
+    /// What it is called in messages.
+    pub name: String,
+    /// A place before its wall, plan metres.
+    pub at: DVec2,
+    /// Height of its eaves over the wall's foot, grid steps.
+    pub eaves: i32,
+    /// What level 2 tells.
+    pub painted: PaintedFacade,
+    /// What level 3 shows: a picture for each section.
+    pub pictures: Vec<PictureFile>,
+}
+
+/// A painted wall of a cell's sheet.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PaintedWall {
+    /// Index of the wall in the sheet.
+    pub wall: u32,
+    /// How it is painted.
+    pub painted: PaintedFacade,
+}
+
+/// A picture as stored, of which nothing is known: whoever shows it decodes it with care.
+#[derive(Clone, PartialEq, Eq, Hash, Default)]
+pub struct PictureFile(
+    /// Its bytes.
+    pub Vec<u8>,
+);
+
+impl fmt::Debug for PictureFile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "PictureFile({} B)", self.0.len())
+    }
+}
+
+impl Serialize for PictureFile {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_bytes(&self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for PictureFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Bytes;
+        impl<'de> Visitor<'de> for Bytes {
+            type Value = PictureFile;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the bytes of a picture")
+            }
+
+            fn visit_bytes<E: Error>(self, bytes: &[u8]) -> Result<PictureFile, E> {
+                Ok(PictureFile(bytes.to_vec()))
+            }
+
+            fn visit_byte_buf<E: Error>(self, bytes: Vec<u8>) -> Result<PictureFile, E> {
+                Ok(PictureFile(bytes))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<PictureFile, A::Error> {
+                let mut bytes = Vec::new();
+                while let Some(byte) = seq.next_element()? {
+                    bytes.push(byte);
+                }
+                Ok(PictureFile(bytes))
+            }
+        }
+        deserializer.deserialize_byte_buf(Bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::file;
+
+    fn draft() -> FacadeDraft {
+        let window = FacadeObject {
+            kind: FacadeObjectKind::Window,
+            low: DVec2::new(1.0, 5.0),
+            size: DVec2::new(1.0, 2.0),
+            head: ObjectHead::Flat,
+            depth_m: None,
+            repeat: ObjectRepeat { columns: 3, rows: 2, step: DVec2::new(3.0, 4.0) },
+        };
+        let size_m = DVec2::new(10.0, 14.0);
+        FacadeDraft { name: "test".into(), picture: "test.png".into(), size_m, outline: Vec::new(), objects: vec![window] }
+    }
+
+    #[test]
+    fn each_mistake_has_its_words() {
+        assert_eq!(draft().validate(), []);
+        let told = |spoil: fn(&mut FacadeDraft)| {
+            let mut draft = draft();
+            spoil(&mut draft);
+            draft.validate().iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+        };
+        assert!(told(|d| d.size_m.x = f64::NAN).starts_with("size_m is"));
+        assert!(told(|d| d.outline = vec![DVec2::ZERO; 2]).contains("three corners"));
+        assert!(told(|d| d.objects[0].repeat.columns = 4).starts_with("object 0 reaches out of the picture"));
+        assert!(told(|d| d.objects[0].size.y = 0.0).starts_with("object 0 must be at least 0.1 m"));
+        assert!(told(|d| d.objects[0].depth_m = Some(3.0)).starts_with("object 0 lies 3 m deep"));
+        assert!(told(|d| d.objects.push(FacadeObject { repeat: ObjectRepeat::default(), ..d.objects[0] })).contains("covers object 0"));
+        assert!(told(|d| d.objects = vec![d.objects[0]; 65]).starts_with("there are 390 objects"));
+    }
+
+    #[test]
+    fn eaves_are_where_the_sides_end() {
+        let gabled = [(0.0, 0.0), (10.0, 0.0), (10.0, 9.5), (5.0, 14.0), (0.0, 9.0)].map(DVec2::from);
+        assert_eq!(FacadeDraft { outline: gabled.to_vec(), ..draft() }.eaves_m(), 9.0);
+        assert_eq!(draft().eaves_m(), 14.0);
+    }
+
+    #[test]
+    fn pictures_survive_in_a_plan_that_people_read() {
+        let facade = PlanFacade {
+            wall: (1, 0, 2),
+            painted: PaintedFacade { size: (9000, 14_000), sections: 1, ..PaintedFacade::default() },
+            pictures: vec![PictureFile((0..=255).collect())],
+        };
+        let text = file::to_text(&facade).expect("it can be written");
+        assert_eq!(file::parse::<PlanFacade>(&text, "x.plan.ron").expect("it can be read"), facade);
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_refused() {
+        let texture = SmallTexture { width: 2, palette: vec![Rgb(1, 2, 3)], texels: vec![0; 6] };
+        let object = PaintedObject {
+            kind: FacadeObjectKind::Window,
+            texture: 0,
+            low: (100, 100),
+            size: (1000, 2000),
+            head: ObjectHead::Round,
+            depth: 200,
+            columns: 2,
+            rows: 1,
+            step: (3000, 0),
+        };
+        let good = PaintedFacade {
+            size: (9000, 14_000),
+            sections: 1,
+            colour: Rgb(1, 2, 3),
+            textures: vec![texture],
+            objects: vec![object],
+        };
+        assert_eq!(good.check(), Ok(()));
+        let refused = |spoil: fn(&mut PaintedFacade)| {
+            let mut bad = good.clone();
+            spoil(&mut bad);
+            bad.check().expect_err("it cannot be drawn")
+        };
+        assert!(refused(|f| f.size.0 = 0).contains("steps"));
+        assert!(refused(|f| f.sections = 0).contains("sections"));
+        assert!(refused(|f| f.textures[0].texels[5] = 1).contains("colour 1 of 1"));
+        assert!(refused(|f| f.textures[0].texels.truncate(5)).contains("5 texels"));
+        assert!(refused(|f| f.objects[0].texture = 1).contains("no texture"));
+        assert!(refused(|f| f.objects[0].columns = 4).contains("beyond it"));
+        assert!(refused(|f| f.objects[0].step.0 = i32::MAX).contains("beyond it"));
+        assert!(refused(|f| f.objects[0].depth = -1).contains("beyond it"));
+    }
+}

@@ -1,0 +1,189 @@
+//! From a picture to colour, small textures, and the pictures of sections.
+
+use glam::DVec2;
+use veduta_city::{FacadeDraft, FacadeObject, GridPos, PaintedFacade, PaintedObject, PictureFile, Rgb, SmallTexture};
+
+use super::jpeg::{PICTURE_SIDE, encode_picture};
+use super::quantise::{Quantised, quantise};
+use super::Pixels;
+
+/// Longest that a section is, metres: its texels are 3.5 cm wide then.
+const SECTION_M: f64 = 18.0;
+/// Most bytes of a section's picture as stored.
+const SECTION_BYTES: usize = 20_000;
+/// Texels of a small texture in a metre.
+const SMALL_PER_M: f64 = 9.0;
+/// Small textures have no more colours than bring them so near to the picture, as [`quantise`] measures.
+const NEAR: f32 = 900.0;
+/// Points along and up at which the wall's colour is looked at.
+const PROBES: usize = 200;
+
+/// Why a façade could not be cut.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CutError {
+    /// The description has mistakes.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Draft(Vec<veduta_city::FacadeError>),
+    /// Too many sections.
+    #[error("{0} m are too long for one façade: give each part its own")]
+    Long(f64),
+    /// No part of the outline is free of objects.
+    #[error("the objects cover the whole wall: there is nothing to tell its colour")]
+    Covered,
+    /// A picture that no quality makes small enough.
+    #[error("section {0} of the picture does not fit {SECTION_BYTES} bytes at any quality")]
+    Heavy(usize),
+}
+
+/// Cuts a façade out of its picture: its colour for level 1, small textures for level 2, and for level 3 the picture of each section,
+/// [`PICTURE_SIDE`] squared and at most 20,000 bytes.
+///
+/// # Errors
+/// If the draft has mistakes, or the picture cannot be cut by it.
+pub fn paint_facade(draft: &FacadeDraft, picture: &Pixels) -> Result<(PaintedFacade, Vec<PictureFile>), CutError> {
+    let errors = draft.validate();
+    if !errors.is_empty() {
+        return Err(CutError::Draft(errors));
+    }
+    let count = (draft.size_m.x / SECTION_M).ceil().max(1.0);
+    let sections = if count <= f64::from(PaintedFacade::MOST_SECTIONS) { count as u8 } else { return Err(CutError::Long(draft.size_m.x)) };
+    let scene = Scene { draft, picture, linear: picture.texels.iter().map(|texel| texel.to_linear()).collect() };
+    let colour = scene.wall_colour().ok_or(CutError::Covered)?;
+    let textures = draft.objects.iter().map(|object| scene.small(object)).collect();
+    let size = steps(draft.size_m);
+    let objects = (0_u8..).zip(&draft.objects).map(|(texture, object)| painted(object, texture, size)).collect();
+    let section = |n: usize| {
+        let width = draft.size_m.x / f64::from(sections);
+        let (low, high) = (DVec2::new(width * n as f64, 0.0), DVec2::new(width * (n + 1) as f64, draft.size_m.y));
+        let pixels = scene.resample((low, high), (PICTURE_SIDE, PICTURE_SIDE));
+        encode_picture(&pixels, SECTION_BYTES).map(PictureFile).ok_or(CutError::Heavy(n))
+    };
+    let pictures = (0..usize::from(sections)).map(section).collect::<Result<_, _>>()?;
+    Ok((PaintedFacade { size, sections, colour, textures, objects }, pictures))
+}
+
+fn steps(length_m: DVec2) -> (i32, i32) {
+    (GridPos::steps(length_m.x), GridPos::steps(length_m.y))
+}
+
+/// An object on the grid. What a person measured a little out of the picture lies within it.
+fn painted(object: &FacadeObject, texture: u8, whole: (i32, i32)) -> PaintedObject {
+    let (columns, rows) = (object.repeat.columns, object.repeat.rows);
+    let (low, size, step) = (steps(object.low), steps(object.size), steps(object.repeat.step));
+    // Least and greatest place of the first such that the last lies within, too.
+    let place = |low: i32, size: i32, step: i32, count: u8, whole: i32| {
+        let reach = step * i32::from(count.saturating_sub(1));
+        low.min(whole - size - reach.max(0)).max(-reach.min(0)).max(0)
+    };
+    let size = (size.0.min(whole.0), size.1.min(whole.1));
+    PaintedObject {
+        kind: object.kind,
+        texture,
+        low: (place(low.0, size.0, step.0, columns, whole.0), place(low.1, size.1, step.1, rows, whole.1)),
+        size,
+        head: object.head,
+        depth: GridPos::steps(object.depth_m.unwrap_or(object.kind.depth_m())),
+        columns,
+        rows,
+        step,
+    }
+}
+
+struct Scene<'a> {
+    draft: &'a FacadeDraft,
+    picture: &'a Pixels,
+    linear: Vec<[f32; 3]>,
+}
+
+impl Scene<'_> {
+    /// Mean of the wall between its objects, in linear light.
+    fn wall_colour(&self) -> Option<Rgb> {
+        let places: Vec<(DVec2, DVec2)> =
+            self.draft.objects.iter().flat_map(|object| object.places().map(|low| (low, low + object.size))).collect();
+        let is_free = |p: DVec2| !places.iter().any(|(low, high)| p.cmpge(*low).all() && p.cmple(*high).all());
+        let (mut sum, mut count) = ([0.0_f64; 3], 0.0);
+        for n in 0..PROBES * PROBES {
+            let p = self.draft.size_m * (DVec2::new((n % PROBES) as f64, (n / PROBES) as f64) + 0.5) / PROBES as f64;
+            if is_free(p) && self.is_in_outline(p) {
+                let [x, y] = self.pixel(p).map(|at| at as usize);
+                let texel = self.linear[y.min(self.picture.height() - 1) * self.picture.width + x.min(self.picture.width - 1)];
+                (0..3).for_each(|c| sum[c] += f64::from(texel[c]));
+                count += 1.0;
+            }
+        }
+        (count > 0.0).then(|| Rgb::from_linear(sum.map(|c| (c / count) as f32)))
+    }
+
+    fn is_in_outline(&self, p: DVec2) -> bool {
+        let ring = &self.draft.outline;
+        let crosses = |i: usize| {
+            let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
+            (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
+        };
+        ring.is_empty() || (0..ring.len()).filter(|&i| crosses(i)).count() % 2 == 1
+    }
+
+    /// Where a place of the wall lies in the picture: columns from the left, rows from the top.
+    fn pixel(&self, p: DVec2) -> [f64; 2] {
+        let DVec2 { x, y } = p / self.draft.size_m;
+        [x * self.picture.width as f64, (1.0 - y) * self.picture.height() as f64]
+    }
+
+    /// The first of an object, in few colours.
+    fn small(&self, object: &FacadeObject) -> SmallTexture {
+        let side = |m: f64| ((m * SMALL_PER_M).round() as usize).clamp(4, PaintedFacade::MOST_TEXELS);
+        let (width, height) = (side(object.size.x), side(object.size.y));
+        let pixels = self.resample((object.low, object.low + object.size), (width, height));
+        let few = [4, 6, 8, 12].into_iter().map(|most| quantise(&pixels.texels, most)).find(|quantised| quantised.error <= NEAR);
+        let Quantised { palette, texels, .. } = few.unwrap_or_else(|| quantise(&pixels.texels, PaintedFacade::MOST_COLOURS));
+        SmallTexture { width: width as u8, palette, texels }
+    }
+
+    /// A rectangle of the wall at another number of texels: means over what each of them covers, in linear light.
+    fn resample(&self, (low, high): (DVec2, DVec2), (width, height): (usize, usize)) -> Pixels {
+        let [left, bottom] = self.pixel(low);
+        let [right, top] = self.pixel(high);
+        let columns = shares(left, right, width, self.picture.width);
+        let rows = shares(top, bottom, height, self.picture.height());
+        // Across first, then down: each source texel is touched once or twice.
+        let first = rows.iter().flatten().map(|share| share.0).min().unwrap_or_default();
+        let last = rows.iter().flatten().map(|share| share.0).max().unwrap_or_default();
+        let across: Vec<Vec<[f32; 3]>> = (first..=last)
+            .map(|row| {
+                let row = &self.linear[row * self.picture.width..][..self.picture.width];
+                columns.iter().map(|shares| weighted(shares, |column| row[column])).collect()
+            })
+            .collect();
+        let texel = |row: usize, column: usize| Rgb::from_linear(weighted(&rows[row], |source| across[source - first][column]));
+        let texels = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
+        Pixels { width, texels: texels.map(|(row, column)| texel(row, column)).collect() }
+    }
+}
+
+fn weighted(shares: &[(usize, f32)], of: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
+    let mut sum = [0.0; 3];
+    for &(source, share) in shares {
+        let texel = of(source);
+        (0..3).for_each(|c| sum[c] += share * texel[c]);
+    }
+    sum
+}
+
+/// For each of `count` equal parts from `from` to `to`, which of `all` source texels it covers and by which share of itself.
+fn shares(from: f64, to: f64, count: usize, all: usize) -> Vec<Vec<(usize, f32)>> {
+    let step = (to - from) / count as f64;
+    let part = |n: usize| {
+        let (a, b) = (from + step * n as f64, from + step * (n + 1) as f64);
+        let last = all - 1;
+        let (first, end) = ((a.max(0.0) as usize).min(last), (b.ceil().max(1.0) as usize - 1).min(last));
+        let cover = |source: usize| {
+            let (low, high) = (if source == 0 { f64::NEG_INFINITY } else { source as f64 }, if source == last { f64::INFINITY } else { source as f64 + 1.0 });
+            ((b.min(high) - a.max(low)) / step).clamp(0.0, 1.0) as f32
+        };
+        let mut covered: Vec<(usize, f32)> = (first..=end.max(first)).map(|source| (source, cover(source))).collect();
+        let total: f32 = covered.iter().map(|share| share.1).sum();
+        covered.iter_mut().for_each(|share| share.1 /= total.max(1e-6));
+        covered
+    };
+    (0..count).map(part).collect()
+}

@@ -1,0 +1,121 @@
+//! Façades given as pictures: cut when a city is baked, put together again on the walker's machine.
+//!
+//! ```text
+//!  FacadeDraft, picture ──► paint_facade ─┬─► PaintedFacade: colour, small textures of ≤ 16 colours, places   (levels 1 and 2)
+//!                                         └─► JPEG of 512 × 512 texels for each section                      (level 3)
+//!
+//!  PaintedFacade ──► put_together ──► a coarse picture of each section ─┐
+//!  JPEG ──► decode_picture (limits first) ──► a fine one ───────────────┴─► PictureLayer ──► mips, blocks (BC1)
+//! ```
+
+mod cut;
+mod jpeg;
+mod quantise;
+
+use veduta_city::{PaintedFacade, Rgb};
+
+use crate::blocks;
+use crate::mips::halve;
+
+pub use cut::{CutError, paint_facade};
+pub use jpeg::{PICTURE_SIDE, PICTURE_STORED_CAP, PictureError, decode_picture, encode_picture};
+
+/// Texels along a coarse picture.
+const COARSE_SIDE: usize = 128;
+
+/// A picture, row by row from the top.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pixels {
+    /// Columns; not 0.
+    pub width: usize,
+    /// sRGB, `width` × [`Pixels::height`] of them.
+    pub texels: Vec<Rgb>,
+}
+
+impl Pixels {
+    /// A picture of red, green and blue bytes; `None` unless they fill whole rows.
+    #[must_use]
+    pub fn of_rgb(width: usize, bytes: &[u8]) -> Option<Self> {
+        let is_whole = width > 0 && !bytes.is_empty() && bytes.len().is_multiple_of(3 * width);
+        is_whole.then(|| Self { width, texels: bytes.as_chunks::<3>().0.iter().map(|&[r, g, b]| Rgb(r, g, b)).collect() })
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.texels.len() / self.width
+    }
+
+    /// All bytes: red, green, blue.
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        self.texels.iter().flat_map(|&Rgb(r, g, b)| [r, g, b]).collect()
+    }
+}
+
+/// A picture with its mips for a GPU: a layer of an array texture.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PictureLayer {
+    /// Texels along a side; a power of two.
+    pub size: u32,
+    /// RGBA8, rgb in sRGB, alpha 255; mip by mip, within a mip row by row from the top.
+    pub texels: Vec<u8>,
+}
+
+impl PictureLayer {
+    /// With mips averaged in linear light; `None` unless the picture is a square whose side is a power of two.
+    #[must_use]
+    pub fn new(picture: &Pixels) -> Option<Self> {
+        let size = picture.width;
+        if !size.is_power_of_two() || picture.height() != size {
+            return None;
+        }
+        let mut mip: Vec<[f32; 3]> = picture.texels.iter().map(|texel| texel.to_linear()).collect();
+        let mut texels: Vec<u8> = picture.texels.iter().flat_map(|&Rgb(r, g, b)| [r, g, b, 255]).collect();
+        let mut side = size;
+        while side > 1 {
+            mip = halve(side, &mip, |four| [0, 1, 2].map(|c| four.iter().map(|texel| texel[c]).sum::<f32>() * 0.25));
+            side /= 2;
+            texels.extend(mip.iter().map(|&texel| Rgb::from_linear(texel)).flat_map(|Rgb(r, g, b)| [r, g, b, 255]));
+        }
+        Some(Self { size: size as u32, texels })
+    }
+
+    /// Number of mip levels, down to one texel.
+    #[must_use]
+    pub fn mips(&self) -> u32 {
+        self.size.ilog2() + 1
+    }
+
+    /// As desktop GPUs read it, and browsers on them: BC1, an eighth of the bytes.
+    #[must_use]
+    pub fn in_blocks(&self) -> Vec<u8> {
+        blocks::opaque(&self.texels, self.size)
+    }
+}
+
+/// The pictures of a façade's sections as level 2 knows them: small textures on a wall of one colour. `None` if it cannot be drawn.
+#[must_use]
+pub fn put_together(painted: &PaintedFacade) -> Option<Vec<Pixels>> {
+    painted.check().ok()?;
+    let (width, height) = (f64::from(painted.size.0) / f64::from(painted.sections), f64::from(painted.size.1));
+    let texel = COARSE_SIDE as f64;
+    let mut sections = vec![Pixels { width: COARSE_SIDE, texels: vec![painted.colour; COARSE_SIDE * COARSE_SIDE] }; painted.sections.into()];
+    for object in &painted.objects {
+        let texture = painted.textures.get(usize::from(object.texture))?;
+        let (columns, rows) = (f64::from(texture.width), texture.height() as f64);
+        for (low_x, low_y) in object.places() {
+            // In texels of the whole row of sections, y from the top.
+            let [left, right] = [low_x, low_x + object.size.0].map(|x| f64::from(x) / width * texel);
+            let [bottom, top] = [low_y, low_y + object.size.1].map(|y| (1.0 - f64::from(y) / height) * texel);
+            let range = |from: f64, to: f64, end: usize| (from + 0.5).floor() as usize..((to + 0.5).floor() as usize).min(end);
+            for y in range(top, bottom, COARSE_SIDE) {
+                let row = ((y as f64 + 0.5 - top) / (bottom - top) * rows).max(0.0) as usize;
+                for x in range(left, right, COARSE_SIDE * sections.len()) {
+                    let column = ((x as f64 + 0.5 - left) / (right - left) * columns).max(0.0) as usize;
+                    sections[x / COARSE_SIDE].texels[y * COARSE_SIDE + x % COARSE_SIDE] = texture.at(column, row);
+                }
+            }
+        }
+    }
+    Some(sections)
+}
