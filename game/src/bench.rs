@@ -20,6 +20,7 @@ use veduta::tour::TourState;
 use veduta_bake::{BakeSettings, Input, bake, enlarged, overrides_beside, survey};
 use veduta_store::CityStats;
 
+use crate::studio::Size;
 use crate::{Failure, cities};
 
 mod entities;
@@ -55,7 +56,7 @@ const FPS: f64 = 30.0;
 ///
 /// # Errors
 /// If the city cannot be baked or the tour not be played.
-pub fn bench(what: Bench, city: Option<&str>, json: bool) -> Result<(), Failure> {
+pub fn bench(what: Bench, city: Option<&str>, json: bool, size: Size) -> Result<(), Failure> {
     let scene = city.map_or_else(cities::sample_scene, PathBuf::from);
     match what {
         _ if json && what != Bench::Stream => Err("--json goes with `stream`; the others print lines of JSON as they are".into()),
@@ -63,7 +64,7 @@ pub fn bench(what: Bench, city: Option<&str>, json: bool) -> Result<(), Failure>
         Bench::Walk => bench_walk(&scene),
         Bench::Stream => stream::stream(&scene, json),
         Bench::Entities => entities::entities(&scene),
-        Bench::Frames => frames::frames(&scene),
+        Bench::Frames => frames::frames(&scene, size),
     }
 }
 

@@ -125,6 +125,9 @@ enum Command {
         /// Print all figures of `stream` as one object of JSON.
         #[arg(long)]
         json: bool,
+        /// Width x height of the frames of `frames`.
+        #[arg(long, default_value = "640x360")]
+        size: Size,
     },
 }
 
@@ -185,7 +188,7 @@ fn command(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Gallery { views, out, sheets, only, size, profile }) => {
             gallery::gallery(&GalleryOrder { out, views, sheets, only, size, profile })
         }
-        Some(Command::Bench { what, city, json }) => bench::bench(what, city.as_deref(), json),
+        Some(Command::Bench { what, city, json, size }) => bench::bench(what, city.as_deref(), json, size),
     }
 }
 

@@ -13,9 +13,10 @@ use crate::profile::Profile;
 use crate::studio::{Size, Studio};
 use crate::{Failure, cities};
 
-const SIZE: Size = Size { width: 640, height: 360 };
-/// Drawn in all, from this moment of the tour on, in such steps.
+/// Drawn at least, and as many more as a fast adapter draws within so many seconds, from this moment of the tour on, in such steps.
 const FRAMES: u32 = 60;
+const MOST_FRAMES: u32 = 600;
+const LEAST_S: f64 = 5.0;
 const FROM_S: f64 = 4.0;
 const STEP: Duration = Duration::from_millis(100);
 
@@ -23,15 +24,15 @@ const STEP: Duration = Duration::from_millis(100);
 ///
 /// # Errors
 /// If the city cannot be baked or there is nothing to draw with.
-pub(super) fn frames(scene: &Path) -> Result<(), Failure> {
+pub(super) fn frames(scene: &Path, size: Size) -> Result<(), Failure> {
     let dir = workplace("frames")?;
     let city = dir.join("sample.city");
     bake(scene, &city, &BakeSettings::default(), &mut |_| ())?;
     let tour: Tour = file::read(&cities::sample_scene().join("royal_route.tour.ron"))?;
     for profile in [Profile::Low, Profile::Medium, Profile::High, Profile::Ultra] {
-        let mut studio = Studio::open(&city.display().to_string(), SIZE, profile)?;
+        let mut studio = Studio::open(&city.display().to_string(), size, profile)?;
         if profile == Profile::Low {
-            eprintln!("{}, {}x{}", studio.renderer().0, SIZE.width, SIZE.height);
+            eprintln!("{}, {}x{}", studio.renderer().0, size.width, size.height);
         }
         studio.world().write_message(TourCommand::Give(Box::new(tour.clone())));
         studio.advance(Duration::ZERO);
@@ -46,11 +47,13 @@ pub(super) fn frames(scene: &Path) -> Result<(), Failure> {
         // A picture waits for all that was drawn before.
         studio.shoot()?;
         let began = Instant::now();
-        for _ in 0..FRAMES {
+        let mut frames = 0;
+        while frames < FRAMES || frames < MOST_FRAMES && began.elapsed().as_secs_f64() < LEAST_S {
             studio.walk(STEP);
+            frames += 1;
         }
         studio.shoot()?;
-        let a_frame = began.elapsed().as_secs_f64() / f64::from(FRAMES + 1);
+        let a_frame = began.elapsed().as_secs_f64() / f64::from(frames + 1);
         line(&format!("{}_frames_a_second", format!("{profile:?}").to_lowercase()), 1.0 / a_frame, "1/s");
     }
     std::fs::remove_dir_all(&dir)?;

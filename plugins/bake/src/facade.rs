@@ -3,9 +3,9 @@
 use std::path::{Component, Path, PathBuf};
 
 use glam::DVec2;
-use veduta_city::{FacadeDraft, FacadeFile, GraphOverrides, GridPos, PlacedFacade, file};
+use veduta_city::{FacadeDraft, FacadeFile, GraphOverrides, GridPos, PictureFile, PlacedFacade, file};
 use veduta_survey::raster::{Picture, PictureLimits};
-use veduta_texture::{Pixels, paint_facade};
+use veduta_texture::{CutFacade, PICTURE_SIDE, PICTURE_STORED_CAP, Pixels, cut_facade};
 
 use crate::BakeError;
 
@@ -40,8 +40,39 @@ pub fn read_facade(path: &Path, at: DVec2) -> Result<PlacedFacade, BakeError> {
     let name = picture.display().to_string();
     let Picture { width, pixels, .. } = Picture::decode(&bytes, &name, &LIMITS).map_err(|error| fault(path, &error.to_string()))?;
     let pixels = Pixels::of_rgb(width, &pixels).ok_or_else(|| fault(&picture, "it has no pixels"))?;
-    let (painted, pictures) = paint_facade(&draft, &pixels).map_err(|error| fault(path, &error.to_string()))?;
+    let CutFacade { painted, pictures } = cut_facade(&draft, &pixels).map_err(|error| fault(path, &error.to_string()))?;
+    let pictures = encode(&pictures, SECTION_BYTES * usize::from(painted.sections));
+    let pictures = pictures.ok_or_else(|| fault(path, "its pictures do not become small enough at any quality"))?;
     Ok(PlacedFacade { name: draft.name.clone(), at, eaves: GridPos::steps(draft.eaves_m()), painted, pictures })
+}
+
+/// Most bytes of all pictures of a façade for each of its sections.
+const SECTION_BYTES: usize = 20_000;
+
+/// Pictures as they travel, as fine as so many bytes allow. `None` if even the coarsest are more.
+fn encode(pictures: &[Pixels], most_bytes: usize) -> Option<Vec<PictureFile>> {
+    let stored = |quality: u8| -> Option<Vec<PictureFile>> {
+        let mut config = webp::WebPConfig::new().ok()?;
+        config.quality = f32::from(quality);
+        config.method = 6;
+        config.use_sharp_yuv = 1;
+        let encode = |picture: &Pixels| {
+            let (bytes, side) = (picture.bytes(), PICTURE_SIDE as u32);
+            let stored = webp::Encoder::from_rgb(&bytes, side, side).encode_advanced(&config).ok()?;
+            (stored.len() <= PICTURE_STORED_CAP).then(|| PictureFile(stored.to_vec()))
+        };
+        let files: Vec<PictureFile> = pictures.iter().map(encode).collect::<Option<_>>()?;
+        (files.iter().map(|file| file.0.len()).sum::<usize>() <= most_bytes).then_some(files)
+    };
+    let (mut best, mut low, mut high) = (stored(1)?, 1, 100);
+    while high - low > 1 {
+        let quality = low + (high - low) / 2;
+        match stored(quality) {
+            Some(files) => (best, low) = (files, quality),
+            None => high = quality,
+        }
+    }
+    Some(best)
 }
 
 /// Files that overrides name: of models, façades and their pictures, as far as they are there. `path`: of the overrides.

@@ -6,31 +6,32 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension};
 use veduta_city::{FacadeSheet, PictureFile};
 use veduta_ecs::{CellContent, CellPictures};
-use veduta_texture::{PICTURE_SIDE, PictureLayer, Pixels, decode_picture, put_together};
+use veduta_texture::{PICTURE_SIDE, PictureError, PictureLayer, Pixels, compose, decode_picture, put_together};
 
 /// What level 2 knows: small textures, put together. `None` of a cell that nobody painted.
 pub(crate) fn coarse(sheet: &FacadeSheet, in_blocks: bool) -> Option<Image> {
     array(sections(sheet).iter().filter_map(PictureLayer::new), in_blocks)
 }
 
-/// What level 3 shows, and what is wrong with those pictures that are not shown: their sections stay as they are at level 2.
+/// What level 3 shows, and what is wrong with those façades that are not shown: they stay as they are at level 2.
 pub(crate) fn fine(sheet: &FacadeSheet, pictures: &[PictureFile], in_blocks: bool) -> (Option<Image>, Vec<String>) {
-    let sections = sections(sheet);
-    if pictures.len() != sections.len() {
-        let message = format!("it has {} pictures for {} sections: bake the city again", pictures.len(), sections.len());
+    if pictures.len() != sheet.pictures() {
+        let message = format!("it has {} pictures of {}: bake the city again", pictures.len(), sheet.pictures());
         return (None, vec![message]);
     }
-    let mut errors = Vec::new();
-    let layers: Vec<PictureLayer> = pictures
-        .iter()
-        .zip(&sections)
-        .enumerate()
-        .filter_map(|(n, (picture, coarse))| {
-            let decoded = decode_picture(&picture.0).map_err(|error| errors.push(format!("section {n}: {error}")));
-            PictureLayer::new(&decoded.unwrap_or_else(|()| enlarged(coarse)))
-        })
-        .collect();
-    if errors.len() == sections.len() { (None, errors) } else { (array(layers.into_iter(), in_blocks), errors) }
+    let (mut layers, mut errors, mut rest) = (Vec::new(), Vec::new(), pictures);
+    for wall in &sheet.painted {
+        let (own, others) = rest.split_at(wall.painted.pictures().min(rest.len()));
+        rest = others;
+        let decoded: Result<Vec<Pixels>, PictureError> = own.iter().map(|picture| decode_picture(&picture.0)).collect();
+        let composed = decoded.map(|pictures| compose(&wall.painted, &pictures).unwrap_or_default());
+        let sections = composed.unwrap_or_else(|error| {
+            errors.push(format!("wall {}: {error}", wall.wall));
+            put_together(&wall.painted).unwrap_or_default().iter().map(enlarged).collect()
+        });
+        layers.extend(sections.iter().filter_map(PictureLayer::new));
+    }
+    if errors.len() == sheet.painted.len() { (None, errors) } else { (array(layers.into_iter(), in_blocks), errors) }
 }
 
 fn sections(sheet: &FacadeSheet) -> Vec<Pixels> {

@@ -9,9 +9,9 @@ use veduta_city::{
     RoofShape, VolumeShell, Wall, WallKind,
 };
 use veduta_ecs::{Cell, CellContent, CellMesh, CellMeshKind, CellPictures, CellReady, MaterialsProvided, StandingCells};
-use veduta_texture::{PICTURE_SIDE, Pixels, encode_picture};
+use veduta_texture::PICTURE_SIDE;
 
-/// A house whose front is painted, in two sections.
+/// A house of which two walls are painted.
 fn content() -> CellContent {
     let m = 1024;
     let footprint = GridPolygon::simple(vec![GridPos(0, 0), GridPos(20 * m, 0), GridPos(20 * m, 9 * m), GridPos(0, 9 * m)]);
@@ -28,16 +28,18 @@ fn content() -> CellContent {
         arcades: Vec::new(),
     };
     let house = HouseShell { style: 0, floor: 0, volumes: vec![volume], is_monument: false };
-    let painted = PaintedFacade { size: (20 * m, 12 * m), sections: 2, colour: Rgb(200, 100, 50), ..PaintedFacade::default() };
+    let painted = |width: i32| PaintedFacade { size: (width * m, 12 * m), sections: 1, colour: Rgb(200, 100, 50), ..PaintedFacade::default() };
     let wall = Wall { kind: WallKind::Street, ..Wall::default() };
-    let sheet = FacadeSheet { walls: vec![wall; 2], painted: vec![PaintedWall { wall: 0, painted }] };
+    let painted = vec![PaintedWall { wall: 0, painted: painted(20) }, PaintedWall { wall: 1, painted: painted(9) }];
+    let sheet = FacadeSheet { walls: vec![wall; 2], painted };
     let shell = CellShell { houses: vec![house], ..CellShell::default() };
     CellContent { shell: Arc::new(shell), sheet: Some(Arc::new(sheet)), pictures: None }
 }
 
+/// A picture of one colour, as bakers write them.
 fn picture() -> PictureFile {
-    let pixels = Pixels { width: PICTURE_SIDE, texels: vec![Rgb(10, 200, 30); PICTURE_SIDE * PICTURE_SIDE] };
-    PictureFile(encode_picture(&pixels, 20_000).expect("it fits"))
+    let side = PICTURE_SIDE as u32;
+    PictureFile(webp::Encoder::from_rgb(&[10, 200, 30].repeat(PICTURE_SIDE * PICTURE_SIDE), side, side).encode(50.0).to_vec())
 }
 
 /// The cell at level 3 with such pictures: its entity, and the app.
@@ -84,7 +86,7 @@ fn pictures_that_are_none_leave_the_wall_at_level_2() {
         assert!(app.world().get::<CellPictures>(entity).is_some_and(|pictures| pictures.fine.is_none()));
     }
     let (app, entity) = standing(vec![bad(), picture()]);
-    assert!(app.world().resource::<StandingCells>().levels(0).has(Level::Three), "the other section has its picture");
+    assert!(app.world().resource::<StandingCells>().levels(0).has(Level::Three), "the other wall has its picture");
     assert!(app.world().get::<CellPictures>(entity).is_some_and(|pictures| pictures.fine.is_some()));
 }
 

@@ -221,8 +221,8 @@ impl VolumeShell {
 pub struct FacadeSheet {
     /// One for each wall.
     pub walls: Vec<Wall>,
-    /// Those of them that somebody painted, ascending. Their pictures are the level-3 packet: one for each section of each of them, in
-    /// order.
+    /// Those of them that somebody painted, ascending. Their pictures are the level-3 packet: those of
+    /// each of them ([`PaintedFacade::pictures`](crate::PaintedFacade::pictures)), in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub painted: Vec<PaintedWall>,
 }
@@ -237,7 +237,13 @@ impl FacadeSheet {
         Self { walls, painted: Vec::new() }
     }
 
-    /// How many sections its painted walls have together, each of which has a picture.
+    /// How many pictures its level-3 packet has.
+    #[must_use]
+    pub fn pictures(&self) -> usize {
+        self.painted.iter().map(|wall| wall.painted.pictures()).sum()
+    }
+
+    /// How many sections its painted walls have together.
     #[must_use]
     pub fn sections(&self) -> usize {
         self.painted.iter().map(|wall| usize::from(wall.painted.sections)).sum()

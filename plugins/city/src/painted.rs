@@ -281,6 +281,12 @@ impl PaintedFacade {
     /// Most colours of a small texture.
     pub const MOST_COLOURS: usize = 16;
 
+    /// How many pictures level 3 is made of: the wall of each section and, if there are objects, an atlas of them.
+    #[must_use]
+    pub fn pictures(&self) -> usize {
+        usize::from(self.sections) + usize::from(!self.objects.is_empty())
+    }
+
     /// Whether it can be drawn.
     ///
     /// # Errors
@@ -393,7 +399,7 @@ pub struct PlanFacade {
     pub wall: (u32, u16, u16),
     /// What level 2 tells.
     pub painted: PaintedFacade,
-    /// What level 3 shows: a picture for each section, from the left.
+    /// What level 3 is made of: the wall of each section, from the left, then an atlas of the objects.
     pub pictures: Vec<PictureFile>,
 }
 
@@ -408,7 +414,7 @@ pub struct PlacedFacade {
     pub eaves: i32,
     /// What level 2 tells.
     pub painted: PaintedFacade,
-    /// What level 3 shows: a picture for each section.
+    /// What level 3 is made of.
     pub pictures: Vec<PictureFile>,
 }
 

@@ -170,8 +170,8 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     } else {
         let paint = wall_paint(dot(at, tangent), height, seed, near);
 #ifdef PAINTED
-        // Pictures have aged already.
-        albedo *= mix(paint, vec3<f32>(1.0), opened);
+        // Glass is wiped.
+        albedo *= mix(vec3<f32>(1.0), paint, mix(1.0, 0.8 * (1.0 - 0.7 * f32(is_pane)), opened));
 #else
         albedo *= mix(mix(vec3<f32>(1.0), paint, 0.45), paint, mix(1.0, tile.a, opened));
 #endif

@@ -53,7 +53,7 @@ pub struct CellParts<'a> {
     pub shell: Cow<'a, CellShell>,
     /// Level 2: as many walls as the shell has.
     pub sheet: Cow<'a, FacadeSheet>,
-    /// Level 3: a picture for each section of the sheet's painted walls.
+    /// Level 3: pictures of the sheet's painted walls.
     pub pictures: Vec<PictureFile>,
     /// Its ground as the overview is to tell it, in the city's own coordinates; `None`: piece by piece as the shell does.
     pub ground: Option<Vec<GroundPatch>>,
@@ -314,8 +314,8 @@ fn entry(
         sink(&blob, &stored)?;
         packets[Level::Two.index()] = Some(blob);
     }
-    if sheet.sections() != pictures.len() {
-        return Err(invalid(format!("its painted walls have {} sections, but there are {} pictures", sheet.sections(), pictures.len())));
+    if sheet.pictures() != pictures.len() {
+        return Err(invalid(format!("its painted walls have {} pictures, but there are {}", sheet.pictures(), pictures.len())));
     }
     if !pictures.is_empty() {
         let stored = encode_pictures(pictures);

@@ -11,7 +11,7 @@ pub enum Packet {
     Shell(Box<CellShell>),
     /// Level 2: openings of its walls.
     Facades(FacadeSheet),
-    /// Level 3: the picture of each section of its painted walls. They are not looked into: whoever decodes one has to mind what it claims.
+    /// Level 3: pictures of its painted walls. They are not looked into: whoever decodes one has to mind what it claims.
     Pictures(Vec<PictureFile>),
 }
 
@@ -75,7 +75,7 @@ fn decode_pictures(stored: &[u8], blob: &BlobRef) -> Result<Vec<PictureFile>, St
     let short = || StoreError::Invalid { what, reason: "its pictures are cut off".to_owned() };
     let (count, rest) = bytes.split_first_chunk::<4>().ok_or_else(short)?;
     let count = u32::from_le_bytes(*count) as usize;
-    if count > FacadeSheet::MOST_SECTIONS {
+    if count > 2 * FacadeSheet::MOST_SECTIONS {
         return Err(StoreError::Invalid { what, reason: format!("it has {count} pictures") });
     }
     let (lengths, mut rest) = rest.split_at_checked(4 * count).ok_or_else(short)?;

@@ -83,7 +83,7 @@ use veduta_city::{Id, Opening, SurfaceKind, Tile};
 
 pub use blocks::LayerBlocks;
 pub use painted::{
-    CutError, PICTURE_SIDE, PICTURE_STORED_CAP, PictureError, PictureLayer, Pixels, decode_picture, encode_picture, paint_facade,
+    CutError, CutFacade, PICTURE_SIDE, PICTURE_STORED_CAP, PictureError, PictureLayer, Pixels, compose, cut_facade, decode_picture,
     put_together,
 };
 use canvas::Canvas;

@@ -150,7 +150,7 @@ fn look(reader: &dyn Reader, index: &CityIndex) -> Found {
         found.broken.push(format!("styles: {}", error.in_file(reader.describe(), &blob.path())));
     }
     for (i, cell) in index.cells() {
-        let (mut shell, mut sections) = (None, 0);
+        let (mut shell, mut pictures_told) = (None, 0);
         for level in Level::ALL {
             let Some(blob) = cell.packet(level) else { continue };
             match read(blob).and_then(|stored| decode_packet(&stored, blob, level, index.packet_context(i))) {
@@ -162,11 +162,11 @@ fn look(reader: &dyn Reader, index: &CityIndex) -> Found {
                                 found.broken.push(format!("cell {i}, {level}: its walls are not those of level 1"));
                                 continue;
                             }
-                            sections = sheet.sections();
+                            pictures_told = sheet.pictures();
                         }
                         Packet::Pictures(pictures) => {
                             let pictures: Vec<_> = pictures.iter().map(|picture| decode_picture(&picture.0)).collect();
-                            if pictures.len() != sections {
+                            if pictures.len() != pictures_told {
                                 found.broken.push(format!("cell {i}, {level}: its pictures are not those of level 2"));
                                 continue;
                             }

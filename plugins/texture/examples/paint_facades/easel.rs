@@ -31,17 +31,6 @@ pub fn hash(x: i32, y: i32) -> f32 {
     (n ^ n >> 15) as f32 / u32::MAX as f32
 }
 
-/// Smooth noise, 0 to 1.
-pub fn noise(x: f32, y: f32) -> f32 {
-    let (i, j) = (x.floor(), y.floor());
-    let smooth = |f: f32| f * f * (3.0 - 2.0 * f);
-    let (fx, fy) = (smooth(x - i), smooth(y - j));
-    let at = |dx: i32, dy: i32| hash(i as i32 + dx, j as i32 + dy);
-    let low = at(0, 0) + (at(1, 0) - at(0, 0)) * fx;
-    let high = at(0, 1) + (at(1, 1) - at(0, 1)) * fx;
-    low + (high - low) * fy
-}
-
 impl Easel {
     pub fn new(size_m: (f32, f32), longest: u32, ground: Colour) -> Self {
         let scale = longest as f32 / size_m.0.max(size_m.1);

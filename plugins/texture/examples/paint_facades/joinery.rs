@@ -10,6 +10,8 @@ pub struct Sash {
     pub frame: Colour,
     pub columns: u8,
     pub rows: u8,
+    /// Which of its curtains it has: windows that are repeated have the same.
+    pub look: i32,
 }
 
 /// An opening whose head is an arc that rises so far over its sides; 0 is straight.
@@ -38,7 +40,7 @@ impl Easel {
 
     /// A window in its hole: frame, panes, curtains, each a little different.
     pub fn window(&mut self, (x, y, w, h): (f32, f32, f32, f32), rise: f32, sash: Sash) {
-        let own = hash((x * 97.0) as i32, (y * 89.0) as i32);
+        let own = hash((w * 970.0) as i32 + (h * 89.0) as i32, sash.look);
         self.hole((x, y, w, h), rise, 0x6b_6156);
         let (bx, by, bw, bh) = (x + 0.07, y + 0.06, w - 0.14, h - 0.13);
         let brise = (rise - 0.05).max(0.0);
@@ -49,7 +51,7 @@ impl Easel {
             for row in 0..sash.rows {
                 let (px, py) = (bx + pw * f32::from(column) + 0.045, by + ph * f32::from(row) + 0.045);
                 let (gw, gh) = (pw - 0.09, ph - 0.09);
-                let tilt = hash((px * 71.0) as i32, (py * 53.0) as i32);
+                let tilt = hash(i32::from(column) + 7 * sash.look, i32::from(row) + (h * 31.0) as i32);
                 // Panes under an arch are cut by it.
                 let prise = if row + 1 == sash.rows && sash.columns == 1 { (brise - 0.05).max(0.0) } else { 0.0 };
                 let is_under_arch = rise > 0.0 && row + 1 == sash.rows && sash.columns > 1;

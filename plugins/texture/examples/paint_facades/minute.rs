@@ -11,7 +11,7 @@ const STONE: u32 = 0xb4_a184;
 pub fn paint() -> Easel {
     let (width, height) = (13.8, 15.5);
     let mut easel = Easel::new((width, height), 2048, DARK);
-    let sash = Sash { frame: 0x5a_3a26, columns: 2, rows: 3 };
+    let sash = Sash { frame: 0x5a_3a26, columns: 2, rows: 3, look: 0 };
     // Rusticated foot, as of stones cut like diamonds.
     for row in 0..8 {
         for stone in 0..15 {
@@ -35,14 +35,12 @@ pub fn paint() -> Easel {
             easel.candelabrum(0.4 + 2.6 * n as f32, row, 2.2, CREAM, DARK);
         }
     }
-    let mut sills = Vec::new();
     for row in [5.0, 8.5] {
         for n in 0..5 {
             let x = 1.125 + 2.6 * n as f32;
             surround(&mut easel, x, row, 1.15, 1.9);
-            easel.window((x, row, 1.15, 1.9), 0.0, sash);
+            easel.window((x, row, 1.15, 1.9), 0.0, Sash { look: n % 2, ..sash });
             easel.sill(x, row, 1.15, STONE);
-            sills.push((x, x + 1.15, row - 0.1));
         }
     }
     // Lunettes under the eaves, with a window in every second.
@@ -59,9 +57,8 @@ pub fn paint() -> Easel {
     for n in 0..5 {
         let x = 1.2 + 2.6 * n as f32;
         surround(&mut easel, x, 12.15, 1.0, 1.25);
-        easel.window((x, 12.15, 1.0, 1.25), 0.0, Sash { rows: 2, ..sash });
+        easel.window((x, 12.15, 1.0, 1.25), 0.0, Sash { rows: 2, look: n % 2, ..sash });
         easel.sill(x, 12.15, 1.0, STONE);
-        sills.push((x, x + 1.0, 12.05));
     }
     for n in 0..6 {
         let x = 0.4 + 2.6 * n as f32;
@@ -70,12 +67,12 @@ pub fn paint() -> Easel {
     // Ground floor: shops and the door under segmental arches.
     for (n, x) in [0.9, 3.55, 8.2, 10.85].into_iter().enumerate() {
         arch(&mut easel, x, 2.05, 3.0);
-        easel.shop((x, 0.0, 2.05, 3.0), 0.41, 0x43_3126, n as u32 * 31);
+        easel.shop((x, 0.0, 2.05, 3.0), 0.41, 0x43_3126, n as u32 / 2 * 31);
     }
     arch(&mut easel, 6.15, 1.5, 3.2);
     easel.door((6.15, 0.0, 1.5, 3.2), 0.75, 0x54_2e22);
     easel.moulding(0.0, height - 0.42, width, 0.42, STONE);
-    age(&mut easel, &sills, 1.0);
+    age(&mut easel, 1.0);
     easel
 }
 

@@ -12,7 +12,7 @@ const GOLD: u32 = 0xc8_9b3a;
 pub fn paint() -> Easel {
     let (width, height) = (16.6, 13.0);
     let mut easel = Easel::new((width, height), 2048, WALL);
-    let sash = Sash { frame: 0xe9_e4d8, columns: 2, rows: 3 };
+    let sash = Sash { frame: 0xe9_e4d8, columns: 2, rows: 3, look: 0 };
     // Ground floor in courses of plaster.
     for course in 0..8 {
         let y = 0.7 + 0.42 * course as f32;
@@ -32,16 +32,14 @@ pub fn paint() -> Easel {
             easel.spiral((x + side, 11.83), 0.13, 1.6, if side < 0.3 { 1.0 } else { -1.0 }, mix(WHITE, 0x60_5030, 0.25));
         }
     }
-    let mut sills = Vec::new();
     // Two windows between lesenes.
     let columns: Vec<f32> = (0..8).map(|n| 0.955 + 3.958 * (n / 2) as f32 + 1.79 * (n % 2) as f32).collect();
     for (row, (y, h)) in [(5.25, 2.05), (8.95, 1.85)].into_iter().enumerate() {
         for (n, &x) in columns.iter().enumerate() {
             let w = 1.05;
             surround(&mut easel, x, y, w, h, row == 0, n);
-            easel.window((x, y, w, h), 0.0, sash);
+            easel.window((x, y, w, h), 0.0, Sash { look: n as i32 % 2, ..sash });
             easel.sill(x, y, w, WHITE);
-            sills.push((x, x + w, y - 0.1));
         }
     }
     // Garlands under the upper windows.
@@ -69,7 +67,7 @@ pub fn paint() -> Easel {
     snake(&mut easel);
     easel.moulding(0.0, height - 0.62, width, 0.22, WHITE);
     easel.moulding(0.0, height - 0.4, width, 0.4, WHITE);
-    age(&mut easel, &sills, 0.75);
+    age(&mut easel, 0.75);
     easel
 }
 

@@ -19,36 +19,33 @@ const WIDTH: f32 = 10.05;
 
 pub fn paint() -> Easel {
     let mut easel = Easel::new((WIDTH, TOP), 2048, GROUND);
-    let sash = Sash { frame: 0xe6_dfcf, columns: 2, rows: 3 };
-    let mut sills = Vec::new();
+    let sash = Sash { frame: 0xe6_dfcf, columns: 2, rows: 3, look: 0 };
     // Between arcade and first floor: a frieze of scrolls on blue.
     frieze(&mut easel, 0.0, 0.85, BLUE);
     // Vines climb between the windows.
     for x in [0.5, 2.75, 7.3, 9.55] {
-        vine(&mut easel, x, 0.95, EAVES - 0.6);
+        vine(&mut easel, x, 0.95, EAVES - 0.62);
     }
     let columns: [f32; 4] = core::array::from_fn(|n| 1.05 + 2.267 * n as f32);
     for (y, h) in [(1.55, 2.05), (8.1, 1.75)] {
-        for &x in &columns {
+        for (n, &x) in (0..).zip(&columns) {
             easel.rect(x - 0.19, y - 0.04, 1.49, h + 0.23, WHITE);
             easel.rect(x - 0.12, y, 1.35, h + 0.12, mix(RED, WHITE, 0.25));
             easel.rect(x - 0.07, y, 1.25, h + 0.07, WHITE);
             cartouche(&mut easel, x + 0.55, y + h + 0.45);
-            easel.window((x, y, 1.1, h), 0.0, sash);
+            easel.window((x, y, 1.1, h), 0.0, Sash { look: n % 2, ..sash });
             easel.sill(x, y, 1.1, WHITE);
-            sills.push((x, x + 1.1, y - 0.1));
         }
     }
     for x in [columns[0], columns[3]] {
         easel.rect(x - 0.19, 4.86, 1.49, 2.15, WHITE);
         easel.window((x, 4.9, 1.1, 1.95), 0.0, sash);
         easel.sill(x, 4.9, 1.1, WHITE);
-        sills.push((x, x + 1.1, 4.8));
     }
     panel(&mut easel, 3.0, 4.55, 4.05, 3.1);
     frieze(&mut easel, EAVES - 0.62, 0.62, RED);
-    gable(&mut easel, sash, &mut sills);
-    age(&mut easel, &sills, 0.8);
+    gable(&mut easel, sash);
+    age(&mut easel, 0.8);
     easel
 }
 
@@ -62,17 +59,18 @@ fn frieze(easel: &mut Easel, y: f32, height: f32, colour: u32) {
 
 /// A stem with leaves and fruit on both sides.
 fn vine(easel: &mut Easel, x: f32, from: f32, to: f32) {
-    let at = |t: f32| (x + 0.13 * (t * 9.0 + x).sin(), from + (to - from) * t);
+    // Four times the same.
+    let at = |t: f32| (x + 0.1 * (t * 4.0 * std::f32::consts::TAU).sin(), from + (to - from) * t);
     let stem: Vec<(f32, f32)> = (0..=80).map(|i| at(i as f32 / 80.0)).collect();
     if let Some(path) = line(&stem, false) {
         easel.stroke(&path, 0.055, UMBER);
     }
-    for i in 0..34 {
-        let (px, py) = at(i as f32 / 34.0);
+    for i in 0..32 {
+        let (px, py) = at(i as f32 / 32.0);
         let side = if i % 2 == 0 { 1.0 } else { -1.0 };
         let angle = if side > 0.0 { 0.5 } else { 2.64 };
-        easel.leaf(px, py, angle, 0.34, mix(GREEN, if i % 3 == 0 { GOLD } else { 0x34_4630 }, 0.25));
-        if i % 5 == 2 {
+        easel.leaf(px, py, angle, 0.34, mix(GREEN, if i % 4 == 0 { GOLD } else { 0x34_4630 }, 0.25));
+        if i % 8 == 3 {
             for berry in 0..5 {
                 let (dx, dy) = (0.05 * (berry % 3) as f32, -0.055 * (berry / 2) as f32);
                 easel.disc(px - side * (0.12 + dx), py - 0.05 + dy, 0.035, mix(RED, 0x40_1830, 0.4));
@@ -134,12 +132,11 @@ fn panel(easel: &mut Easel, x: f32, y: f32, w: f32, h: f32) {
 }
 
 /// Above the eaves: two windows, a sun at the top, scrolls along the slopes.
-fn gable(easel: &mut Easel, sash: Sash, sills: &mut Vec<(f32, f32, f32)>) {
+fn gable(easel: &mut Easel, sash: Sash) {
     for x in [3.15, 5.8] {
         easel.rect(x - 0.16, 11.66, 1.42, 1.75, WHITE);
         easel.window((x, 11.7, 1.1, 1.55), 0.0, Sash { rows: 2, ..sash });
         easel.sill(x, 11.7, 1.1, WHITE);
-        sills.push((x, x + 1.1, 11.6));
     }
     easel.candelabrum(WIDTH / 2.0, 11.2, 2.6, mix(RED, GOLD, 0.25), GROUND);
     let middle = WIDTH / 2.0;

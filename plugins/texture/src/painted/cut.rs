@@ -1,16 +1,15 @@
 //! From a picture to colour, small textures, and the pictures of sections.
 
 use glam::DVec2;
-use veduta_city::{FacadeDraft, FacadeObject, GridPos, PaintedFacade, PaintedObject, PictureFile, Rgb, SmallTexture};
+use veduta_city::{FacadeDraft, FacadeObject, GridPos, PaintedFacade, PaintedObject, Rgb, SmallTexture};
 
-use super::jpeg::{PICTURE_SIDE, encode_picture};
-use super::quantise::{Quantised, quantise};
 use super::Pixels;
+use super::atlas::{Place, fill, layout, margin, shown};
+use super::picture::PICTURE_SIDE;
+use super::quantise::{Quantised, quantise};
 
 /// Longest that a section is, metres: its texels are 3.5 cm wide then.
 const SECTION_M: f64 = 18.0;
-/// Most bytes of a section's picture as stored.
-const SECTION_BYTES: usize = 20_000;
 /// Texels of a small texture in a metre.
 const SMALL_PER_M: f64 = 9.0;
 /// Small textures have no more colours than bring them so near to the picture, as [`quantise`] measures.
@@ -24,42 +23,53 @@ pub enum CutError {
     /// The description has mistakes.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Draft(Vec<veduta_city::FacadeError>),
-    /// Too many sections.
-    #[error("{0} m are too long for one façade: give each part its own")]
-    Long(f64),
     /// No part of the outline is free of objects.
     #[error("the objects cover the whole wall: there is nothing to tell its colour")]
     Covered,
-    /// A picture that no quality makes small enough.
-    #[error("section {0} of the picture does not fit {SECTION_BYTES} bytes at any quality")]
-    Heavy(usize),
+    /// Its objects cut it into too many pieces.
+    #[error("{0}")]
+    Busy(String),
 }
 
-/// Cuts a façade out of its picture: its colour for level 1, small textures for level 2, and for level 3 the picture of each section,
-/// [`PICTURE_SIDE`] squared and at most 20,000 bytes.
+/// A façade, cut out of its picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CutFacade {
+    /// Its colour for level 1, small textures and their places for level 2.
+    pub painted: PaintedFacade,
+    /// What [`compose`](super::compose) makes level 3 of, all [`PICTURE_SIDE`] squared: they are still to be stored.
+    pub pictures: Vec<Pixels>,
+}
+
+/// Cuts a façade out of its picture.
 ///
 /// # Errors
 /// If the draft has mistakes, or the picture cannot be cut by it.
-pub fn paint_facade(draft: &FacadeDraft, picture: &Pixels) -> Result<(PaintedFacade, Vec<PictureFile>), CutError> {
+pub fn cut_facade(draft: &FacadeDraft, picture: &Pixels) -> Result<CutFacade, CutError> {
     let errors = draft.validate();
     if !errors.is_empty() {
         return Err(CutError::Draft(errors));
     }
-    let count = (draft.size_m.x / SECTION_M).ceil().max(1.0);
-    let sections = if count <= f64::from(PaintedFacade::MOST_SECTIONS) { count as u8 } else { return Err(CutError::Long(draft.size_m.x)) };
+    let sections = (draft.size_m.x / SECTION_M).ceil().clamp(1.0, f64::from(PaintedFacade::MOST_SECTIONS)) as u8;
     let scene = Scene { draft, picture, linear: picture.texels.iter().map(|texel| texel.to_linear()).collect() };
     let colour = scene.wall_colour().ok_or(CutError::Covered)?;
     let textures = draft.objects.iter().map(|object| scene.small(object)).collect();
     let size = steps(draft.size_m);
     let objects = (0_u8..).zip(&draft.objects).map(|(texture, object)| painted(object, texture, size)).collect();
-    let section = |n: usize| {
-        let width = draft.size_m.x / f64::from(sections);
+    let painted = PaintedFacade { size, sections, colour, textures, objects };
+    painted.check().map_err(CutError::Busy)?;
+    let shown = shown(&painted, PICTURE_SIDE);
+    let width = draft.size_m.x / f64::from(sections);
+    let mut pictures: Vec<Pixels> = Vec::new();
+    for (n, of) in shown.of.iter().enumerate() {
         let (low, high) = (DVec2::new(width * n as f64, 0.0), DVec2::new(width * (n + 1) as f64, draft.size_m.y));
-        let pixels = scene.resample((low, high), (PICTURE_SIDE, PICTURE_SIDE));
-        encode_picture(&pixels, SECTION_BYTES).map(PictureFile).ok_or(CutError::Heavy(n))
-    };
-    let pictures = (0..usize::from(sections)).map(section).collect::<Result<_, _>>()?;
-    Ok((PaintedFacade { size, sections, colour, textures, objects }, pictures))
+        let mut wall = scene.resample((low, high), (PICTURE_SIDE, PICTURE_SIDE));
+        fill(&mut wall, &of.iter().map(Option::is_some).collect::<Vec<_>>(), colour);
+        pictures.push(wall);
+    }
+    if !painted.objects.is_empty() {
+        pictures.push(scene.atlas(&painted));
+    }
+    Ok(CutFacade { painted, pictures })
 }
 
 fn steps(length_m: DVec2) -> (i32, i32) {
@@ -137,6 +147,23 @@ impl Scene<'_> {
         let few = [4, 6, 8, 12].into_iter().map(|most| quantise(&pixels.texels, most)).find(|quantised| quantised.error <= NEAR);
         let Quantised { palette, texels, .. } = few.unwrap_or_else(|| quantise(&pixels.texels, PaintedFacade::MOST_COLOURS));
         SmallTexture { width: width as u8, palette, texels }
+    }
+
+    /// All objects, each once, with a little of what is about them.
+    fn atlas(&self, painted: &PaintedFacade) -> Pixels {
+        let mut atlas = Pixels { width: PICTURE_SIDE, texels: vec![painted.colour; PICTURE_SIDE * PICTURE_SIDE] };
+        for (object, place) in painted.objects.iter().zip(layout(painted)) {
+            let Place { x, y, width, height } = place;
+            let (low, size) = (GridPos(object.low.0, object.low.1).to_metres(), GridPos(object.size.0, object.size.1).to_metres());
+            let beyond = size / DVec2::new(width as f64, height as f64) * margin() as f64;
+            let (width, height) = (width + 2 * margin(), height + 2 * margin());
+            let part = self.resample((low - beyond, low + size + beyond), (width, height));
+            for (row, texels) in part.texels.chunks_exact(width).enumerate() {
+                let start = (y - margin() + row) * PICTURE_SIDE + x - margin();
+                atlas.texels[start..start + width].copy_from_slice(texels);
+            }
+        }
+        atlas
     }
 
     /// A rectangle of the wall at another number of texels: means over what each of them covers, in linear light.

@@ -1,24 +1,29 @@
 //! Façades given as pictures: cut when a city is baked, put together again on the walker's machine.
 //!
 //! ```text
-//!  FacadeDraft, picture ──► paint_facade ─┬─► PaintedFacade: colour, small textures of ≤ 16 colours, places   (levels 1 and 2)
-//!                                         └─► JPEG of 512 × 512 texels for each section                      (level 3)
+//!  FacadeDraft, picture ──► cut ─┬─► PaintedFacade: colour, small textures of ≤ 16 colours, places        (levels 1 and 2)
+//!                                └─► the wall of each section; an atlas of all objects, each once ──► WebP  (level 3)
 //!
 //!  PaintedFacade ──► put_together ──► a coarse picture of each section ─┐
-//!  JPEG ──► decode_picture (limits first) ──► a fine one ───────────────┴─► PictureLayer ──► mips, blocks (BC1)
+//!  WebP ──► decode_picture (limits first) ──► compose ──► a fine one ───┴─► PictureLayer ──► mips, blocks (BC1)
 //! ```
+//! What repeats is kept once, whatever it looks like where it is repeated: where it differs, it is an object of its own.
 
+mod atlas;
 mod cut;
-mod jpeg;
+mod picture;
 mod quantise;
 
+use glam::DVec2;
 use veduta_city::{PaintedFacade, Rgb};
 
 use crate::blocks;
 use crate::mips::halve;
 
-pub use cut::{CutError, paint_facade};
-pub use jpeg::{PICTURE_SIDE, PICTURE_STORED_CAP, PictureError, decode_picture, encode_picture};
+pub use atlas::compose;
+use atlas::shown;
+pub use cut::{CutError, CutFacade, cut_facade};
+pub use picture::{PICTURE_SIDE, PICTURE_STORED_CAP, PictureError, decode_picture};
 
 /// Texels along a coarse picture.
 const COARSE_SIDE: usize = 128;
@@ -47,7 +52,8 @@ impl Pixels {
     }
 
     /// All bytes: red, green, blue.
-    pub(crate) fn bytes(&self) -> Vec<u8> {
+    #[must_use]
+    pub fn bytes(&self) -> Vec<u8> {
         self.texels.iter().flat_map(|&Rgb(r, g, b)| [r, g, b]).collect()
     }
 }
@@ -97,25 +103,14 @@ impl PictureLayer {
 #[must_use]
 pub fn put_together(painted: &PaintedFacade) -> Option<Vec<Pixels>> {
     painted.check().ok()?;
-    let (width, height) = (f64::from(painted.size.0) / f64::from(painted.sections), f64::from(painted.size.1));
-    let texel = COARSE_SIDE as f64;
-    let mut sections = vec![Pixels { width: COARSE_SIDE, texels: vec![painted.colour; COARSE_SIDE * COARSE_SIDE] }; painted.sections.into()];
-    for object in &painted.objects {
-        let texture = painted.textures.get(usize::from(object.texture))?;
-        let (columns, rows) = (f64::from(texture.width), texture.height() as f64);
-        for (low_x, low_y) in object.places() {
-            // In texels of the whole row of sections, y from the top.
-            let [left, right] = [low_x, low_x + object.size.0].map(|x| f64::from(x) / width * texel);
-            let [bottom, top] = [low_y, low_y + object.size.1].map(|y| (1.0 - f64::from(y) / height) * texel);
-            let range = |from: f64, to: f64, end: usize| (from + 0.5).floor() as usize..((to + 0.5).floor() as usize).min(end);
-            for y in range(top, bottom, COARSE_SIDE) {
-                let row = ((y as f64 + 0.5 - top) / (bottom - top) * rows).max(0.0) as usize;
-                for x in range(left, right, COARSE_SIDE * sections.len()) {
-                    let column = ((x as f64 + 0.5 - left) / (right - left) * columns).max(0.0) as usize;
-                    sections[x / COARSE_SIDE].texels[y * COARSE_SIDE + x % COARSE_SIDE] = texture.at(column, row);
-                }
-            }
-        }
-    }
-    Some(sections)
+    let texel = |shown: Option<(u8, DVec2)>| {
+        let texture = painted.textures.get(usize::from(painted.objects.get(usize::from(shown?.0))?.texture))?;
+        let at = shown?.1 * DVec2::new(texture.width.into(), texture.height() as f64);
+        Some(texture.at(at.x as usize, at.y as usize))
+    };
+    let section = |of: Vec<Option<(u8, DVec2)>>| Pixels {
+        width: COARSE_SIDE,
+        texels: of.into_iter().map(|shown| texel(shown).unwrap_or(painted.colour)).collect(),
+    };
+    Some(shown(painted, COARSE_SIDE).of.into_iter().map(section).collect())
 }

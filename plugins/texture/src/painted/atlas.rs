@@ -1,0 +1,164 @@
+//! Pictures of level 3, taken apart: the wall without its objects section by section, and every object once.
+
+use glam::DVec2;
+use veduta_city::{PaintedFacade, PaintedObject, Rgb};
+
+use super::picture::PICTURE_SIDE;
+use super::Pixels;
+
+/// How much finer objects are kept than sections show them; less where they do not fit.
+const FINER: f64 = 1.25;
+/// Texels about an object in the atlas, so that nothing of its neighbours bleeds into it; and the grid that objects lie on, which is that
+/// of the codec's blocks.
+const MARGIN: usize = 2;
+const BLOCK: usize = 8;
+
+/// Where an object lies in the atlas, texels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Place {
+    /// Left upper corner, margin apart.
+    pub(super) x: usize,
+    pub(super) y: usize,
+    pub(super) width: usize,
+    pub(super) height: usize,
+}
+
+/// Where each object lies: on shelves, the highest first, as finely as they fit. The same for the same objects.
+pub(super) fn layout(painted: &PaintedFacade) -> Vec<Place> {
+    // Texels a step of the grid.
+    let mut scale = DVec2::new(f64::from(painted.sections) / f64::from(painted.size.0), 1.0 / f64::from(painted.size.1));
+    scale *= PICTURE_SIDE as f64 * FINER;
+    loop {
+        if let Some(places) = shelves(&painted.objects, scale) {
+            return places;
+        }
+        scale *= 0.9;
+    }
+}
+
+fn shelves(objects: &[PaintedObject], scale: DVec2) -> Option<Vec<Place>> {
+    let size = |object: &PaintedObject| {
+        let size = DVec2::new(object.size.0.into(), object.size.1.into()) * scale;
+        ((size.x.ceil() as usize).max(1), (size.y.ceil() as usize).max(1))
+    };
+    let cell = |texels: usize| (texels + 2 * MARGIN).next_multiple_of(BLOCK);
+    let mut order: Vec<usize> = (0..objects.len()).collect();
+    order.sort_by_key(|&n| (core::cmp::Reverse(size(&objects[n]).1), n));
+    let mut places = vec![Place { x: 0, y: 0, width: 1, height: 1 }; objects.len()];
+    let (mut x, mut y, mut shelf) = (0, 0, 0);
+    for n in order {
+        let (width, height) = size(&objects[n]);
+        if x + cell(width) > PICTURE_SIDE {
+            (x, y, shelf) = (0, y + shelf, 0);
+        }
+        if x + cell(width) > PICTURE_SIDE || y + cell(height) > PICTURE_SIDE {
+            return None;
+        }
+        places[n] = Place { x: x + MARGIN, y: y + MARGIN, width, height };
+        x += cell(width);
+        shelf = shelf.max(cell(height));
+    }
+    Some(places)
+}
+
+/// Which object a texel of a section shows at its middle, and where in it: 0 to 1 from its left and from its top.
+pub(super) struct Shown {
+    /// Of each texel of each section, row by row; none where the wall is.
+    pub(super) of: Vec<Vec<Option<(u8, DVec2)>>>,
+    /// Width and height of a texel as a share of each object.
+    pub(super) texels: Vec<DVec2>,
+}
+
+/// Finds the objects in sections of so many texels a side.
+pub(super) fn shown(painted: &PaintedFacade, side: usize) -> Shown {
+    let texel = DVec2::new(f64::from(painted.size.0) / f64::from(painted.sections), f64::from(painted.size.1)) / side as f64;
+    let mut of = vec![vec![None; side * side]; painted.sections.into()];
+    let mut texels = Vec::with_capacity(painted.objects.len());
+    for (n, object) in (0_u8..).zip(&painted.objects) {
+        let size = DVec2::new(object.size.0.into(), object.size.1.into());
+        texels.push(texel / size);
+        for (low_x, low_y) in object.places() {
+            // In texels of the whole row of sections, y from the top.
+            let (left, top) = (f64::from(low_x) / texel.x, (f64::from(painted.size.1 - low_y) - size.y) / texel.y);
+            let (right, bottom) = (left + size.x / texel.x, top + size.y / texel.y);
+            let range = |from: f64, to: f64, end: usize| (from + 0.5).floor() as usize..((to + 0.5).floor() as usize).min(end);
+            for y in range(top, bottom, side) {
+                for x in range(left, right, side * of.len()) {
+                    let at = DVec2::new((x as f64 + 0.5 - left) / (right - left), (y as f64 + 0.5 - top) / (bottom - top));
+                    of[x / side][y * side + x % side] = Some((n, at));
+                }
+            }
+        }
+    }
+    Shown { of, texels }
+}
+
+/// The pictures of a façade's sections as level 3 shows them, of those that it is kept as: the wall of each section, then, if it has objects,
+/// the atlas. `None` if they are others, or the façade cannot be drawn.
+#[must_use]
+pub fn compose(painted: &PaintedFacade, pictures: &[Pixels]) -> Option<Vec<Pixels>> {
+    painted.check().ok()?;
+    let is_whole = |pixels: &Pixels| pixels.width == PICTURE_SIDE && pixels.height() == PICTURE_SIDE;
+    if pictures.len() != painted.pictures() || !pictures.iter().all(is_whole) {
+        return None;
+    }
+    let mut sections = pictures[..painted.sections.into()].to_vec();
+    let Some(atlas) = pictures.get(sections.len()) else { return Some(sections) };
+    let (places, shown) = (layout(painted), shown(painted, PICTURE_SIDE));
+    let linear: Vec<[f32; 3]> = atlas.texels.iter().map(|texel| texel.to_linear()).collect();
+    for (section, of) in sections.iter_mut().zip(&shown.of) {
+        for (texel, shown_here) in section.texels.iter_mut().zip(of) {
+            let Some((n, at)) = shown_here else { continue };
+            let (place, step) = (&places[usize::from(*n)], shown.texels[usize::from(*n)]);
+            *texel = Rgb::from_linear(mean(&linear, place, *at, step));
+        }
+    }
+    Some(sections)
+}
+
+/// Mean of what a texel of so many shares of the object covers in the atlas, about a place: where objects are kept more finely than they are
+/// shown, as where they are not.
+fn mean(atlas: &[[f32; 3]], place: &Place, at: DVec2, texel: DVec2) -> [f32; 3] {
+    let size = DVec2::new(place.width as f64, place.height as f64);
+    let corner = DVec2::new(place.x as f64, place.y as f64);
+    // At least as broad as a texel of the atlas: then it is the mean of those beside it, as between texels.
+    let half = (texel * size / 2.0).max(DVec2::splat(0.5));
+    let middle = (corner + at * size).clamp(half, DVec2::splat(PICTURE_SIDE as f64) - half);
+    let (low, high) = (middle - half, middle + half);
+    let mut sum = [0.0; 3];
+    let last = |end: f64| (end.ceil() as usize).min(PICTURE_SIDE);
+    for y in low.y as usize..last(high.y) {
+        let rows = (high.y.min(y as f64 + 1.0) - low.y.max(y as f64)) as f32;
+        for x in low.x as usize..last(high.x) {
+            let share = rows * (high.x.min(x as f64 + 1.0) - low.x.max(x as f64)) as f32;
+            (0..3).for_each(|c| sum[c] += share * atlas[y * PICTURE_SIDE + x][c]);
+        }
+    }
+    let area = (4.0 * half.x * half.y) as f32;
+    sum.map(|c| c / area)
+}
+
+/// Fills the texels that an object covers smoothly from those about them, so that they cost nothing.
+pub(super) fn fill(wall: &mut Pixels, is_covered: &[bool], rest: Rgb) {
+    const ROUNDS: usize = 96;
+    let side = wall.width;
+    let mut linear: Vec<[f32; 3]> =
+        wall.texels.iter().zip(is_covered).map(|(texel, &is_covered)| if is_covered { rest.to_linear() } else { texel.to_linear() }).collect();
+    let covered: Vec<usize> = (0..linear.len()).filter(|&i| is_covered[i]).collect();
+    for _ in 0..ROUNDS {
+        for &i in &covered {
+            let (x, y) = (i % side, i / side);
+            let beside = [i - usize::from(x > 0), i + usize::from(x + 1 < side), i - side * usize::from(y > 0), i + side * usize::from(y + 1 < side)];
+            let mean: [f32; 3] = core::array::from_fn(|c| beside.iter().map(|&j| linear[j][c]).sum::<f32>() * 0.25);
+            linear[i] = mean;
+        }
+    }
+    for i in covered {
+        wall.texels[i] = Rgb::from_linear(linear[i]);
+    }
+}
+
+/// Texels beyond an object's edge that are kept with it.
+pub(super) const fn margin() -> usize {
+    MARGIN
+}
