@@ -111,6 +111,10 @@ fn each_pixel_of_a_wall_belongs_to_one_level() {
         [1.0, 1.0, 0.0, 0.1],
         [1.0, 0.7, 0.0, 0.2],
         [1.0, 0.0, 0.0, 0.0],
+        // Pictures of painted façades, which lie on the meshes of the other levels.
+        [1.0, 1.0, 1.0, 1.0],
+        [1.0, 1.0, 0.5, 0.3],
+        [1.0, 1.0, 1.0, 0.0],
     ];
     for fade in fades {
         studio.world().entity_mut(cell).insert(LevelFade(fade));

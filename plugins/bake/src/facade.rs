@@ -3,6 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use glam::DVec2;
+use rayon::prelude::*;
 use veduta_city::{FacadeDraft, FacadeFile, GraphOverrides, GridPos, PictureFile, PlacedFacade, file};
 use veduta_survey::raster::{Picture, PictureLimits};
 use veduta_texture::{CutFacade, PICTURE_SIDE, PICTURE_STORED_CAP, Pixels, cut_facade};
@@ -18,9 +19,13 @@ const LIMITS: PictureLimits = PictureLimits { side_px: 8_192, bytes: 1 << 30 };
 /// Everything that is wrong with any of them.
 pub fn read_facades(overrides: &GraphOverrides, path: &Path) -> Result<Vec<PlacedFacade>, Vec<BakeError>> {
     let folder = path.parent().unwrap_or(Path::new(""));
+    let read = |FacadeFile { file, at }: &FacadeFile| {
+        below(folder, file).ok_or_else(|| fault(&folder.join(file), AWAY)).and_then(|path| read_facade(&path, *at))
+    };
+    let read: Vec<Result<PlacedFacade, BakeError>> = overrides.facades.par_iter().map(read).collect();
     let (mut facades, mut errors) = (Vec::new(), Vec::new());
-    for FacadeFile { file, at } in &overrides.facades {
-        match below(folder, file).ok_or_else(|| fault(&folder.join(file), AWAY)).and_then(|path| read_facade(&path, *at)) {
+    for facade in read {
+        match facade {
             Ok(facade) => facades.push(facade),
             Err(error) => errors.push(error),
         }
@@ -46,15 +51,19 @@ pub fn read_facade(path: &Path, at: DVec2) -> Result<PlacedFacade, BakeError> {
     Ok(PlacedFacade { name: draft.name.clone(), at, eaves: GridPos::steps(draft.eaves_m()), painted, pictures })
 }
 
+/// Efforts of the encoder, of 0 to 6.
+const QUICK: i32 = 3;
+const THOROUGH: i32 = 6;
+
 /// Most bytes of all pictures of a façade for each of its sections.
 const SECTION_BYTES: usize = 20_000;
 
 /// Pictures as they travel, as fine as so many bytes allow. `None` if even the coarsest are more.
 fn encode(pictures: &[Pixels], most_bytes: usize) -> Option<Vec<PictureFile>> {
-    let stored = |quality: u8| -> Option<Vec<PictureFile>> {
+    let stored = |quality: u8, effort: i32| -> Option<Vec<PictureFile>> {
         let mut config = webp::WebPConfig::new().ok()?;
         config.quality = f32::from(quality);
-        config.method = 6;
+        config.method = effort;
         config.use_sharp_yuv = 1;
         let encode = |picture: &Pixels| {
             let (bytes, side) = (picture.bytes(), PICTURE_SIDE as u32);
@@ -64,15 +73,17 @@ fn encode(pictures: &[Pixels], most_bytes: usize) -> Option<Vec<PictureFile>> {
         let files: Vec<PictureFile> = pictures.iter().map(encode).collect::<Option<_>>()?;
         (files.iter().map(|file| file.0.len()).sum::<usize>() <= most_bytes).then_some(files)
     };
-    let (mut best, mut low, mut high) = (stored(1)?, 1, 100);
+    // Sought with little effort; with more of it a little finer ones fit, too.
+    let (mut best, mut low, mut high) = (stored(1, QUICK)?, 1, 100);
     while high - low > 1 {
         let quality = low + (high - low) / 2;
-        match stored(quality) {
+        match stored(quality, QUICK) {
             Some(files) => (best, low) = (files, quality),
             None => high = quality,
         }
     }
-    Some(best)
+    let finer = (low..=100).map_while(|quality| stored(quality, THOROUGH)).last();
+    Some(finer.unwrap_or(best))
 }
 
 /// Files that overrides name: of models, façades and their pictures, as far as they are there. `path`: of the overrides.

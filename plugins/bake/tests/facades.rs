@@ -12,7 +12,8 @@ use veduta_texture::{PICTURE_SIDE, PictureLayer, Pixels, compose, cut_facade, de
 const FOLDER: &str = "../../scenes/old_prague/facades";
 
 fn facades() -> Vec<PathBuf> {
-    let mut files: Vec<PathBuf> = std::fs::read_dir(FOLDER).expect("the folder").map(|entry| entry.expect("an entry").path()).collect();
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(FOLDER).expect("the folder").map(|entry| entry.expect("an entry").path()).collect();
     files.retain(|path| path.to_string_lossy().ends_with(".facade.ron"));
     files.sort();
     files

@@ -28,7 +28,12 @@ fn content() -> CellContent {
         arcades: Vec::new(),
     };
     let house = HouseShell { style: 0, floor: 0, volumes: vec![volume], is_monument: false };
-    let painted = |width: i32| PaintedFacade { size: (width * m, 12 * m), sections: 1, colour: Rgb(200, 100, 50), ..PaintedFacade::default() };
+    let painted = |width: i32| PaintedFacade {
+        size: (width * m, 12 * m),
+        sections: 1,
+        colour: Rgb(200, 100, 50),
+        ..PaintedFacade::default()
+    };
     let wall = Wall { kind: WallKind::Street, ..Wall::default() };
     let painted = vec![PaintedWall { wall: 0, painted: painted(20) }, PaintedWall { wall: 1, painted: painted(9) }];
     let sheet = FacadeSheet { walls: vec![wall; 2], painted };

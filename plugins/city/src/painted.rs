@@ -193,9 +193,8 @@ impl FacadeDraft {
                 errors.push(FacadeError::Depth(n, object.depth_m.unwrap_or_default()));
             }
             let covers = |other: &FacadeObject| {
-                let apart = |a: DVec2, b: DVec2| {
-                    (a + object.size).cmple(b + 0.001).any() || (b + other.size).cmple(a + 0.001).any()
-                };
+                let apart =
+                    |a: DVec2, b: DVec2| (a + object.size).cmple(b + 0.001).any() || (b + other.size).cmple(a + 0.001).any();
                 places.iter().any(|&a| other.places().any(|b| !apart(a, b)))
             };
             errors.extend(self.objects[..n].iter().position(covers).map(|other| FacadeError::Covers(n, other)));
@@ -324,7 +323,8 @@ impl PaintedFacade {
             }
         }
         let cuts = |of: fn((i32, i32)) -> i32| {
-            let places = self.objects.iter().flat_map(|object| object.places().map(move |low| [of(low), of(low) + of(object.size)]));
+            let places =
+                self.objects.iter().flat_map(|object| object.places().map(move |low| [of(low), of(low) + of(object.size)]));
             places.flatten().collect::<BTreeSet<i32>>().len() + 1
         };
         let rectangles = cuts(|p| p.0) * cuts(|p| p.1);
@@ -371,7 +371,8 @@ impl PaintedObject {
     /// Lower left corners of all its repetitions, row by row.
     pub fn places(&self) -> impl Iterator<Item = (i32, i32)> + '_ {
         let at = |low: i32, step: i32, n: u8| low + step * i32::from(n);
-        let row = move |row| (0..self.columns).map(move |column| (at(self.low.0, self.step.0, column), at(self.low.1, self.step.1, row)));
+        let row =
+            move |row| (0..self.columns).map(move |column| (at(self.low.0, self.step.0, column), at(self.low.1, self.step.1, row)));
         (0..self.rows).flat_map(row)
     }
 
@@ -508,7 +509,9 @@ mod tests {
         assert!(told(|d| d.objects[0].repeat.columns = 4).starts_with("object 0 reaches out of the picture"));
         assert!(told(|d| d.objects[0].size.y = 0.0).starts_with("object 0 must be at least 0.1 m"));
         assert!(told(|d| d.objects[0].depth_m = Some(3.0)).starts_with("object 0 lies 3 m deep"));
-        assert!(told(|d| d.objects.push(FacadeObject { repeat: ObjectRepeat::default(), ..d.objects[0] })).contains("covers object 0"));
+        assert!(
+            told(|d| d.objects.push(FacadeObject { repeat: ObjectRepeat::default(), ..d.objects[0] })).contains("covers object 0")
+        );
         assert!(told(|d| d.objects = vec![d.objects[0]; 65]).starts_with("there are 390 objects"));
     }
 

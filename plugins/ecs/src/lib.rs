@@ -27,8 +27,8 @@ mod space;
 use bevy::prelude::*;
 
 pub use cell::{
-    ATTRIBUTE_RELIEF, Awaited, Cell, CellContent, CellEntered, CellMesh, CellMeshKind, CellPictures, CellReady, CellReleased, CellStands,
-    LevelFade, MaterialsProvided, OpenCells, StandingCells,
+    ATTRIBUTE_RELIEF, Awaited, Cell, CellContent, CellEntered, CellMesh, CellMeshKind, CellPictures, CellReady, CellReleased,
+    CellStands, LevelFade, MaterialsProvided, OpenCells, StandingCells,
 };
 pub use clock::CityClock;
 pub use daylight::{Daylight, Weather};

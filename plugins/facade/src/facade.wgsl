@@ -94,7 +94,8 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 #ifdef PAINTED
     let tile = vec4<f32>(mix(coarse.rgb, fine.rgb, picture_share(facade, away, tag)), 0.0);
     // At night lamps shine through curtains, too.
-    let is_dark = is_pane && dot(tile.rgb, vec3<f32>(0.3333)) < mix(DARK_GLASS, 0.4, facade.horizon_night.w);
+    let is_glazed = is_pane && tile.b > 0.6 * tile.r;
+    let is_dark = is_glazed && dot(tile.rgb, vec3<f32>(0.3333)) < mix(DARK_GLASS, 0.4, facade.horizon_night.w);
     let relief = vec4<f32>(0.0, 0.0, 1.0, select(0.85, 0.1, is_dark));
 #endif
 
@@ -170,7 +171,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     } else {
         let paint = wall_paint(dot(at, tangent), height, seed, near);
 #ifdef PAINTED
-        // Glass is wiped.
+        // Glass is wiped, and frames are painted anew.
         albedo *= mix(vec3<f32>(1.0), paint, mix(1.0, 0.8 * (1.0 - 0.7 * f32(is_pane)), opened));
 #else
         albedo *= mix(mix(vec3<f32>(1.0), paint, 0.45), paint, mix(1.0, tile.a, opened));

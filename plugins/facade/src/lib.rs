@@ -11,6 +11,9 @@
 //! those of level 4 as flat as the levels before. In the rest openings come out of the wall and relief rises. Level 3 is composed in the shader on the
 //! meshes of levels 2 and 4, each façade by its own seed: mottled and streaked paint, repairs, damp, hairlines, and behind clear panes a room.
 //!
+//! Painted walls have [`CellPictures`](veduta_ecs::CellPictures) in the place of tiles: put together of small textures at level 2, into which those of level 3 are
+//! mixed by distance and as they arrive. Each cell with some has materials of its own.
+//!
 //! ```text
 //!  CellMesh ──► material by level ─┐
 //!  LevelFade ──► MeshTag (bits) ────├─► shader: keep pixel where R(n+1) ≤ bayer < R(n)

@@ -85,7 +85,11 @@ fn decode_pictures(stored: &[u8], blob: &BlobRef) -> Result<Vec<PictureFile>, St
         pictures.push(PictureFile(picture.to_vec()));
         rest = behind;
     }
-    if rest.is_empty() { Ok(pictures) } else { Err(StoreError::Invalid { what, reason: "something follows its pictures".to_owned() }) }
+    if rest.is_empty() {
+        Ok(pictures)
+    } else {
+        Err(StoreError::Invalid { what, reason: "something follows its pictures".to_owned() })
+    }
 }
 
 /// The packet of stored bytes that the reference stands for. Any bytes are safe: length and checksum are looked at first,

@@ -4,8 +4,8 @@
 //! difference of two of them leaves 32 bits.
 
 use veduta_city::{
-    CellShell, Course, District, FacadeSheet, GridPolygon, GridPos, GroundPatch, HouseShell, Massing, Overview, PlanTerrain, SpanForm,
-    SpanStation, VolumeShell, WaySpan,
+    CellShell, Course, District, FacadeSheet, GridPolygon, GridPos, GroundPatch, HouseShell, Massing, Overview, PlanTerrain,
+    SpanForm, SpanStation, VolumeShell, WaySpan,
 };
 
 use crate::blob::BlobKind;

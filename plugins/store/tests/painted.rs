@@ -3,7 +3,8 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use veduta_city::{
-    FacadeObjectKind, FacadeSheet, Level, ObjectHead, PaintedFacade, PaintedObject, PaintedWall, PictureFile, Rgb, SmallTexture, Wall,
+    FacadeObjectKind, FacadeSheet, Level, ObjectHead, PaintedFacade, PaintedObject, PaintedWall, PictureFile, Rgb, SmallTexture,
+    Wall,
 };
 use veduta_store::{BlobRef, FORMAT_VERSION, Packet, PacketContext, StoreError, decode_packet, encode_packet};
 
@@ -33,7 +34,8 @@ fn painted(colours: u8) -> PaintedFacade {
         step: (2600, 3500),
     };
     use FacadeObjectKind::{Door, Painting, Shop, Window};
-    let objects = [(Window, ObjectHead::Flat), (Door, ObjectHead::Round), (Shop, ObjectHead::Segment), (Painting, ObjectHead::Flat)];
+    let objects =
+        [(Window, ObjectHead::Flat), (Door, ObjectHead::Round), (Shop, ObjectHead::Segment), (Painting, ObjectHead::Flat)];
     PaintedFacade {
         size: (14_000, 16_000),
         sections: 2,

@@ -82,13 +82,13 @@ use veduta_city::draw::Draw;
 use veduta_city::{Id, Opening, SurfaceKind, Tile};
 
 pub use blocks::LayerBlocks;
+use canvas::Canvas;
+use card::{Card, Leaf};
+use mips::Encoder;
 pub use painted::{
     CutError, CutFacade, PICTURE_SIDE, PICTURE_STORED_CAP, PictureError, PictureLayer, Pixels, compose, cut_facade, decode_picture,
     put_together,
 };
-use canvas::Canvas;
-use card::{Card, Leaf};
-use mips::Encoder;
 
 /// The modulation that leaves the wall's colour unchanged, in linear light: a stored modulation `m` is `m / 2`, so that it can
 /// brighten as well as darken.

@@ -1,10 +1,10 @@
 use anstream::{eprintln, println};
 use veduta_bake::{Proof, ProofSettings, prove};
 use veduta_city::{CellShell, Level};
-use veduta_texture::decode_picture;
 use veduta_store::{
     CityIndex, Packet, Reader, StoreError, decode_overview, decode_packet, decode_styles, open_reader, read_index, sheet_fits,
 };
+use veduta_texture::decode_picture;
 
 use super::Failure;
 

@@ -76,8 +76,13 @@ impl<'a> Canvas<'a> {
 
     fn wall(&self, in_relief: bool, mesh: &mut MeshData) {
         let is_on_wall = |object: &PaintedObject, low: (i32, i32)| metres(low.1 + object.size.1) < self.height - 0.01;
-        let objects: Vec<(&PaintedObject, (i32, i32))> =
-            self.painted.objects.iter().flat_map(|object| object.places().map(move |low| (object, low))).filter(|(o, low)| is_on_wall(o, *low)).collect();
+        let objects: Vec<(&PaintedObject, (i32, i32))> = self
+            .painted
+            .objects
+            .iter()
+            .flat_map(|object| object.places().map(move |low| (object, low)))
+            .filter(|(o, low)| is_on_wall(o, *low))
+            .collect();
         let cuts = |of: &dyn Fn(&PaintedObject, (i32, i32)) -> [i32; 2], end: i32| {
             let mut cuts: Vec<i32> = objects.iter().flat_map(|(object, low)| of(object, *low)).chain([0, end]).collect();
             cuts.sort_unstable();
@@ -212,7 +217,14 @@ mod tests {
             rows: 2,
             step: (4 * 1024, 3 * 1024),
         };
-        let door = PaintedObject { kind: FacadeObjectKind::Door, low: (4 * 1024, 0), head: ObjectHead::Flat, columns: 1, rows: 1, ..window };
+        let door = PaintedObject {
+            kind: FacadeObjectKind::Door,
+            low: (4 * 1024, 0),
+            head: ObjectHead::Flat,
+            columns: 1,
+            rows: 1,
+            ..window
+        };
         let painted = PaintedFacade {
             size: (9 * 1024, 13 * 1024),
             sections: 2,
@@ -238,9 +250,14 @@ mod tests {
             assert!((area(mesh) - 9.0 * 13.0).abs() < 1e-3, "{} m²", area(mesh));
         }
         let bare = FacadeSheet { painted: Vec::new(), ..sheet() };
-        let tiles = |sheet: &FacadeSheet| [level2(&shell, sheet).unwrap(), level4(&shell, sheet).unwrap()].map(|mesh| mesh.triangle_count());
+        let tiles = |sheet: &FacadeSheet| {
+            [level2(&shell, sheet).unwrap(), level4(&shell, sheet).unwrap()].map(|mesh| mesh.triangle_count())
+        };
         let ([with_2, with_4], [without_2, without_4]) = (tiles(&sheet()), tiles(&bare));
-        assert!(with_2 < without_2 && with_4 < without_4 / 4, "only its crown is left: {with_2} of {without_2}, {with_4} of {without_4}");
+        assert!(
+            with_2 < without_2 && with_4 < without_4 / 4,
+            "only its crown is left: {with_2} of {without_2}, {with_4} of {without_4}"
+        );
         assert_eq!(painted(&shell, &bare, true).unwrap().triangle_count(), 0);
     }
 

@@ -232,7 +232,14 @@ impl Front {
     }
 
     /// The gable above the wall, up to the roof.
-    pub(super) fn gable(&self, form: &RoofForm<'_>, wall: u16, has_windows: bool, along: &mut Vec<(f64, f64)>, mesh: &mut MeshData) {
+    pub(super) fn gable(
+        &self,
+        form: &RoofForm<'_>,
+        wall: u16,
+        has_windows: bool,
+        along: &mut Vec<(f64, f64)>,
+        mesh: &mut MeshData,
+    ) {
         form.along_wall(wall.into(), along);
         let volume = form.volume;
         if gable::is_shaped(volume.gable, along) {

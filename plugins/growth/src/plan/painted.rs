@@ -26,7 +26,11 @@ pub(super) fn hang(facades: &[PlacedFacade], houses: &mut [House], findings: &mu
         let house = &mut houses[wall.0 as usize];
         let width_m = metres(facade.painted.size.0);
         if (length_m / width_m - 1.0).abs() > STRETCH {
-            told(Severity::Note, house.id, format!("its picture is {width_m:.1} m wide and its wall {length_m:.1} m: it is stretched"));
+            told(
+                Severity::Note,
+                house.id,
+                format!("its picture is {width_m:.1} m wide and its wall {length_m:.1} m: it is stretched"),
+            );
         }
         let is_built_upon = |eaves: i32| house.volumes.iter().any(|other| (other.bottom - eaves).abs() < GRID_PER_METRE / 4);
         let volume = &house.volumes[usize::from(wall.1)];
@@ -48,7 +52,9 @@ pub(super) fn hang(facades: &[PlacedFacade], houses: &mut [House], findings: &mu
 fn nearest(houses: &[House], at: DVec2) -> Option<((u32, u16, u16), f64)> {
     let fronts = (0_u32..).zip(houses).filter(|(_, house)| house.monument.is_none()).flat_map(|(h, house)| {
         (0_u16..).zip(&house.volumes).flat_map(move |(v, volume)| {
-            (0_u16..).zip(volume.walls.iter().zip(volume.footprint.edges())).map(move |(w, (wall, edge))| ((h, v, w), wall.kind, edge))
+            (0_u16..)
+                .zip(volume.walls.iter().zip(volume.footprint.edges()))
+                .map(move |(w, (wall, edge))| ((h, v, w), wall.kind, edge))
         })
     });
     let near = fronts.filter(|(_, kind, _)| *kind == WallKind::Street).filter_map(|(wall, _, (a, b))| {
@@ -75,8 +81,7 @@ mod tests {
             "t",
         )
         .unwrap_or_else(|e| panic!("{e}"));
-        let painted =
-            PaintedFacade { size: (12 * 1024, 15 * 1024), sections: 1, colour: Rgb(9, 8, 7), ..PaintedFacade::default() };
+        let painted = PaintedFacade { size: (12 * 1024, 15 * 1024), sections: 1, colour: Rgb(9, 8, 7), ..PaintedFacade::default() };
         let facade = |&at: &(f64, f64)| PlacedFacade {
             name: "test".to_owned(),
             at: at.into(),
@@ -105,8 +110,10 @@ mod tests {
         let Growth { plan, findings } = grown(&[(5.0, 3.0), (7.0, 3.5), (5.0, -30.0)]);
         assert_eq!(plan.facades.len(), 1);
         let told: Vec<&str> = findings.iter().map(|f| f.message.as_str()).filter(|m| !m.contains("stretched")).collect();
-        let expected =
-            ["façade `test`: another façade is on that wall already", "façade `test`: no wall on a street within 5 m of that place"];
+        let expected = [
+            "façade `test`: another façade is on that wall already",
+            "façade `test`: no wall on a street within 5 m of that place",
+        ];
         assert_eq!(told, expected);
     }
 }

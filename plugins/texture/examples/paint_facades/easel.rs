@@ -136,8 +136,10 @@ impl Easel {
     pub fn scrolls(&mut self, x0: f32, x1: f32, y: f32, height: f32, colour: Colour) {
         let count = ((x1 - x0) / (height * 0.95)).round().max(1.0);
         let step = (x1 - x0) / count;
-        let stem: Vec<(f32, f32)> =
-            (0..=160).map(|i| (x0 + (x1 - x0) * i as f32 / 160.0, i as f32 / 160.0 * count * std::f32::consts::PI)).map(|(x, a)| (x, y + 0.3 * height * a.cos())).collect();
+        let stem: Vec<(f32, f32)> = (0..=160)
+            .map(|i| (x0 + (x1 - x0) * i as f32 / 160.0, i as f32 / 160.0 * count * std::f32::consts::PI))
+            .map(|(x, a)| (x, y + 0.3 * height * a.cos()))
+            .collect();
         if let Some(path) = line(&stem, false) {
             self.stroke(&path, height * 0.055, colour);
         }
@@ -154,13 +156,30 @@ impl Easel {
         let h = height;
         // Height and half the breadth.
         let knots = [
-            (0.0, 0.15), (0.025, 0.15), (0.05, 0.07), (0.10, 0.03), (0.15, 0.10), (0.22, 0.135), (0.29, 0.11), (0.32, 0.05), (0.345, 0.08), (0.37, 0.04),
-            (0.55, 0.022), (0.61, 0.06), (0.66, 0.02), (0.92, 0.012), (1.0, 0.0),
+            (0.0, 0.15),
+            (0.025, 0.15),
+            (0.05, 0.07),
+            (0.10, 0.03),
+            (0.15, 0.10),
+            (0.22, 0.135),
+            (0.29, 0.11),
+            (0.32, 0.05),
+            (0.345, 0.08),
+            (0.37, 0.04),
+            (0.55, 0.022),
+            (0.61, 0.06),
+            (0.66, 0.02),
+            (0.92, 0.012),
+            (1.0, 0.0),
         ];
         // Turned, so without corners.
         let profile: Vec<(f32, f32)> = knots
             .windows(2)
-            .flat_map(|pair| (0..6).map(|i| i as f32 / 6.0).map(move |t| (pair[0].0 + (pair[1].0 - pair[0].0) * t, pair[0].1 + (pair[1].1 - pair[0].1) * t * t * (3.0 - 2.0 * t))))
+            .flat_map(|pair| {
+                (0..6).map(|i| i as f32 / 6.0).map(move |t| {
+                    (pair[0].0 + (pair[1].0 - pair[0].0) * t, pair[0].1 + (pair[1].1 - pair[0].1) * t * t * (3.0 - 2.0 * t))
+                })
+            })
             .chain([(1.0, 0.0)])
             .collect();
         let right = profile.iter().map(|&(up, out)| (x + out * h, y + up * h));

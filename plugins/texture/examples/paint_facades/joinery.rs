@@ -97,7 +97,10 @@ impl Easel {
         if rise > 0.0 {
             for spoke in 1..6 {
                 let angle = spoke as f32 * std::f32::consts::PI / 6.0;
-                let path = crate::easel::line(&[(middle, y + leaf + 0.03), (middle + 0.44 * w * angle.cos(), y + leaf + 0.03 + (rise - 0.1) * angle.sin())], false);
+                let path = crate::easel::line(
+                    &[(middle, y + leaf + 0.03), (middle + 0.44 * w * angle.cos(), y + leaf + 0.03 + (rise - 0.1) * angle.sin())],
+                    false,
+                );
                 if let Some(path) = path {
                     self.stroke(&path, 0.03, mix(timber, 0xff_ffff, 0.2));
                 }

@@ -46,7 +46,10 @@ pub fn paint() -> Easel {
     // Lunettes under the eaves, with a window in every second.
     for n in 0..11 {
         let x = 0.05 + 1.2454 * (n as f32 + 0.5);
-        let arc: Vec<(f32, f32)> = (0..=16).map(|i| (i as f32 / 16.0 * std::f32::consts::PI).sin_cos()).map(|(s, c)| (x - 0.56 * c, 14.2 + 0.56 * s)).collect();
+        let arc: Vec<(f32, f32)> = (0..=16)
+            .map(|i| (i as f32 / 16.0 * std::f32::consts::PI).sin_cos())
+            .map(|(s, c)| (x - 0.56 * c, 14.2 + 0.56 * s))
+            .collect();
         if let Some(path) = line(&arc, false) {
             easel.stroke(&path, 0.07, CREAM);
         }

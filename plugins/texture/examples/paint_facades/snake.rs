@@ -82,7 +82,10 @@ fn surround(easel: &mut Easel, x: f32, y: f32, w: f32, h: f32, is_noble: bool, n
     if is_noble {
         let (left, right, base) = (x - 0.3, x + w + 0.3, y + h + 0.28);
         let points: Vec<(f32, f32)> = if n.is_multiple_of(2) {
-            (0..=14).map(|i| i as f32 / 14.0).map(|t| (right + (left - right) * t, base + 0.08 + 0.34 * (t * std::f32::consts::PI).sin())).collect()
+            (0..=14)
+                .map(|i| i as f32 / 14.0)
+                .map(|t| (right + (left - right) * t, base + 0.08 + 0.34 * (t * std::f32::consts::PI).sin()))
+                .collect()
         } else {
             vec![(right, base + 0.06), ((left + right) / 2.0, base + 0.46), (left, base + 0.06)]
         };
@@ -90,14 +93,23 @@ fn surround(easel: &mut Easel, x: f32, y: f32, w: f32, h: f32, is_noble: bool, n
         outer.extend(&points);
         easel.shade(left, base - 0.1, right - left, 0.12, 0x30_2010, 0.3);
         easel.polygon(&outer, WHITE);
-        let inner: Vec<(f32, f32)> = outer.iter().map(|&(px, py)| (x + w / 2.0 + (px - x - w / 2.0) * 0.72, base + 0.05 + (py - base) * 0.62)).collect();
+        let inner: Vec<(f32, f32)> =
+            outer.iter().map(|&(px, py)| (x + w / 2.0 + (px - x - w / 2.0) * 0.72, base + 0.05 + (py - base) * 0.62)).collect();
         easel.polygon(&inner, mix(WALL, 0x60_4820, 0.25));
         for petal in 0..7 {
             easel.leaf(x + w / 2.0, base + 0.09, 0.25 + petal as f32 * 0.44, 0.16, WHITE);
         }
     } else {
         easel.moulding(x - 0.28, y + h + 0.22, w + 0.56, 0.14, WHITE);
-        easel.polygon(&[(x + w / 2.0 - 0.13, y + h + 0.02), (x + w / 2.0 + 0.13, y + h + 0.02), (x + w / 2.0 + 0.2, y + h + 0.34), (x + w / 2.0 - 0.2, y + h + 0.34)], mix(WHITE, SANDSTONE, 0.3));
+        easel.polygon(
+            &[
+                (x + w / 2.0 - 0.13, y + h + 0.02),
+                (x + w / 2.0 + 0.13, y + h + 0.02),
+                (x + w / 2.0 + 0.2, y + h + 0.34),
+                (x + w / 2.0 - 0.2, y + h + 0.34),
+            ],
+            mix(WHITE, SANDSTONE, 0.3),
+        );
     }
 }
 
@@ -111,11 +123,13 @@ fn frame(easel: &mut Easel, x: f32, w: f32, h: f32) {
 /// The gilded snake over the door, in its cartouche.
 fn snake(easel: &mut Easel) {
     let (x, y) = (8.125, 3.62);
-    let ring: Vec<(f32, f32)> = (0..48).map(|i| (i as f32 / 48.0 * std::f32::consts::TAU).sin_cos()).map(|(s, c)| (x + 0.62 * c, y + 0.30 * s)).collect();
+    let ring: Vec<(f32, f32)> =
+        (0..48).map(|i| (i as f32 / 48.0 * std::f32::consts::TAU).sin_cos()).map(|(s, c)| (x + 0.62 * c, y + 0.30 * s)).collect();
     easel.polygon(&ring, mix(WHITE, SANDSTONE, 0.4));
     let inner: Vec<(f32, f32)> = ring.iter().map(|&(px, py)| (x + (px - x) * 0.88, y + (py - y) * 0.84)).collect();
     easel.polygon(&inner, 0x5b_2f24);
-    let body: Vec<(f32, f32)> = (0..=60).map(|i| i as f32 / 60.0).map(|t| (x - 0.42 + 0.84 * t, y + 0.13 * (t * 14.0).sin() * (1.0 - 0.5 * t))).collect();
+    let body: Vec<(f32, f32)> =
+        (0..=60).map(|i| i as f32 / 60.0).map(|t| (x - 0.42 + 0.84 * t, y + 0.13 * (t * 14.0).sin() * (1.0 - 0.5 * t))).collect();
     if let Some(path) = line(&body, false) {
         easel.stroke(&path, 0.085, mix(GOLD, 0x30_1c00, 0.4));
         easel.stroke(&path, 0.06, GOLD);

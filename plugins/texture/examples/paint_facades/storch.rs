@@ -108,7 +108,13 @@ fn panel(easel: &mut Easel, x: f32, y: f32, w: f32, h: f32) {
     easel.rect(x + 0.15, y + 0.15, w - 0.3, 0.42, mix(GREEN, 0x2c_3a28, 0.25));
     for n in 0..26 {
         let rx = x + 0.3 + (w - 0.6) * n as f32 / 25.0;
-        easel.leaf(rx, y + 0.4, 1.2 + 0.6 * crate::easel::hash(n, 5), 0.45 + 0.3 * crate::easel::hash(n, 9), mix(GREEN, GOLD, 0.3 * crate::easel::hash(n, 2)));
+        easel.leaf(
+            rx,
+            y + 0.4,
+            1.2 + 0.6 * crate::easel::hash(n, 5),
+            0.45 + 0.3 * crate::easel::hash(n, 9),
+            mix(GREEN, GOLD, 0.3 * crate::easel::hash(n, 2)),
+        );
     }
     // The stork: legs, body, folded wing, neck, head and beak.
     for (dx, bend) in [(-0.06, 0.03), (0.1, -0.02)] {
@@ -120,9 +126,16 @@ fn panel(easel: &mut Easel, x: f32, y: f32, w: f32, h: f32) {
     let by = y + 1.58;
     easel.polygon(&body.map(|(dx, dy)| (cx + dx * 0.9, by + dy)), WHITE);
     for feather in 0..6 {
-        easel.leaf(cx + 0.1 - 0.09 * feather as f32, by + 0.06 - 0.02 * feather as f32, 3.5, 0.5, mix(0x2c_2a2c, WHITE, 0.06 * feather as f32));
+        easel.leaf(
+            cx + 0.1 - 0.09 * feather as f32,
+            by + 0.06 - 0.02 * feather as f32,
+            3.5,
+            0.5,
+            mix(0x2c_2a2c, WHITE, 0.06 * feather as f32),
+        );
     }
-    let neck: Vec<(f32, f32)> = [(0.46, 0.08), (0.62, 0.26), (0.58, 0.46), (0.5, 0.6), (0.54, 0.74)].map(|(dx, dy)| (cx + dx, by + dy)).to_vec();
+    let neck: Vec<(f32, f32)> =
+        [(0.46, 0.08), (0.62, 0.26), (0.58, 0.46), (0.5, 0.6), (0.54, 0.74)].map(|(dx, dy)| (cx + dx, by + dy)).to_vec();
     if let Some(path) = line(&neck, false) {
         easel.stroke(&path, 0.17, WHITE);
     }

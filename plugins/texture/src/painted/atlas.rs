@@ -3,8 +3,8 @@
 use glam::DVec2;
 use veduta_city::{PaintedFacade, PaintedObject, Rgb};
 
-use super::picture::PICTURE_SIDE;
 use super::Pixels;
+use super::picture::PICTURE_SIDE;
 
 /// How much finer objects are kept than sections show them; less where they do not fit.
 const FINER: f64 = 1.25;
@@ -142,13 +142,22 @@ fn mean(atlas: &[[f32; 3]], place: &Place, at: DVec2, texel: DVec2) -> [f32; 3] 
 pub(super) fn fill(wall: &mut Pixels, is_covered: &[bool], rest: Rgb) {
     const ROUNDS: usize = 96;
     let side = wall.width;
-    let mut linear: Vec<[f32; 3]> =
-        wall.texels.iter().zip(is_covered).map(|(texel, &is_covered)| if is_covered { rest.to_linear() } else { texel.to_linear() }).collect();
+    let mut linear: Vec<[f32; 3]> = wall
+        .texels
+        .iter()
+        .zip(is_covered)
+        .map(|(texel, &is_covered)| if is_covered { rest.to_linear() } else { texel.to_linear() })
+        .collect();
     let covered: Vec<usize> = (0..linear.len()).filter(|&i| is_covered[i]).collect();
     for _ in 0..ROUNDS {
         for &i in &covered {
             let (x, y) = (i % side, i / side);
-            let beside = [i - usize::from(x > 0), i + usize::from(x + 1 < side), i - side * usize::from(y > 0), i + side * usize::from(y + 1 < side)];
+            let beside = [
+                i - usize::from(x > 0),
+                i + usize::from(x + 1 < side),
+                i - side * usize::from(y > 0),
+                i + side * usize::from(y + 1 < side),
+            ];
             let mean: [f32; 3] = core::array::from_fn(|c| beside.iter().map(|&j| linear[j][c]).sum::<f32>() * 0.25);
             linear[i] = mean;
         }

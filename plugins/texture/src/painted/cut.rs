@@ -204,7 +204,10 @@ fn shares(from: f64, to: f64, count: usize, all: usize) -> Vec<Vec<(usize, f32)>
         let last = all - 1;
         let (first, end) = ((a.max(0.0) as usize).min(last), (b.ceil().max(1.0) as usize - 1).min(last));
         let cover = |source: usize| {
-            let (low, high) = (if source == 0 { f64::NEG_INFINITY } else { source as f64 }, if source == last { f64::INFINITY } else { source as f64 + 1.0 });
+            let (low, high) = (
+                if source == 0 { f64::NEG_INFINITY } else { source as f64 },
+                if source == last { f64::INFINITY } else { source as f64 + 1.0 },
+            );
             ((b.min(high) - a.max(low)) / step).clamp(0.0, 1.0) as f32
         };
         let mut covered: Vec<(usize, f32)> = (first..=end.max(first)).map(|source| (source, cover(source))).collect();
