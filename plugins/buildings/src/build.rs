@@ -205,7 +205,7 @@ fn make(order: Order, season: Season, provided: Option<MaterialsProvided>) -> Ma
             Level::Three => {}
         }
         match (level, &order.sheet, &order.pictures) {
-            (Level::Two, Some(sheet), _) => pictures = pictures::coarse(sheet, in_blocks),
+            (Level::Two, Some(sheet), _) if has_cards => pictures = pictures::coarse(sheet, in_blocks),
             (Level::Three, Some(sheet), Some(files)) if has_cards => {
                 let (made, errors) = pictures::fine(sheet, files, in_blocks);
                 pictures = made;
@@ -214,7 +214,9 @@ fn make(order: Order, season: Season, provided: Option<MaterialsProvided>) -> Ma
             _ => {}
         }
         // Apart from the walls, so that what has most of a city's vertices is drawn only where it is seen.
-        parts.push((CellMeshKind::Walls(level), mesh::monuments(shell, MonumentDetail::of(level))));
+        if level != Level::Three {
+            parts.push((CellMeshKind::Walls(level), mesh::monuments(shell, MonumentDetail::of(level))));
+        }
     }
     match level {
         Level::One if has_cards => parts.push((CellMeshKind::Trees(level), mesh::tree_cards(shell, season))),
@@ -269,6 +271,8 @@ pub(crate) fn finish(
 ) {
     let settings = settings.in_frame(&viewers);
     let mut vertices = 0;
+    // Of cells whose level 3 may be next: what commands insert is not here yet.
+    let mut coarse: Vec<(Entity, Handle<Image>)> = Vec::new();
     while vertices < settings.vertices_a_frame {
         let made = match queue.making.pop_front() {
             None => break,
@@ -293,10 +297,17 @@ pub(crate) fn finish(
         if level != Level::One && !same_sheet() {
             continue; // the level was dropped meanwhile; it may be on its way again
         }
+        let same_pictures = || match (&content.pictures, &made.order.pictures) {
+            (Some(now), Some(then)) => Arc::ptr_eq(now, then),
+            _ => false,
+        };
+        if level == Level::Three && !same_pictures() {
+            continue;
+        }
         if let Some(error) = made.error {
             error!("cell {cell}, {level}: {error}; the level before it stays");
             // Of several pictures those that can be shown are.
-            if made.pictures.is_none() {
+            if level != Level::Three || made.pictures.is_none() {
                 continue;
             }
         }
@@ -304,9 +315,17 @@ pub(crate) fn finish(
         if let (Some(image), Some(images)) = (made.pictures, &mut images) {
             vertices += image.data.as_ref().map_or(0, Vec::len) / BYTES_A_VERTEX;
             let image = images.add(image);
-            match pictures.get_mut(entity) {
-                Ok(mut pictures) if level == Level::Three => pictures.fine = Some(image),
-                _ => _ = commands.entity(entity).insert(CellPictures { coarse: image, fine: None }),
+            if level == Level::Three {
+                match (pictures.get_mut(entity), coarse.iter().find(|(of, _)| *of == entity)) {
+                    (Ok(mut known), _) => known.fine = Some(image),
+                    (Err(_), Some((_, coarse))) => {
+                        commands.entity(entity).insert(CellPictures { coarse: coarse.clone(), fine: Some(image) });
+                    }
+                    (Err(_), None) => {}
+                }
+            } else {
+                coarse.push((entity, image.clone()));
+                commands.entity(entity).insert(CellPictures { coarse: image, fine: None });
             }
         }
         if made.order.is_turned {

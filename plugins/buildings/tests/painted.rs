@@ -49,6 +49,11 @@ fn picture() -> PictureFile {
 
 /// The cell at level 3 with such pictures: its entity, and the app.
 fn standing(pictures: Vec<PictureFile>) -> (App, Entity) {
+    arrived(pictures, true)
+}
+
+/// The same, whose levels arrive in frames of their own or in one.
+fn arrived(pictures: Vec<PictureFile>, apart: bool) -> (App, Entity) {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), BuildingsPlugin { building: Building::Inline }));
     app.init_asset::<Mesh>().init_asset::<Image>();
@@ -57,14 +62,21 @@ fn standing(pictures: Vec<PictureFile>) -> (App, Entity) {
     let entity = app.world_mut().spawn((Cell(0), content)).id();
     for level in [Level::One, Level::Two, Level::Three] {
         app.world_mut().write_message(CellReady { entity, cell: 0, level });
-        app.update();
+        if apart {
+            app.update();
+        }
     }
+    app.update();
     (app, entity)
 }
 
 #[test]
 fn a_painted_wall_has_a_mesh_of_its_own_and_a_layer_for_each_section() {
-    let (mut app, entity) = standing(vec![picture(), picture()]);
+    [true, false].map(stands_with_layers);
+}
+
+fn stands_with_layers(apart: bool) {
+    let (mut app, entity) = arrived(vec![picture(), picture()], apart);
     let mut kinds: Vec<CellMeshKind> = app.world_mut().query::<&CellMesh>().iter(app.world()).map(|mesh| mesh.kind).collect();
     kinds.sort_unstable();
     assert!(kinds.contains(&CellMeshKind::Painted(Level::Two)), "{kinds:?}");

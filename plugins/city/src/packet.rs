@@ -228,8 +228,8 @@ pub struct FacadeSheet {
 }
 
 impl FacadeSheet {
-    /// Most sections of all painted walls of a cell: layers of a texture that every GPU has.
-    pub const MOST_SECTIONS: usize = 200;
+    /// Most sections of all painted walls of a cell: so many layers of a texture, 45 MB without blocks.
+    pub const MOST_SECTIONS: usize = 32;
 
     /// A sheet without painted walls.
     #[must_use]

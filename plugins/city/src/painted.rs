@@ -270,11 +270,13 @@ impl PaintedFacade {
     /// Most small textures.
     pub const MOST_TEXTURES: usize = 64;
     /// Most objects, repeated ones counted.
-    pub const MOST_PLACES: usize = 2_000;
+    pub const MOST_PLACES: usize = 1_000;
+    /// Least width and height of an object, grid steps: a decimetre, but for what the grid takes.
+    const LEAST_SIDE: i32 = 100;
     /// Most sections.
     pub const MOST_SECTIONS: u8 = 16;
     /// Most rectangles into which the edges of its objects may cut a wall.
-    pub const MOST_RECTANGLES: usize = 10_000;
+    pub const MOST_RECTANGLES: usize = 4_000;
     /// Most texels of a small texture, across and down.
     pub const MOST_TEXELS: usize = 32;
     /// Most colours of a small texture.
@@ -305,7 +307,10 @@ impl PaintedFacade {
         for (n, texture) in self.textures.iter().enumerate() {
             texture.check().map_err(|reason| format!("small texture {n} {reason}"))?;
         }
-        let mut places = 0;
+        if self.objects.len() > Self::MOST_TEXTURES {
+            return Err(format!("a painted façade has {} kinds of objects", self.objects.len()));
+        }
+        let (mut places, mut area) = (0, 0);
         for (n, object) in self.objects.iter().enumerate() {
             let fits = |low: i32, size: i32, step: i32, count: u8, whole: i32| {
                 let last = i64::from(step) * i64::from(count.saturating_sub(1));
@@ -314,13 +319,21 @@ impl PaintedFacade {
             };
             let is_in = fits(object.low.0, object.size.0, object.step.0, object.columns, self.size.0)
                 && fits(object.low.1, object.size.1, object.step.1, object.rows, self.size.1);
-            places += usize::from(object.columns) * usize::from(object.rows);
+            let count = usize::from(object.columns) * usize::from(object.rows);
+            places += count;
             if !is_in || places > Self::MOST_PLACES || !(0..=GRID_PER_METRE).contains(&object.depth) {
                 return Err(format!("object {n} of a painted façade lies beyond it"));
             }
+            if object.size.0.min(object.size.1) < Self::LEAST_SIDE {
+                return Err(format!("object {n} of a painted façade is too small"));
+            }
+            area += count as i64 * i64::from(object.size.0) * i64::from(object.size.1);
             if usize::from(object.texture) >= self.textures.len() {
                 return Err(format!("object {n} of a painted façade has no texture"));
             }
+        }
+        if area > i64::from(self.size.0) * i64::from(self.size.1) {
+            return Err("the objects of a painted façade are larger than it".to_owned());
         }
         let cuts = |of: fn((i32, i32)) -> i32| {
             let places =
@@ -568,5 +581,15 @@ mod tests {
         assert!(refused(|f| f.objects[0].columns = 4).contains("beyond it"));
         assert!(refused(|f| f.objects[0].step.0 = i32::MAX).contains("beyond it"));
         assert!(refused(|f| f.objects[0].depth = -1).contains("beyond it"));
+        assert!(refused(|f| f.objects[0].size.0 = 9).contains("too small"));
+        assert!(refused(|f| f.objects = vec![f.objects[0]; 300]).contains("300 kinds of objects"));
+        // One over the other.
+        let covers = |f: &mut PaintedFacade| (f.objects[0].low, f.objects[0].size, f.objects[0].step) = ((0, 0), f.size, (0, 0));
+        assert!(refused(covers).contains("larger than it"));
+        let scattered = |f: &mut PaintedFacade| {
+            let object = PaintedObject { size: (200, 200), columns: 1, rows: 1, ..f.objects[0] };
+            f.objects = (0..64).map(|n| PaintedObject { low: (n * 130, n * 209), ..object }).collect();
+        };
+        assert!(refused(scattered).contains("put them in rows"));
     }
 }

@@ -17,7 +17,7 @@
 //! ```text
 //!  CellMesh ──► material by level ─┐
 //!  LevelFade ──► MeshTag (bits) ────├─► shader: keep pixel where R(n+1) ≤ bayer < R(n)
-//!  LevelDistances ──► uniform ─────┤      R(n) = max over m ≥ n of fade(m) · near(m)
+//!  LevelDistances ──► uniform ─────┤      R(n) = max over m ≥ n, but 3, of fade(m) · near(m)
 //!  Daylight, Weather ──► uniform ──┘      glass, water, wet ground, lit windows
 //! ```
 //!
@@ -25,7 +25,7 @@
 //! |---|---|---|
 //! | 1 | the horizon | coloured outline |
 //! | 2 | [`LevelDistances::far`]`[0]` | small repeated textures |
-//! | 3 | `far[1]` | weathered paint, panes and rooms |
+//! | 3 | `far[1]` | weathered paint, panes and rooms; pictures of painted walls |
 //! | 4 | `far[2]` | relief |
 //!
 //! Fittings (chimneys, dormers, lamps) are shown where level 2 is, whether or not a cell has it. Trees have two: cards at level 1, bodies from level 2 on. A tree's cards look in eight directions, upright and leaning back, and

@@ -105,13 +105,13 @@ impl From<&FacadeExtension> for FacadeKey {
 pub struct FacadeExtension {
     #[uniform(100)]
     uniform: FacadeUniform,
+    /// Colours of tiles; of painted walls the finest pictures that are here.
     #[texture(101, dimension = "2d_array")]
     #[sampler(102)]
-    /// Of tiles; of painted walls the finest pictures that are here.
     colour: Handle<Image>,
-    /// Of tiles; of painted walls the pictures of level 2.
+    /// Normals of tiles; of painted walls, which have none, the pictures of level 2.
     #[texture(103, dimension = "2d_array")]
-    normal: Handle<Image>,
+    normal_or_coarse: Handle<Image>,
     shading: Shading,
     is_shared: bool,
     is_painted: bool,
@@ -267,7 +267,7 @@ fn make(
                     ..FacadeUniform::lit(&light, weather.wet)
                 },
                 colour: colour.clone(),
-                normal: normal.clone(),
+                normal_or_coarse: normal.clone(),
                 shading: *shading,
                 is_shared,
                 is_painted: false,
@@ -301,8 +301,12 @@ fn paint(
         let finest = pictures.fine.as_ref().unwrap_or(&pictures.coarse);
         let painted = |level: Level| {
             let plain = assets.get(&in_use.levels[level.index()])?.clone();
-            let extension =
-                FacadeExtension { colour: finest.clone(), normal: pictures.coarse.clone(), is_painted: true, ..plain.extension };
+            let extension = FacadeExtension {
+                colour: finest.clone(),
+                normal_or_coarse: pictures.coarse.clone(),
+                is_painted: true,
+                ..plain.extension
+            };
             Some(CityMaterial { extension, ..plain })
         };
         let (Some(flat), Some(relief)) = (painted(Level::Two), painted(Level::Four)) else { continue };

@@ -41,7 +41,7 @@ pub enum PictureError {
 /// If it is no whole lossy WebP of [`PICTURE_SIDE`] squared.
 pub fn decode_picture(stored: &[u8]) -> Result<Pixels, PictureError> {
     check(stored)?;
-    // It is others' code, and nothing of it outlives the call.
+    // It is others' code, and nothing of it outlives the call. Browsers know no such end of a panic: there it would be the program's.
     let decoded = std::panic::catch_unwind(|| {
         let mut decoder = WebPDecoder::new(Cursor::new(stored))?;
         decoder.set_memory_limit(4 << 20);
