@@ -223,7 +223,10 @@ fn survives(fault: Fault, link: Link, fault_s: f64) {
     let mut contents = visit.app.world_mut().query::<(&veduta::ecs::Cell, &CellContent)>();
     let loaded: BTreeMap<u32, Vec<Level>> = contents
         .iter(visit.app.world())
-        .map(|(cell, content)| (cell.0, [Level::One].into_iter().chain(content.sheet.as_ref().map(|_| Level::Two)).collect()))
+        .map(|(cell, content)| {
+            let finer = [content.sheet.as_ref().map(|_| Level::Two), content.pictures.as_ref().map(|_| Level::Three)];
+            (cell.0, [Level::One].into_iter().chain(finer.into_iter().flatten()).collect())
+        })
         .collect();
     assert_eq!(told, loaded);
 }

@@ -13,7 +13,7 @@ use bevy::prelude::*;
 use veduta::ecs::{Awaited, CellMesh, CellMeshKind, Itinerary, OpenCells, StandingCells, Stop};
 use veduta::prelude::*;
 use veduta::streaming::{CurrentCell, Fetching, Link, Pace, StreamingStats, Wanted, Why};
-use veduta_city::Level;
+use veduta_city::{Level, Levels};
 use veduta_store::{DirReader, read_index};
 use veduta_tests::{quiet_app, sample_city, update_until, workplace};
 
@@ -267,7 +267,8 @@ fn over_a_slow_line_finer_levels_are_asked_for_bit_by_bit() {
     assert_eq!(finer(app.world()).len(), 1, "one comes after the other, of {all}");
     update_until(&mut app, 4_000, "who stands still gets all of them in the end", |world| {
         let standing = world.resource::<StandingCells>();
-        standing.iter().filter(|(_, levels, _)| levels.has(Level::Two)).count() >= all
+        let finer = |(_, levels, _)| [Level::Two, Level::Three].into_iter().filter(|&level| Levels::has(levels, level)).count();
+        standing.iter().map(finer).sum::<usize>() >= all
     });
 }
 

@@ -72,7 +72,8 @@ fn arrived(pictures: Vec<PictureFile>, apart: bool) -> (App, Entity) {
 
 #[test]
 fn a_painted_wall_has_a_mesh_of_its_own_and_a_layer_for_each_section() {
-    [true, false].map(stands_with_layers);
+    stands_with_layers(true);
+    stands_with_layers(false);
 }
 
 fn stands_with_layers(apart: bool) {

@@ -100,7 +100,7 @@ fn panel(easel: &mut Easel, x: f32, y: f32, w: f32, h: f32) {
         easel.disc(cx, cy, radius, colour);
     }
     for ray in 0..24 {
-        let angle = ray as f32 * 0.2618;
+        let angle = ray as f32 * std::f32::consts::TAU / 24.0;
         let (rx, ry) = (cx + 1.06 * angle.cos(), cy + 1.06 * angle.sin());
         easel.leaf(rx, ry, angle, 0.14, mix(GOLD, RED, 0.35));
     }
@@ -156,7 +156,7 @@ fn gable(easel: &mut Easel, sash: Sash) {
     easel.disc(middle, 15.1, 0.98, mix(BLUE, GROUND, 0.15));
     easel.disc(middle, 15.1, 0.6, GOLD);
     for ray in 0..16 {
-        let angle = ray as f32 * 0.3927;
+        let angle = ray as f32 * std::f32::consts::TAU / 16.0;
         easel.leaf(middle + 0.55 * angle.cos(), 15.1 + 0.55 * angle.sin(), angle, 0.4, GOLD);
     }
     for side in [1.0, -1.0] {
