@@ -308,3 +308,19 @@ fn errors_say_what_to_do() {
     let lie = says(&png(&[ihdr(16_000, 16_000, 8, 2, 0), chunk(b"IDAT", &zlib(&[0; 99]))]));
     assert!(lie.contains("16000 × 16000 pixels cannot come out of"), "{lie}");
 }
+
+#[test]
+fn colours_one_after_another_are_refused_and_not_lost() {
+    let stored = |tables_of_its_own: bool| {
+        let mut stored = Vec::new();
+        let mut encoder = jpeg_encoder::Encoder::new(&mut stored, 90);
+        // So this encoder parts the colours into scans.
+        encoder.set_optimized_huffman_tables(tables_of_its_own);
+        encoder.encode(&[200, 40, 30].repeat(32 * 32), 32, 32, jpeg_encoder::ColorType::Rgb).expect("a picture");
+        stored
+    };
+    let [r, g, b] = decoded(&stored(false)).at(9, 9).expect("a pixel");
+    assert!(r > 180 && g < 60 && b < 60, "{r} {g} {b}");
+    let refused = Picture::decode(&stored(true), "made", &PictureLimits::default()).expect_err("its decoder loses colours");
+    assert!(refused.to_string().contains("colours one after another"), "{refused}");
+}
