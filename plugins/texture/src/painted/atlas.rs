@@ -138,31 +138,27 @@ fn mean(atlas: &[[f32; 3]], place: &Place, at: DVec2, texel: DVec2) -> [f32; 3] 
     sum.map(|c| c / area)
 }
 
-/// Fills the texels that an object covers smoothly from those about them, so that they cost nothing.
+/// Fills the texels that an object covers smoothly from those about them, so that they cost nothing. Those beside it, of which it has a part,
+/// stay as they are and tell nothing.
 pub(super) fn fill(wall: &mut Pixels, is_covered: &[bool], rest: Rgb) {
     const ROUNDS: usize = 96;
     let side = wall.width;
-    let mut linear: Vec<[f32; 3]> = wall
-        .texels
-        .iter()
-        .zip(is_covered)
-        .map(|(texel, &is_covered)| if is_covered { rest.to_linear() } else { texel.to_linear() })
-        .collect();
-    let covered: Vec<usize> = (0..linear.len()).filter(|&i| is_covered[i]).collect();
+    let beside = |i: usize| {
+        let (x, y) = (i % side, i / side);
+        let [left, right] = [i - usize::from(x > 0), i + usize::from(x + 1 < side)];
+        [left, right, i - side * usize::from(y > 0), i + side * usize::from(y + 1 < side)]
+    };
+    let unknown: Vec<usize> =
+        (0..wall.texels.len()).filter(|&i| is_covered[i] || beside(i).iter().any(|&j| is_covered[j])).collect();
+    let mut linear: Vec<[f32; 3]> = wall.texels.iter().map(|texel| texel.to_linear()).collect();
+    unknown.iter().for_each(|&i| linear[i] = rest.to_linear());
     for _ in 0..ROUNDS {
-        for &i in &covered {
-            let (x, y) = (i % side, i / side);
-            let beside = [
-                i - usize::from(x > 0),
-                i + usize::from(x + 1 < side),
-                i - side * usize::from(y > 0),
-                i + side * usize::from(y + 1 < side),
-            ];
-            let mean: [f32; 3] = core::array::from_fn(|c| beside.iter().map(|&j| linear[j][c]).sum::<f32>() * 0.25);
-            linear[i] = mean;
+        for &i in &unknown {
+            let four = beside(i);
+            linear[i] = core::array::from_fn(|c| four.iter().map(|&j| linear[j][c]).sum::<f32>() * 0.25);
         }
     }
-    for i in covered {
+    for i in unknown.into_iter().filter(|&i| is_covered[i]) {
         wall.texels[i] = Rgb::from_linear(linear[i]);
     }
 }
