@@ -17,7 +17,7 @@ use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
 use veduta::streaming::{Event, Fetching, Journal, What};
 use veduta::tour::TourState;
-use veduta_bake::{BakeSettings, Input, bake, enlarged, overrides_beside, survey};
+use veduta_bake::{BakeSettings, Input, bake, enlarged, files_of_overrides, overrides_beside, survey};
 use veduta_store::CityStats;
 
 use crate::studio::Size;
@@ -138,6 +138,13 @@ fn large(scene: &Path, dir: &Path, times: (u32, u32), name: &str) -> Result<(Pat
         let mut kept: veduta::city::GraphOverrides = file::read(&overrides)?;
         kept.edits.clear();
         file::write(&kept, &overrides_beside(&source))?;
+        // What it names by paths from its folder goes along.
+        let (from, to) = (overrides.parent().unwrap_or(Path::new("")), source.parent().unwrap_or(Path::new("")));
+        for named in files_of_overrides(&kept, &overrides) {
+            let copy = to.join(named.strip_prefix(from).unwrap_or(&named));
+            copy.parent().map_or(Ok(()), std::fs::create_dir_all)?;
+            std::fs::copy(&named, &copy)?;
+        }
     }
     let stats = bake(&source, &city, &BakeSettings::default(), &mut |_| ())?.stats;
     Ok((city, stats))
