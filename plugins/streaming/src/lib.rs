@@ -8,8 +8,8 @@
 //! The current cell is followed by portal crossing. What the index tells of cells comes region by region, those about the viewer and of
 //! what is in sight first; parts of the overview, for maps, tours and the city from afar, when all in sight stands: those about the viewers,
 //! and what plugins ask for ([`OverviewWants`](veduta_ecs::OverviewWants)). Wanted are the cells of its visible set at level 1, nearest
-//! first, then level 2 within [`StreamingSettings::level_2_m`] and finer ones within [`StreamingSettings::level_3_m`], then level 1 of all that is seen from the cells next to it and
-//! from where an [`Itinerary`](veduta_ecs::Itinerary) leads: a cell opens ([`OpenCells`](veduta_ecs::OpenCells)) when nothing would be
+//! first, then level 2 within [`StreamingSettings::level_2_m`] and finer ones within [`StreamingSettings::level_3_m`], then level 1 of all
+//! that is seen from the cells next to it and from where an [`Itinerary`](veduta_ecs::Itinerary) leads: a cell opens ([`OpenCells`](veduta_ecs::OpenCells)) when nothing would be
 //! missing from there. A viewer above the roofs wants everything within [`StreamingSettings::flying_m`], and the overview beyond. Levels of
 //! a cell arrive strictly in order. Of finer levels no more is asked for than the line brings in a while: its [`Pace`] is measured. Nothing
 //! is read or decoded on the main thread.
