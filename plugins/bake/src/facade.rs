@@ -1,6 +1,6 @@
 //! Façades given as pictures, from the files that overrides name.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -9,6 +9,7 @@ use veduta_survey::raster::{Picture, PictureLimits};
 use veduta_texture::{CutFacade, PICTURE_SIDE, PICTURE_STORED_CAP, Pixels, cut_facade};
 
 use crate::BakeError;
+use crate::scene::below;
 
 /// What a façade's picture may take: 8,192 pixels a side.
 const LIMITS: PictureLimits = PictureLimits { side_px: 8_192, bytes: 1 << 30 };
@@ -103,13 +104,6 @@ pub fn files_of_overrides(overrides: &GraphOverrides, path: &Path) -> Vec<PathBu
 }
 
 const AWAY: &str = "a façade needs a path that leads down from the folder of the file that names it";
-
-/// A path that leads down from a folder.
-fn below(folder: &Path, name: &str) -> Option<PathBuf> {
-    let path = Path::new(name);
-    let leads_down = !name.is_empty() && path.components().all(|part| matches!(part, Component::Normal(_)));
-    leads_down.then(|| folder.join(path))
-}
 
 fn fault(path: &Path, reason: &str) -> BakeError {
     BakeError::Facade { path: path.to_owned(), reason: reason.to_owned() }

@@ -8,7 +8,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::path::{Component, Path};
+use std::path::Path;
 
 use glam::{Affine3A, Mat4, Vec3};
 use gltf::Semantic;
@@ -19,6 +19,7 @@ use veduta_city::{Design, GRID_PER_METRE, GraphOverrides, ModelFile, Rgb, Tile};
 use veduta_growth::mesh::MeshData;
 
 use crate::BakeError;
+use crate::scene::below;
 
 /// Largest file that is read.
 const MOST_BYTES: u64 = 1 << 30;
@@ -354,11 +355,9 @@ pub fn read_models(overrides: &GraphOverrides, path: &Path) -> Result<(Vec<Desig
 
 /// The design of a model that overrides name, and what is to be told of it. `folder`: that of the overrides.
 fn read(model: &ModelFile, folder: &Path) -> Result<(Design, Vec<String>), Fault> {
-    let path = Path::new(&model.file);
-    if model.name.is_empty() || !path.components().all(|part| matches!(part, Component::Normal(_))) {
-        return Err("a model needs a name, and a path that leads down from the folder of the overrides".to_owned());
-    }
-    let file = File::read(&folder.join(path))?;
+    let path = below(folder, &model.file).filter(|_| !model.name.is_empty());
+    let path = path.ok_or("a model needs a name, and a path that leads down from the folder of the overrides")?;
+    let file = File::read(&path)?;
     let nodes = file.nodes();
     let own = match model.node.as_str() {
         "" => &nodes[..],

@@ -1,4 +1,11 @@
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
+
+/// The place of a file that another names by its path from its own folder; `None` unless that leads down.
+pub(crate) fn below(folder: &Path, name: &str) -> Option<PathBuf> {
+    let path = Path::new(name);
+    let leads_down = !name.is_empty() && path.components().all(|part| matches!(part, Component::Normal(_)));
+    leads_down.then(|| folder.join(path))
+}
 
 /// The overrides file that belongs to a graph or map: `X.graph.overrides.ron` beside `X.graph.ron`, `X.osm.pbf` and the like.
 #[must_use]

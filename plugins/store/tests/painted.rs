@@ -110,10 +110,14 @@ proptest! {
             stored[at] = byte;
         }
         if let Ok(Packet::Facades(sheet)) = read(&stored, Level::Two) {
-            for wall in &sheet.painted {
-                prop_assert!((wall.wall as usize) < sheet.walls.len());
-                prop_assert_eq!(wall.painted.check(), Ok(()));
+            // Whoever draws it adds places up, and may store it again.
+            for object in sheet.painted.iter().flat_map(|wall| &wall.painted.objects) {
+                for (x, y) in object.places() {
+                    prop_assert!(x.checked_add(object.size.0).is_some() && y.checked_add(object.size.1).is_some());
+                }
             }
+            let again = Packet::Facades(sheet);
+            prop_assert_eq!(read(&write(&again), Level::Two), Ok(again));
         }
     }
 }

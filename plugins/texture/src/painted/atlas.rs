@@ -8,9 +8,9 @@ use super::picture::PICTURE_SIDE;
 
 /// How much finer objects are kept than sections show them; less where they do not fit.
 const FINER: f64 = 1.25;
-/// Texels about an object in the atlas, so that nothing of its neighbours bleeds into it; and the grid that objects lie on, which is that
-/// of the codec's blocks.
-const MARGIN: usize = 2;
+/// Texels about an object that are kept with it in the atlas, so that nothing of its neighbours bleeds into it.
+pub(super) const MARGIN: usize = 2;
+/// The grid that objects lie on, which is that of the codec's blocks.
 const BLOCK: usize = 8;
 
 /// Where an object lies in the atlas, texels.
@@ -161,9 +161,4 @@ pub(super) fn fill(wall: &mut Pixels, is_covered: &[bool], rest: Rgb) {
     for i in unknown.into_iter().filter(|&i| is_covered[i]) {
         wall.texels[i] = Rgb::from_linear(linear[i]);
     }
-}
-
-/// Texels beyond an object's edge that are kept with it.
-pub(super) const fn margin() -> usize {
-    MARGIN
 }

@@ -1,10 +1,10 @@
 //! From a picture to colour, small textures, and the pictures of sections.
 
 use glam::DVec2;
-use veduta_city::{FacadeDraft, FacadeObject, GridPos, PaintedFacade, PaintedObject, Rgb, SmallTexture};
+use veduta_city::{FacadeDraft, FacadeObject, GridPolygon, GridPos, PaintedFacade, PaintedObject, Rgb, SmallTexture};
 
 use super::Pixels;
-use super::atlas::{Place, fill, layout, margin, shown};
+use super::atlas::{MARGIN, Place, fill, layout, shown};
 use super::picture::PICTURE_SIDE;
 use super::quantise::{Quantised, quantise};
 
@@ -111,10 +111,13 @@ impl Scene<'_> {
         let places: Vec<(DVec2, DVec2)> =
             self.draft.objects.iter().flat_map(|object| object.places().map(|low| (low, low + object.size))).collect();
         let is_free = |p: DVec2| !places.iter().any(|(low, high)| p.cmpge(*low).all() && p.cmple(*high).all());
+        let ring: Vec<GridPos> = self.draft.outline.iter().map(|&p| GridPos::from_metres(p)).collect();
+        let outline = (!ring.is_empty()).then(|| GridPolygon::simple(ring));
+        let is_wall = |p: DVec2| outline.as_ref().is_none_or(|outline| outline.contains(GridPos::from_metres(p)));
         let (mut sum, mut count) = ([0.0_f64; 3], 0.0);
         for n in 0..PROBES * PROBES {
             let p = self.draft.size_m * (DVec2::new((n % PROBES) as f64, (n / PROBES) as f64) + 0.5) / PROBES as f64;
-            if is_free(p) && self.is_in_outline(p) {
+            if is_free(p) && is_wall(p) {
                 let [x, y] = self.pixel(p).map(|at| at as usize);
                 let texel = self.linear[y.min(self.picture.height() - 1) * self.picture.width + x.min(self.picture.width - 1)];
                 (0..3).for_each(|c| sum[c] += f64::from(texel[c]));
@@ -122,15 +125,6 @@ impl Scene<'_> {
             }
         }
         (count > 0.0).then(|| Rgb::from_linear(sum.map(|c| (c / count) as f32)))
-    }
-
-    fn is_in_outline(&self, p: DVec2) -> bool {
-        let ring = &self.draft.outline;
-        let crosses = |i: usize| {
-            let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
-            (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
-        };
-        ring.is_empty() || (0..ring.len()).filter(|&i| crosses(i)).count() % 2 == 1
     }
 
     /// Where a place of the wall lies in the picture: columns from the left, rows from the top.
@@ -155,11 +149,11 @@ impl Scene<'_> {
         for (object, place) in painted.objects.iter().zip(layout(painted)) {
             let Place { x, y, width, height } = place;
             let (low, size) = (GridPos(object.low.0, object.low.1).to_metres(), GridPos(object.size.0, object.size.1).to_metres());
-            let beyond = size / DVec2::new(width as f64, height as f64) * margin() as f64;
-            let (width, height) = (width + 2 * margin(), height + 2 * margin());
+            let beyond = size / DVec2::new(width as f64, height as f64) * MARGIN as f64;
+            let (width, height) = (width + 2 * MARGIN, height + 2 * MARGIN);
             let part = self.resample((low - beyond, low + size + beyond), (width, height));
             for (row, texels) in part.texels.chunks_exact(width).enumerate() {
-                let start = (y - margin() + row) * PICTURE_SIDE + x - margin();
+                let start = (y - MARGIN + row) * PICTURE_SIDE + x - MARGIN;
                 atlas.texels[start..start + width].copy_from_slice(texels);
             }
         }
