@@ -32,6 +32,9 @@ enum Command {
         /// Quality; picked from the graphics adapter if not given.
         #[arg(long)]
         profile: Option<Profile>,
+        /// Let façades' levels of detail reach only as far as so many frames a second allow.
+        #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u16).range(5..=500))]
+        hold_fps: Option<u16>,
         /// Tour to begin with.
         #[arg(long)]
         tour: Option<PathBuf>,
@@ -132,7 +135,13 @@ enum Command {
 }
 
 /// Walks in the city that is named, else in the tour's, else in the sample with the sample tour on T.
-fn walk(city: Option<&str>, profile: Option<Profile>, tour: Option<PathBuf>, journal: Option<&Path>) -> Result<(), Failure> {
+fn walk(
+    city: Option<&str>,
+    profile: Option<Profile>,
+    hold_fps: Option<u16>,
+    tour: Option<PathBuf>,
+    journal: Option<&Path>,
+) -> Result<(), Failure> {
     let first = match (city, tour) {
         (_, Some(path)) => Some(FirstTour { path, at_once: true }),
         (None, None) => Some(FirstTour { path: cities::sample_scene().join("royal_route.tour.ron"), at_once: false }),
@@ -142,7 +151,7 @@ fn walk(city: Option<&str>, profile: Option<Profile>, tour: Option<PathBuf>, jou
         (None, Some(FirstTour { path, at_once: true })) => cities::of_tour(&file::read::<Tour>(path)?, path)?,
         _ => cities::open(city)?,
     };
-    walk::walk(&city, profile, first.as_ref(), journal)
+    walk::walk(&city, profile, hold_fps, first.as_ref(), journal)
 }
 
 /// A number within bounds, for a command line.
@@ -170,13 +179,13 @@ pub fn run() -> ExitCode {
 
 fn command(command: Option<Command>) -> Result<(), Failure> {
     match command {
-        None if walk::has_display() => walk(None, None, None, None),
+        None if walk::has_display() => walk(None, None, None, None, None),
         None => film::film(&FilmOrder::sample()?),
-        Some(Command::Walk { city, profile, tour, journal }) => {
+        Some(Command::Walk { city, profile, hold_fps, tour, journal }) => {
             if !walk::has_display() {
                 return Err("no display to walk on; `veduta film TOUR --out film.mp4` needs none".into());
             }
-            walk(city.as_deref(), profile, tour, journal.as_deref())
+            walk(city.as_deref(), profile, hold_fps, tour, journal.as_deref())
         }
         Some(Command::Film { tour, out, size, fps, profile, from, to, json }) => {
             let out = out.unwrap_or_else(|| film::default_out(&tour));

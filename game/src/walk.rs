@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use bevy::asset::io::AssetSourceBuilder;
 use bevy::prelude::*;
-use veduta::facade::FacadePlugin;
+use veduta::facade::{AutoLevels, FacadePlugin};
 use veduta::prelude::*;
 use veduta::streaming::{Journal, StreamingCache};
 
@@ -25,7 +25,13 @@ pub fn has_display() -> bool {
 ///
 /// # Errors
 /// If the journal's file cannot be made, or the program ends with a failure.
-pub fn walk(city: &str, chosen: Option<Profile>, first: Option<&FirstTour>, journal: Option<&Path>) -> Result<(), Failure> {
+pub fn walk(
+    city: &str,
+    chosen: Option<Profile>,
+    hold_fps: Option<u16>,
+    first: Option<&FirstTour>,
+    journal: Option<&Path>,
+) -> Result<(), Failure> {
     let beside = first.and_then(|f| f.path.parent()).filter(|p| !p.as_os_str().is_empty());
     let tours = beside.unwrap_or(Path::new(".")).to_owned();
     let tours = std::path::absolute(&tours).unwrap_or(tours);
@@ -66,6 +72,9 @@ pub fn walk(city: &str, chosen: Option<Profile>, first: Option<&FirstTour>, jour
     .insert_resource(OpenCity(city.to_owned()))
     .insert_resource(StreamingCache { dir: Some(cities::streamed_dir()), ..default() })
     .add_systems(Startup, spawn_walker);
+    if let Some(frames) = hold_fps {
+        app.insert_resource(AutoLevels { frame_s: 1.0 / f64::from(frames), ..default() });
+    }
     if let Some(path) = journal {
         let told = app.world_mut().resource_mut::<Journal>().write_to(path);
         told.map_err(|error| format!("{}: {error}", path.display()))?;

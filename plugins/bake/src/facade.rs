@@ -6,7 +6,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::{FacadeDraft, FacadeFile, GraphOverrides, GridPos, PictureFile, PlacedFacade, file};
 use veduta_survey::raster::{Picture, PictureLimits};
-use veduta_texture::{CutFacade, PICTURE_SIDE, PICTURE_STORED_CAP, Pixels, cut_facade};
+use veduta_texture::{CutFacade, PICTURE_SIDE, PICTURE_STORED_CAP, Pixels, cut_facade, keep_flats};
 
 use crate::BakeError;
 use crate::scene::below;
@@ -56,34 +56,38 @@ pub fn read_facade(path: &Path, at: DVec2) -> Result<PlacedFacade, BakeError> {
 const QUICK: i32 = 3;
 const THOROUGH: i32 = 6;
 
+/// The encoder's finest quality, of which quarters make a difference.
+const FINEST: u16 = 400;
+
 /// Most bytes of all pictures of a façade for each of its sections.
 const SECTION_BYTES: usize = 20_000;
 
 /// Pictures as they travel, as fine as so many bytes allow. `None` if even the coarsest are more.
 fn encode(pictures: &[Pixels], most_bytes: usize) -> Option<Vec<PictureFile>> {
-    let stored = |quality: u8, effort: i32| -> Option<Vec<PictureFile>> {
+    let stored = |quarters: u16, effort: i32| -> Option<Vec<PictureFile>> {
         let mut config = webp::WebPConfig::new().ok()?;
-        config.quality = f32::from(quality);
+        config.quality = f32::from(quarters) / 4.0;
         config.method = effort;
         config.use_sharp_yuv = 1;
         let encode = |picture: &Pixels| {
             let (bytes, side) = (picture.bytes(), PICTURE_SIDE as u32);
             let stored = webp::Encoder::from_rgb(&bytes, side, side).encode_advanced(&config).ok()?;
-            (stored.len() <= PICTURE_STORED_CAP).then(|| PictureFile(stored.to_vec()))
+            let stored = keep_flats(stored.to_vec(), picture).ok()?;
+            (stored.len() <= PICTURE_STORED_CAP).then_some(PictureFile(stored))
         };
         let files: Vec<PictureFile> = pictures.iter().map(encode).collect::<Option<_>>()?;
         (files.iter().map(|file| file.0.len()).sum::<usize>() <= most_bytes).then_some(files)
     };
     // Sought with little effort; with more of it a little finer ones fit, too.
-    let (mut best, mut low, mut high) = (stored(1, QUICK)?, 1, 100);
+    let (mut best, mut low, mut high) = (stored(FINEST / 100, QUICK)?, FINEST / 100, FINEST);
     while high - low > 1 {
-        let quality = low + (high - low) / 2;
-        match stored(quality, QUICK) {
-            Some(files) => (best, low) = (files, quality),
-            None => high = quality,
+        let middle = low + (high - low) / 2;
+        match stored(middle, QUICK) {
+            Some(files) => (best, low) = (files, middle),
+            None => high = middle,
         }
     }
-    let finer = (low..=100).map_while(|quality| stored(quality, THOROUGH)).last();
+    let finer = (low..=FINEST).map_while(|quarters| stored(quarters, THOROUGH)).last();
     Some(finer.unwrap_or(best))
 }
 

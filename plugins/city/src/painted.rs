@@ -44,7 +44,8 @@ pub struct FacadeDraft {
     /// sides end are the eaves; what is higher is a gable.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outline: Vec<DVec2>,
-    /// Windows, doors and paintings, each of which is a small texture of level 2.
+    /// Windows, doors and paintings, each of which is a small texture of level 2. Those that come later lie on the paintings before them: a
+    /// window on its painted surround, an arch on its courses of stone.
     #[serde(default)]
     pub objects: Vec<FacadeObject>,
 }
@@ -144,8 +145,8 @@ pub enum FacadeError {
     /// Depths that no wall has.
     #[error("object {0} lies {1} m deep: that must be from 0 to 1 m")]
     Depth(usize, f64),
-    /// An object that covers another.
-    #[error("object {0} covers object {1}: each part of the wall belongs to one object")]
+    /// An object that covers another that is no painting.
+    #[error("object {0} covers object {1}: only paintings may be covered, by what comes after them")]
     Covers(usize, usize),
     /// Too many objects.
     #[error("there are {0} objects, repeated ones counted: at most {most}", most = PaintedFacade::MOST_PLACES)]
@@ -193,6 +194,9 @@ impl FacadeDraft {
                 errors.push(FacadeError::Depth(n, object.depth_m.unwrap_or_default()));
             }
             let covers = |other: &FacadeObject| {
+                if other.is_flat() {
+                    return false;
+                }
                 let apart =
                     |a: DVec2, b: DVec2| (a + object.size).cmple(b + 0.001).any() || (b + other.size).cmple(a + 0.001).any();
                 places.iter().any(|&a| other.places().any(|b| !apart(a, b)))
@@ -204,6 +208,12 @@ impl FacadeDraft {
 }
 
 impl FacadeObject {
+    /// Whether it is painted on the wall, so that other objects may lie on it.
+    #[must_use]
+    pub fn is_flat(&self) -> bool {
+        self.kind == FacadeObjectKind::Painting && self.depth_m.is_none_or(|depth| depth == 0.0)
+    }
+
     /// Lower left corners of all its repetitions, row by row.
     pub fn places(&self) -> impl Iterator<Item = DVec2> + '_ {
         let ObjectRepeat { columns, rows, step } = self.repeat;
@@ -224,7 +234,7 @@ pub struct PaintedFacade {
     pub colour: Rgb,
     /// Small textures.
     pub textures: Vec<SmallTexture>,
-    /// Where they are.
+    /// Where they are; later ones lie on the paintings before them.
     pub objects: Vec<PaintedObject>,
 }
 
@@ -275,7 +285,9 @@ impl PaintedFacade {
     const LEAST_SIDE: i32 = 100;
     /// Most sections.
     pub const MOST_SECTIONS: u8 = 16;
-    /// Most rectangles into which the edges of its objects may cut a wall.
+    /// So many times as large as the wall its objects may be, all together.
+    const MOST_LAYERS: i64 = 4;
+    /// Most rectangles into which the edges of openings may cut a wall.
     pub const MOST_RECTANGLES: usize = 4_000;
     /// Most texels of a small texture, across and down.
     pub const MOST_TEXELS: usize = 32;
@@ -332,12 +344,15 @@ impl PaintedFacade {
                 return Err(format!("object {n} of a painted façade has no texture"));
             }
         }
-        if area > i64::from(self.size.0) * i64::from(self.size.1) {
-            return Err("the objects of a painted façade are larger than it".to_owned());
+        if area > Self::MOST_LAYERS * i64::from(self.size.0) * i64::from(self.size.1) {
+            return Err(format!("the objects of a painted façade are more than {} times as large as it", Self::MOST_LAYERS));
         }
         let cuts = |of: fn((i32, i32)) -> i32| {
-            let places =
-                self.objects.iter().flat_map(|object| object.places().map(move |low| [of(low), of(low) + of(object.size)]));
+            let places = self
+                .objects
+                .iter()
+                .filter(|object| !object.is_flat())
+                .flat_map(|object| object.places().map(move |low| [of(low), of(low) + of(object.size)]));
             places.flatten().collect::<BTreeSet<i32>>().len() + 1
         };
         let rectangles = cuts(|p| p.0) * cuts(|p| p.1);
@@ -381,6 +396,12 @@ impl SmallTexture {
 }
 
 impl PaintedObject {
+    /// Whether it is painted on the wall: no hole in it, and other objects may lie on it.
+    #[must_use]
+    pub fn is_flat(&self) -> bool {
+        self.kind == FacadeObjectKind::Painting && self.depth == 0
+    }
+
     /// Lower left corners of all its repetitions, row by row.
     pub fn places(&self) -> impl Iterator<Item = (i32, i32)> + '_ {
         let at = |low: i32, step: i32, n: u8| low + step * i32::from(n);
@@ -525,6 +546,13 @@ mod tests {
         assert!(
             told(|d| d.objects.push(FacadeObject { repeat: ObjectRepeat::default(), ..d.objects[0] })).contains("covers object 0")
         );
+        // A painting over windows hides them; below them it is their surround.
+        let painting = |d: &FacadeDraft| FacadeObject { kind: FacadeObjectKind::Painting, ..d.objects[0] };
+        assert!(
+            told(|d| d.objects.push(FacadeObject { kind: FacadeObjectKind::Painting, ..d.objects[0] })).contains("covers object 0")
+        );
+        let below = FacadeDraft { objects: vec![painting(&draft()), draft().objects[0]], ..draft() };
+        assert_eq!(below.validate(), []);
         assert!(told(|d| d.objects = vec![d.objects[0]; 65]).starts_with("there are 390 objects"));
     }
 
@@ -584,8 +612,10 @@ mod tests {
         assert!(refused(|f| f.objects[0].size.0 = 9).contains("too small"));
         assert!(refused(|f| f.objects = vec![f.objects[0]; 300]).contains("300 kinds of objects"));
         // One over the other.
-        let covers = |f: &mut PaintedFacade| (f.objects[0].low, f.objects[0].size, f.objects[0].step) = ((0, 0), f.size, (0, 0));
-        assert!(refused(covers).contains("larger than it"));
+        let covers = |f: &mut PaintedFacade| {
+            (f.objects[0].low, f.objects[0].size, f.objects[0].step, f.objects[0].columns) = ((0, 0), f.size, (0, 0), 5);
+        };
+        assert!(refused(covers).contains("4 times as large"));
         let scattered = |f: &mut PaintedFacade| {
             let object = PaintedObject { size: (200, 200), columns: 1, rows: 1, ..f.objects[0] };
             f.objects = (0..64).map(|n| PaintedObject { low: (n * 130, n * 209), ..object }).collect();

@@ -17,7 +17,7 @@
 //! ```text
 //!  CellMesh ──► material by level ─┐
 //!  LevelFade ──► MeshTag (bits) ────├─► shader: keep pixel where R(n+1) ≤ bayer < R(n)
-//!  LevelDistances ──► uniform ─────┤      R(n) = max over m ≥ n, but 3, of fade(m) · near(m)
+//!  LevelDistances × LevelReach ─────┤      R(n) = max over m ≥ n, but 3, of fade(m) · near(m)
 //!  Daylight, Weather ──► uniform ──┘      glass, water, wet ground, lit windows
 //! ```
 //!
@@ -27,6 +27,8 @@
 //! | 2 | [`LevelDistances::far`]`[0]` | small repeated textures |
 //! | 3 | `far[1]` | weathered paint, panes and rooms; pictures of painted walls |
 //! | 4 | `far[2]` | relief |
+//!
+//! With [`AutoLevels`] levels reach only as far as frames keep their time.
 //!
 //! Fittings (chimneys, dormers, lamps) are shown where level 2 is, whether or not a cell has it. Trees have two: cards at level 1, bodies from level 2 on. A tree's cards look in eight directions, upright and leaning back, and
 //! one looks up; the shader shows the one that looks towards the eye, and for shadows the one that looks towards the sun.
@@ -60,6 +62,7 @@
 
 mod fade;
 mod material;
+mod reach;
 mod share;
 mod tiles;
 
@@ -69,6 +72,7 @@ use veduta_ecs::{CellMesh, MaterialsProvided, VedutaSystems};
 
 pub use fade::FadeSettings;
 pub use material::{CityMaterial, CityMaterials, FacadeExtension, LevelDistances, Shading};
+pub use reach::{AutoLevels, LevelReach};
 pub use tiles::{Painting, TileFormat, TileQuality};
 
 /// Gives cell meshes their material and switches levels per façade.
@@ -84,14 +88,18 @@ impl Plugin for FacadePlugin {
     fn build(&self, app: &mut App) {
         veduta_ecs::ensure(app);
         app.init_resource::<LevelDistances>()
+            .init_resource::<LevelReach>()
             .init_resource::<FadeSettings>()
             .init_resource::<Shading>()
             .insert_resource(self.tiles)
             .insert_resource(self.painting)
             .register_type::<LevelDistances>()
+            .register_type::<LevelReach>()
+            .register_type::<AutoLevels>()
             .register_type::<FadeSettings>()
             .register_type::<Shading>();
         // Without rendering (tests, servers) there is nothing to shade: fading still runs, so that its state can be tested.
+        app.add_systems(Update, reach::choose_reach.run_if(resource_exists::<AutoLevels>).before(VedutaSystems::Show));
         app.add_systems(Update, (fade::fade_levels, fade::tag_meshes).chain().in_set(VedutaSystems::Show));
         app.add_systems(
             PostUpdate,

@@ -10,6 +10,7 @@ use veduta_city::Level;
 use veduta_ecs::{ATTRIBUTE_RELIEF, CellMesh, CellMeshKind, CellPictures, Daylight, MaterialsProvided, VedutaSystems, Weather};
 
 use crate::NewCellMesh;
+use crate::reach::LevelReach;
 use crate::tiles::{self, Easel, Painting, TileQuality};
 
 /// The material of everything in a cell.
@@ -237,7 +238,7 @@ fn make(
     mut easel: ResMut<Easel>,
     painting: Res<Painting>,
     quality: Res<TileQuality>,
-    distances: Res<LevelDistances>,
+    (distances, reach): (Res<LevelDistances>, Res<LevelReach>),
     shading: Res<Shading>,
     light: Res<Daylight>,
     weather: Res<Weather>,
@@ -250,8 +251,7 @@ fn make(
     provided.are_made = true;
     let [colour, normal] = painted.images(quality.anisotropy).map(|image| images.add(image));
     let mut material = |level: f32, kind: Kind, is_shared: bool| {
-        let [a, b, c] = distances.near;
-        let [d, e, f] = distances.far;
+        let LevelDistances { near: [a, b, c], far: [d, e, f] } = distances.within(*reach);
         materials.add(CityMaterial {
             base: StandardMaterial {
                 base_color: Color::WHITE,
@@ -328,15 +328,16 @@ fn paint(
 
 /// Tells the materials which levels show from where, and how they are lit.
 fn set_distances(
-    distances: Res<LevelDistances>,
+    (distances, reach): (Res<LevelDistances>, Res<LevelReach>),
     shading: Res<Shading>,
     in_use: Option<Res<CityMaterials>>,
     mut assets: ResMut<Assets<CityMaterial>>,
 ) {
     let Some(in_use) = in_use else { return };
-    if !distances.is_changed() && !shading.is_changed() {
+    if !distances.is_changed() && !reach.is_changed() && !shading.is_changed() {
         return;
     }
+    let distances = distances.within(*reach);
     for handle in in_use.handles() {
         let Some(mut material) = assets.get_mut(handle) else { continue };
         let u = &mut material.extension.uniform;

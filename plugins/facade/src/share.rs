@@ -4,7 +4,7 @@ use veduta_city::Level;
 use veduta_ecs::{CellMesh, CellMeshKind, LevelFade};
 
 use crate::material::CityMaterials;
-use crate::{CityMaterial, LevelDistances};
+use crate::{CityMaterial, LevelDistances, LevelReach};
 
 /// How many of its pixels a mesh keeps, over all its façades.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -20,12 +20,13 @@ pub(crate) enum Share {
 /// Finds the share of every mesh from its bounds: a few comparisons for each cell's level, none for a façade.
 pub(crate) fn find_shares(
     mut commands: Commands,
-    distances: Res<LevelDistances>,
+    (distances, reach): (Res<LevelDistances>, Res<LevelReach>),
     cameras: Query<(&Camera, &GlobalTransform, &Projection), With<Camera3d>>,
     lights: Query<&DirectionalLight>,
     cells: Query<&LevelFade>,
     mut meshes: Query<(Entity, &CellMesh, &Aabb, &GlobalTransform, &ChildOf, Option<&mut Share>)>,
 ) {
+    let distances = distances.within(*reach);
     // Where none is active, those count that may be so the next moment.
     let is_any_active = cameras.iter().any(|(camera, ..)| camera.is_active);
     let counted = || cameras.iter().filter(|(camera, ..)| camera.is_active || !is_any_active);
@@ -141,7 +142,7 @@ mod tests {
 
     fn shares_of<const N: usize>(kinds: [CellMeshKind; N], away_m: f32, fade: [f32; 4], are_shadows_cast: bool) -> [Share; N] {
         let mut app = App::new();
-        app.insert_resource(LevelDistances { near: [80.0, 40.0, 14.0], far: [110.0, 55.0, 18.0] });
+        app.init_resource::<LevelReach>().insert_resource(LevelDistances { near: [80.0, 40.0, 14.0], far: [110.0, 55.0, 18.0] });
         app.add_systems(Update, (find_shares, heed_shares).chain());
         let world = app.world_mut();
         world.spawn((Camera3d::default(), GlobalTransform::from(Transform::from_xyz(away_m, 40.0, 0.0))));

@@ -74,6 +74,7 @@ mod perimeter;
 mod places;
 mod profile;
 mod relation;
+mod repetition;
 mod spans;
 mod stand;
 mod stock;
@@ -89,6 +90,7 @@ use std::borrow::Cow;
 
 use veduta_city::{Block, CityGraph, CityPlan, Finding, GraphError, GridPolygon, GridPos, StyleError};
 
+pub use repetition::{Repetition, SEEN_M, TRAITS, repetition};
 pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use anstream::{eprintln, println};
 use glam::DVec2;
 use veduta_city::{CityGraph, CityPlan, GraphOverrides, Monuments, StyleDraft, Tour, Views, file};
-use veduta_growth::plan::Stock;
+use veduta_growth::plan::{Repetition, Stock, repetition};
 use veduta_survey::CityWords;
 
 use super::Failure;
@@ -70,7 +70,7 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
     }
     if name.ends_with(".plan.ron") {
         let plan: CityPlan = file::read(path).map_err(one)?;
-        return told(path, plan.styles.validate(), format!("{} houses", plan.houses.len()));
+        return told(path, plan.styles.validate(), format!("{} houses{}", plan.houses.len(), repeated(&plan)));
     }
     if name.ends_with(".tour.ron") {
         let tour: Tour = file::read(path).map_err(one)?;
@@ -122,4 +122,18 @@ fn as_style(path: &Path, name: &str) -> Option<Result<StyleDraft, file::FileErro
 
 fn told<E: core::fmt::Display>(path: &Path, mistakes: Vec<E>, words: String) -> Result<String, Vec<String>> {
     if mistakes.is_empty() { Ok(words) } else { Err(mistakes.iter().map(|m| format!("{}: {m}", path.display())).collect()) }
+}
+
+/// How much fronts along streets repeat one another, in words.
+fn repeated(plan: &CityPlan) -> String {
+    let Repetition { fronts, mean, dullest, doubles } = repetition(plan);
+    if fronts == 0 {
+        return String::new();
+    }
+    let dullest = dullest.map_or_else(String::new, |(street, mean)| format!(" ({:.0} % in {street})", mean * 100.0));
+    let doubles = match &doubles[..] {
+        [] => "no doubles".to_owned(),
+        [(a, b), ..] => format!("{} doubles, as {a} and {b}", doubles.len()),
+    };
+    format!("; {fronts} street fronts, each {:.0} % like the likest that is seen with it{dullest}, {doubles}", mean * 100.0)
 }

@@ -80,6 +80,7 @@ impl<'a> Canvas<'a> {
             .painted
             .objects
             .iter()
+            .filter(|object| !object.is_flat())
             .flat_map(|object| object.places().map(move |low| (object, low)))
             .filter(|(o, low)| is_on_wall(o, *low))
             .collect();
@@ -92,7 +93,7 @@ impl<'a> Canvas<'a> {
         let top = GridPos::steps(self.height);
         let across = cuts(&|object, low| [low.0, low.0 + object.size.0], self.painted.size.0);
         let up = cuts(&|object, low| [low.1, low.1 + object.size.1], top);
-        // Every rectangle of the grid that no object has: they meet corner to corner.
+        // Every rectangle of the grid that no opening has: they meet corner to corner.
         let is_of = |x: i32, y: i32, (object, low): &(&PaintedObject, (i32, i32))| {
             (low.0..low.0 + object.size.0).contains(&x) && (low.1..low.1 + object.size.1).contains(&y)
         };

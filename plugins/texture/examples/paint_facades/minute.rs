@@ -12,10 +12,10 @@ pub fn paint() -> Easel {
     let (width, height) = (13.8, 15.5);
     let mut easel = Easel::new((width, height), 2048, DARK);
     let sash = Sash { frame: 0x5a_3a26, columns: 2, rows: 3, look: 0 };
-    // Rusticated foot, as of stones cut like diamonds.
+    // Rusticated foot, as of stones cut like diamonds: sixteen in a course, three from one arch to the next.
     for row in 0..8 {
-        for stone in 0..15 {
-            let (w, h) = (0.98, 0.48);
+        for stone in 0..17 {
+            let (w, h) = (width / 16.0, 0.48);
             let (x, y) = (stone as f32 * w - if row % 2 == 0 { 0.0 } else { w / 2.0 }, row as f32 * h);
             let (cx, cy) = (x + w / 2.0, y + h / 2.0);
             easel.polygon(&[(x, y), (x + w, y), (cx, cy)], mix(DARK, 0x00_0000, 0.18));
@@ -25,7 +25,7 @@ pub fn paint() -> Easel {
         }
     }
     // Friezes between the storeys.
-    for y in [3.84, 7.35, 10.85] {
+    for y in [3.84, 7.34, 10.84] {
         band(&mut easel, width, y, 0.86);
         easel.scrolls(0.2, width - 0.2, y + 0.43, 0.8, CREAM);
     }
@@ -65,10 +65,10 @@ pub fn paint() -> Easel {
     }
     for n in 0..6 {
         let x = 0.4 + 2.6 * n as f32;
-        easel.spiral((x, 12.75), 0.42, 1.6, if n % 2 == 0 { 1.0 } else { -1.0 }, CREAM);
+        easel.spiral((x, 12.75), 0.42, 1.6, 1.0, CREAM);
     }
     // Ground floor: shops and the door under segmental arches.
-    for (n, x) in [0.9, 3.55, 8.2, 10.85].into_iter().enumerate() {
+    for (n, x) in [0.7, 3.2875, 8.4625, 11.05].into_iter().enumerate() {
         arch(&mut easel, x, 2.05, 3.0);
         easel.shop((x, 0.0, 2.05, 3.0), 0.41, 0x43_3126, n as u32 / 2 * 31);
     }
@@ -84,8 +84,9 @@ fn band(easel: &mut Easel, width: f32, y: f32, height: f32) {
     for edge in [y, y + height - 0.07] {
         easel.rect(0.0, edge, width, 0.07, CREAM);
     }
-    for n in 0..(width / 0.16) as i32 {
-        easel.disc(0.08 + 0.16 * n as f32, y + height + 0.05, 0.035, CREAM);
+    // Sixteen from window to window.
+    for n in 0..85 {
+        easel.disc(0.075 + 0.1625 * n as f32, y + height + 0.05, 0.035, CREAM);
     }
 }
 

@@ -8,6 +8,8 @@ const WALL: u32 = 0xd9_a45c;
 const WHITE: u32 = 0xee_e6d4;
 const SANDSTONE: u32 = 0xb7_9f79;
 const GOLD: u32 = 0xc8_9b3a;
+/// From one lesene to the next, metres.
+const BAY: f32 = 3.9625;
 
 pub fn paint() -> Easel {
     let (width, height) = (16.6, 13.0);
@@ -22,8 +24,8 @@ pub fn paint() -> Easel {
     easel.rect(0.0, 0.0, width, 0.7, mix(SANDSTONE, 0x40_3828, 0.3));
     easel.moulding(0.0, 4.05, width, 0.28, WHITE);
     // Lesenes from there to the cornice.
-    for x in [0.05, 4.05, 8.0, 11.95, 15.9] {
-        let x: f32 = x;
+    for n in 0..5 {
+        let x = 0.05 + BAY * n as f32;
         easel.shade(x - 0.04, 4.33, 0.78, 8.0, 0x30_2818, 0.16);
         easel.rect(x, 4.33, 0.65, 8.0, WHITE);
         easel.rect(x + 0.1, 4.55, 0.45, 7.3, mix(WHITE, WALL, 0.35));
@@ -33,7 +35,7 @@ pub fn paint() -> Easel {
         }
     }
     // Two windows between lesenes.
-    let columns: Vec<f32> = (0..8).map(|n| 0.955 + 3.958 * (n / 2) as f32 + 1.79 * (n % 2) as f32).collect();
+    let columns: Vec<f32> = (0..8).map(|n| 1.015 + BAY * (n / 2) as f32 + 1.63 * (n % 2) as f32).collect();
     for (row, (y, h)) in [(5.25, 2.05), (8.95, 1.85)].into_iter().enumerate() {
         for (n, &x) in columns.iter().enumerate() {
             let w = 1.05;
@@ -58,12 +60,12 @@ pub fn paint() -> Easel {
         }
     }
     // Doors and shops.
-    for (n, x) in [1.35, 4.7, 9.3, 13.2].into_iter().enumerate() {
+    for (n, x) in [0.4, 3.8, 10.6, 14.0].into_iter().enumerate() {
         frame(&mut easel, x, 2.2, 3.0);
         easel.shop((x, 0.0, 2.2, 3.0), 0.44, [0x2f_4237, 0x4a_2620, 0x33_3b4a, 0x4b_3a22][n], n as u32 * 17 + 5);
     }
-    frame(&mut easel, 7.4, 1.45, 3.1);
-    easel.door((7.4, 0.0, 1.45, 3.1), 0.725, 0x3c_2a1c);
+    frame(&mut easel, 7.575, 1.45, 3.1);
+    easel.door((7.575, 0.0, 1.45, 3.1), 0.725, 0x3c_2a1c);
     snake(&mut easel);
     easel.moulding(0.0, height - 0.62, width, 0.22, WHITE);
     easel.moulding(0.0, height - 0.4, width, 0.4, WHITE);
@@ -122,7 +124,7 @@ fn frame(easel: &mut Easel, x: f32, w: f32, h: f32) {
 
 /// The gilded snake over the door, in its cartouche.
 fn snake(easel: &mut Easel) {
-    let (x, y) = (8.125, 3.62);
+    let (x, y) = (8.3, 3.62);
     let ring: Vec<(f32, f32)> =
         (0..48).map(|i| (i as f32 / 48.0 * std::f32::consts::TAU).sin_cos()).map(|(s, c)| (x + 0.62 * c, y + 0.30 * s)).collect();
     easel.polygon(&ring, mix(WHITE, SANDSTONE, 0.4));

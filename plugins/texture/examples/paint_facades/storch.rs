@@ -21,10 +21,10 @@ pub fn paint() -> Easel {
     let mut easel = Easel::new((WIDTH, TOP), 2048, GROUND);
     let sash = Sash { frame: 0xe6_dfcf, columns: 2, rows: 3, look: 0 };
     // Between arcade and first floor: a frieze of scrolls on blue.
-    frieze(&mut easel, 0.0, 0.85, BLUE);
+    frieze(&mut easel, 0.0, 0.85, 0.73, BLUE);
     // Vines climb between the windows.
-    for x in [0.5, 2.75, 7.3, 9.55] {
-        vine(&mut easel, x, 0.95, EAVES - 0.62);
+    for n in 0..5 {
+        vine(&mut easel, 0.491 + 2.267 * n as f32, 0.95, EAVES - 0.62);
     }
     let columns: [f32; 4] = core::array::from_fn(|n| 1.05 + 2.267 * n as f32);
     for (y, h) in [(1.55, 2.05), (8.1, 1.75)] {
@@ -43,15 +43,15 @@ pub fn paint() -> Easel {
         easel.sill(x, 4.9, 1.1, WHITE);
     }
     panel(&mut easel, 3.0, 4.55, 4.05, 3.1);
-    frieze(&mut easel, EAVES - 0.62, 0.62, RED);
+    frieze(&mut easel, EAVES - 0.62, 0.62, 0.56, RED);
     gable(&mut easel, sash);
     age(&mut easel, 0.8);
     easel
 }
 
-fn frieze(easel: &mut Easel, y: f32, height: f32, colour: u32) {
+fn frieze(easel: &mut Easel, y: f32, height: f32, scrolls: f32, colour: u32) {
     easel.rect(0.0, y, WIDTH, height, mix(colour, GROUND, 0.15));
-    easel.scrolls(0.15, WIDTH - 0.15, y + height / 2.0, height * 0.9, mix(GOLD, WHITE, 0.35));
+    easel.scrolls(0.15, WIDTH - 0.15, y + height / 2.0, scrolls, mix(GOLD, WHITE, 0.35));
     for edge in [y, y + height - 0.06] {
         easel.rect(0.0, edge, WIDTH, 0.06, GOLD);
     }
@@ -60,7 +60,7 @@ fn frieze(easel: &mut Easel, y: f32, height: f32, colour: u32) {
 /// A stem with leaves and fruit on both sides.
 fn vine(easel: &mut Easel, x: f32, from: f32, to: f32) {
     // Four times the same.
-    let at = |t: f32| (x + 0.1 * (t * 4.0 * std::f32::consts::TAU).sin(), from + (to - from) * t);
+    let at = |t: f32| (x + 0.08 * (t * 4.0 * std::f32::consts::TAU).sin(), from + (to - from) * t);
     let stem: Vec<(f32, f32)> = (0..=80).map(|i| at(i as f32 / 80.0)).collect();
     if let Some(path) = line(&stem, false) {
         easel.stroke(&path, 0.055, UMBER);
@@ -69,7 +69,7 @@ fn vine(easel: &mut Easel, x: f32, from: f32, to: f32) {
         let (px, py) = at(i as f32 / 32.0);
         let side = if i % 2 == 0 { 1.0 } else { -1.0 };
         let angle = if side > 0.0 { 0.5 } else { 2.64 };
-        easel.leaf(px, py, angle, 0.34, mix(GREEN, if i % 4 == 0 { GOLD } else { 0x34_4630 }, 0.25));
+        easel.leaf(px, py, angle, 0.28, mix(GREEN, if i % 4 == 0 { GOLD } else { 0x34_4630 }, 0.25));
         if i % 8 == 3 {
             for berry in 0..5 {
                 let (dx, dy) = (0.05 * (berry % 3) as f32, -0.055 * (berry / 2) as f32);

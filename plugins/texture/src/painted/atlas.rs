@@ -1,4 +1,4 @@
-//! Pictures of level 3, taken apart: the wall without its objects section by section, and every object once.
+//! Pictures of level 3, taken apart: the wall without what repeats on it section by section, and all that repeats once.
 
 use glam::DVec2;
 use veduta_city::{PaintedFacade, PaintedObject, Rgb};
@@ -7,7 +7,7 @@ use super::Pixels;
 use super::picture::PICTURE_SIDE;
 
 /// How much finer objects are kept than sections show them; less where they do not fit.
-const FINER: f64 = 1.25;
+const FINER: f64 = 1.4;
 /// Texels about an object that are kept with it in the atlas, so that nothing of its neighbours bleeds into it.
 pub(super) const MARGIN: usize = 2;
 /// The grid that objects lie on, which is that of the codec's blocks.
@@ -23,7 +23,12 @@ pub(super) struct Place {
     pub(super) height: usize,
 }
 
-/// Where each object lies: on shelves, the highest first, as finely as they fit. The same for the same objects.
+/// Whether an object lies in the atlas: the wall keeps what is there once.
+pub(super) fn repeats(object: &PaintedObject) -> bool {
+    object.columns > 1 || object.rows > 1
+}
+
+/// Where each object that repeats lies: on shelves, the highest first, as finely as they fit. The same for the same objects.
 pub(super) fn layout(painted: &PaintedFacade) -> Vec<Place> {
     // Texels a step of the grid.
     let mut scale = DVec2::new(f64::from(painted.sections) / f64::from(painted.size.0), 1.0 / f64::from(painted.size.1));
@@ -42,7 +47,7 @@ fn shelves(objects: &[PaintedObject], scale: DVec2) -> Option<Vec<Place>> {
         ((size.x.ceil() as usize).max(1), (size.y.ceil() as usize).max(1))
     };
     let cell = |texels: usize| (texels + 2 * MARGIN).next_multiple_of(BLOCK);
-    let mut order: Vec<usize> = (0..objects.len()).collect();
+    let mut order: Vec<usize> = (0..objects.len()).filter(|&n| repeats(&objects[n])).collect();
     order.sort_by_key(|&n| (core::cmp::Reverse(size(&objects[n]).1), n));
     let mut places = vec![Place { x: 0, y: 0, width: 1, height: 1 }; objects.len()];
     let (mut x, mut y, mut shelf) = (0, 0, 0);
@@ -69,8 +74,8 @@ pub(super) struct Shown {
     pub(super) texels: Vec<DVec2>,
 }
 
-/// Finds the objects in sections of so many texels a side.
-pub(super) fn shown(painted: &PaintedFacade, side: usize) -> Shown {
+/// Finds some of the objects in sections of so many texels a side; others hide what they lie on, as the wall does.
+pub(super) fn shown(painted: &PaintedFacade, side: usize, is_shown: impl Fn(&PaintedObject) -> bool) -> Shown {
     let texel = DVec2::new(f64::from(painted.size.0) / f64::from(painted.sections), f64::from(painted.size.1)) / side as f64;
     let mut of = vec![vec![None; side * side]; painted.sections.into()];
     let mut texels = Vec::with_capacity(painted.objects.len());
@@ -85,7 +90,7 @@ pub(super) fn shown(painted: &PaintedFacade, side: usize) -> Shown {
             for y in range(top, bottom, side) {
                 for x in range(left, right, side * of.len()) {
                     let at = DVec2::new((x as f64 + 0.5 - left) / (right - left), (y as f64 + 0.5 - top) / (bottom - top));
-                    of[x / side][y * side + x % side] = Some((n, at));
+                    of[x / side][y * side + x % side] = is_shown(object).then_some((n, at));
                 }
             }
         }
@@ -104,61 +109,90 @@ pub fn compose(painted: &PaintedFacade, pictures: &[Pixels]) -> Option<Vec<Pixel
     }
     let mut sections = pictures[..painted.sections.into()].to_vec();
     let Some(atlas) = pictures.get(sections.len()) else { return Some(sections) };
-    let (places, shown) = (layout(painted), shown(painted, PICTURE_SIDE));
+    let (places, shown) = (layout(painted), shown(painted, PICTURE_SIDE, repeats));
     let linear: Vec<[f32; 3]> = atlas.texels.iter().map(|texel| texel.to_linear()).collect();
     for (section, of) in sections.iter_mut().zip(&shown.of) {
         for (texel, shown_here) in section.texels.iter_mut().zip(of) {
             let Some((n, at)) = shown_here else { continue };
             let (place, step) = (&places[usize::from(*n)], shown.texels[usize::from(*n)]);
-            *texel = Rgb::from_linear(mean(&linear, place, *at, step));
+            let mut mean = [0.0; 3];
+            footprint(place, *at, step, |i, share| (0..3).for_each(|c| mean[c] += share * linear[i][c]));
+            *texel = Rgb::from_linear(mean);
         }
     }
     Some(sections)
 }
 
-/// Mean of what a texel of so many shares of the object covers in the atlas, about a place: where objects are kept more finely than they are
-/// shown, as where they are not.
-fn mean(atlas: &[[f32; 3]], place: &Place, at: DVec2, texel: DVec2) -> [f32; 3] {
+/// Which texels of the atlas any section shows anything of.
+pub(super) fn used(places: &[Place], shown: &Shown) -> Vec<bool> {
+    let mut used = vec![false; PICTURE_SIDE * PICTURE_SIDE];
+    for &(n, at) in shown.of.iter().flatten().flatten() {
+        footprint(&places[usize::from(n)], at, shown.texels[usize::from(n)], |i, _| used[i] = true);
+    }
+    used
+}
+
+/// Brings the atlas nearer to what sections are to show: their texels blur those of the atlas, so these become a little sharper than the picture.
+pub(super) fn sharpen(atlas: &mut Pixels, places: &[Place], shown: &Shown, wanted: &[Pixels]) {
+    let mut linear: Vec<[f32; 3]> = atlas.texels.iter().map(|texel| texel.to_linear()).collect();
+    let mut missing = vec![([0.0_f32; 3], 0.0_f32); linear.len()];
+    for (texel, shown_here) in wanted.iter().zip(&shown.of).flat_map(|(wanted, of)| wanted.texels.iter().zip(of)) {
+        let Some((n, at)) = shown_here else { continue };
+        let (place, step) = (&places[usize::from(*n)], shown.texels[usize::from(*n)]);
+        let mut rest = texel.to_linear();
+        footprint(place, *at, step, |i, share| (0..3).for_each(|c| rest[c] -= share * linear[i][c]));
+        footprint(place, *at, step, |i, share| {
+            (0..3).for_each(|c| missing[i].0[c] += share * rest[c]);
+            missing[i].1 += share;
+        });
+    }
+    for (i, (rest, share)) in missing.into_iter().enumerate().filter(|(_, (_, share))| *share > 0.0) {
+        (0..3).for_each(|c| linear[i][c] = (linear[i][c] + rest[c] / share).clamp(0.0, 1.0));
+        atlas.texels[i] = Rgb::from_linear(linear[i]);
+    }
+}
+
+/// What a texel of so many shares of the object covers in the atlas, about a place: texels and their shares of it. Where objects are kept more
+/// finely than they are shown, as where they are not.
+fn footprint(place: &Place, at: DVec2, texel: DVec2, mut of: impl FnMut(usize, f32)) {
     let size = DVec2::new(place.width as f64, place.height as f64);
     let corner = DVec2::new(place.x as f64, place.y as f64);
     // At least as broad as a texel of the atlas: then it is the mean of those beside it, as between texels.
     let half = (texel * size / 2.0).max(DVec2::splat(0.5));
     let middle = (corner + at * size).clamp(half, DVec2::splat(PICTURE_SIDE as f64) - half);
     let (low, high) = (middle - half, middle + half);
-    let mut sum = [0.0; 3];
+    let area = (4.0 * half.x * half.y) as f32;
     let last = |end: f64| (end.ceil() as usize).min(PICTURE_SIDE);
     for y in low.y as usize..last(high.y) {
         let rows = (high.y.min(y as f64 + 1.0) - low.y.max(y as f64)) as f32;
         for x in low.x as usize..last(high.x) {
             let share = rows * (high.x.min(x as f64 + 1.0) - low.x.max(x as f64)) as f32;
-            (0..3).for_each(|c| sum[c] += share * atlas[y * PICTURE_SIDE + x][c]);
+            of(y * PICTURE_SIDE + x, share / area);
         }
     }
-    let area = (4.0 * half.x * half.y) as f32;
-    sum.map(|c| c / area)
 }
 
-/// Fills the texels that an object covers smoothly from those about them, so that they cost nothing. Those beside it, of which it has a part,
-/// stay as they are and tell nothing.
-pub(super) fn fill(wall: &mut Pixels, is_covered: &[bool], rest: Rgb) {
+/// Fills texels that are free to be anything smoothly from the others, so that they cost nothing. `is_vague`: those that are not free, but tell
+/// nothing either.
+pub(super) fn fill(picture: &mut Pixels, is_free: &[bool], is_vague: impl Fn(usize) -> bool, rest: Rgb) {
     const ROUNDS: usize = 96;
-    let side = wall.width;
-    let beside = |i: usize| {
-        let (x, y) = (i % side, i / side);
-        let [left, right] = [i - usize::from(x > 0), i + usize::from(x + 1 < side)];
-        [left, right, i - side * usize::from(y > 0), i + side * usize::from(y + 1 < side)]
-    };
-    let unknown: Vec<usize> =
-        (0..wall.texels.len()).filter(|&i| is_covered[i] || beside(i).iter().any(|&j| is_covered[j])).collect();
-    let mut linear: Vec<[f32; 3]> = wall.texels.iter().map(|texel| texel.to_linear()).collect();
+    let side = picture.width;
+    let unknown: Vec<usize> = (0..picture.texels.len()).filter(|&i| is_free[i] || is_vague(i)).collect();
+    let mut linear: Vec<[f32; 3]> = picture.texels.iter().map(|texel| texel.to_linear()).collect();
     unknown.iter().for_each(|&i| linear[i] = rest.to_linear());
     for _ in 0..ROUNDS {
         for &i in &unknown {
-            let four = beside(i);
+            let four = beside(i, side);
             linear[i] = core::array::from_fn(|c| four.iter().map(|&j| linear[j][c]).sum::<f32>() * 0.25);
         }
     }
-    for i in unknown.into_iter().filter(|&i| is_covered[i]) {
-        wall.texels[i] = Rgb::from_linear(linear[i]);
+    for i in unknown.into_iter().filter(|&i| is_free[i]) {
+        picture.texels[i] = Rgb::from_linear(linear[i]);
     }
+}
+
+/// The four texels beside one in a square of so many a side; itself beyond its edges.
+pub(super) fn beside(i: usize, side: usize) -> [usize; 4] {
+    let (x, y) = (i % side, i / side);
+    [i - usize::from(x > 0), i + usize::from(x + 1 < side), i - side * usize::from(y > 0), i + side * usize::from(y + 1 < side)]
 }

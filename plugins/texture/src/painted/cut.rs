@@ -4,7 +4,7 @@ use glam::DVec2;
 use veduta_city::{FacadeDraft, FacadeObject, GridPolygon, GridPos, PaintedFacade, PaintedObject, Rgb, SmallTexture};
 
 use super::Pixels;
-use super::atlas::{MARGIN, Place, fill, layout, shown};
+use super::atlas::{MARGIN, Place, Shown, beside, fill, layout, repeats, sharpen, shown, used};
 use super::picture::PICTURE_SIDE;
 use super::quantise::{Quantised, quantise};
 
@@ -14,6 +14,8 @@ const SECTION_M: f64 = 18.0;
 const SMALL_PER_M: f64 = 9.0;
 /// Small textures have no more colours than bring them so near to the picture, as [`quantise`] measures.
 const NEAR: f32 = 900.0;
+/// Share of a wall between its objects that tells its colour.
+const LEAST_FREE: f64 = 0.3;
 /// Points along and up at which the wall's colour is looked at.
 const PROBES: usize = 200;
 
@@ -52,22 +54,26 @@ pub fn cut_facade(draft: &FacadeDraft, picture: &Pixels) -> Result<CutFacade, Cu
     let sections = (draft.size_m.x / SECTION_M).ceil().clamp(1.0, f64::from(PaintedFacade::MOST_SECTIONS)) as u8;
     let scene = Scene { draft, picture, linear: picture.texels.iter().map(|texel| texel.to_linear()).collect() };
     let colour = scene.wall_colour().ok_or(CutError::Covered)?;
-    let textures = draft.objects.iter().map(|object| scene.small(object)).collect();
+    let textures = (0..draft.objects.len()).map(|n| scene.small(n)).collect();
     let size = steps(draft.size_m);
     let objects = (0_u8..).zip(&draft.objects).map(|(texture, object)| painted(object, texture, size)).collect();
     let painted = PaintedFacade { size, sections, colour, textures, objects };
     painted.check().map_err(CutError::Busy)?;
-    let shown = shown(&painted, PICTURE_SIDE);
+    let shown = shown(&painted, PICTURE_SIDE, repeats);
     let width = draft.size_m.x / f64::from(sections);
-    let mut pictures: Vec<Pixels> = Vec::new();
-    for (n, of) in shown.of.iter().enumerate() {
+    let section = |n: usize| {
         let (low, high) = (DVec2::new(width * n as f64, 0.0), DVec2::new(width * (n + 1) as f64, draft.size_m.y));
-        let mut wall = scene.resample((low, high), (PICTURE_SIDE, PICTURE_SIDE));
-        fill(&mut wall, &of.iter().map(Option::is_some).collect::<Vec<_>>(), colour);
-        pictures.push(wall);
+        scene.resample((low, high), (PICTURE_SIDE, PICTURE_SIDE))
+    };
+    let whole: Vec<Pixels> = (0..shown.of.len()).map(section).collect();
+    let mut pictures = whole.clone();
+    for (wall, of) in pictures.iter_mut().zip(&shown.of) {
+        let is_covered: Vec<bool> = of.iter().map(Option::is_some).collect();
+        // A texel beside an object may have a part of it.
+        fill(wall, &is_covered, |i| beside(i, PICTURE_SIDE).iter().any(|&j| is_covered[j]), colour);
     }
     if !painted.objects.is_empty() {
-        pictures.push(scene.atlas(&painted));
+        pictures.push(scene.atlas(&painted, &shown, &whole));
     }
     Ok(CutFacade { painted, pictures })
 }
@@ -106,25 +112,34 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Mean of the wall between its objects, in linear light.
+    /// Mean of the wall between its objects, in linear light; of that between its openings if it is painted nearly all over.
     fn wall_colour(&self) -> Option<Rgb> {
-        let places: Vec<(DVec2, DVec2)> =
-            self.draft.objects.iter().flat_map(|object| object.places().map(|low| (low, low + object.size))).collect();
+        self.colour_beside(|_| true, LEAST_FREE).or_else(|| self.colour_beside(|object| !object.is_flat(), 0.0))
+    }
+
+    /// Mean of the wall beside some of its objects; `None` if they leave no more than a share of it.
+    fn colour_beside(&self, is_counted: impl Fn(&FacadeObject) -> bool, share: f64) -> Option<Rgb> {
+        let objects = self.draft.objects.iter().filter(|object| is_counted(object));
+        let places: Vec<(DVec2, DVec2)> = objects.flat_map(|object| object.places().map(|low| (low, low + object.size))).collect();
         let is_free = |p: DVec2| !places.iter().any(|(low, high)| p.cmpge(*low).all() && p.cmple(*high).all());
         let ring: Vec<GridPos> = self.draft.outline.iter().map(|&p| GridPos::from_metres(p)).collect();
         let outline = (!ring.is_empty()).then(|| GridPolygon::simple(ring));
         let is_wall = |p: DVec2| outline.as_ref().is_none_or(|outline| outline.contains(GridPos::from_metres(p)));
-        let (mut sum, mut count) = ([0.0_f64; 3], 0.0);
+        let (mut sum, mut count, mut all) = ([0.0_f64; 3], 0.0, 0.0);
         for n in 0..PROBES * PROBES {
             let p = self.draft.size_m * (DVec2::new((n % PROBES) as f64, (n / PROBES) as f64) + 0.5) / PROBES as f64;
-            if is_free(p) && is_wall(p) {
+            if !is_wall(p) {
+                continue;
+            }
+            all += 1.0;
+            if is_free(p) {
                 let [x, y] = self.pixel(p).map(|at| at as usize);
                 let texel = self.linear[y.min(self.picture.height() - 1) * self.picture.width + x.min(self.picture.width - 1)];
                 (0..3).for_each(|c| sum[c] += f64::from(texel[c]));
                 count += 1.0;
             }
         }
-        (count > 0.0).then(|| Rgb::from_linear(sum.map(|c| (c / count) as f32)))
+        (count > all * share).then(|| Rgb::from_linear(sum.map(|c| (c / count) as f32)))
     }
 
     /// Where a place of the wall lies in the picture: columns from the left, rows from the top.
@@ -134,30 +149,75 @@ impl Scene<'_> {
     }
 
     /// The first of an object, in few colours.
-    fn small(&self, object: &FacadeObject) -> SmallTexture {
+    fn small(&self, n: usize) -> SmallTexture {
+        let object = &self.draft.objects[n];
         let side = |m: f64| ((m * SMALL_PER_M).round() as usize).clamp(4, PaintedFacade::MOST_TEXELS);
         let (width, height) = (side(object.size.x), side(object.size.y));
-        let pixels = self.resample((object.low, object.low + object.size), (width, height));
+        let (mut pixels, is_seen) = self.part(n, DVec2::ZERO, (width, height));
+        // What is never seen goes on with the row: what repeats costs least.
+        let first = is_seen.iter().position(|&is_seen| is_seen).unwrap_or_default();
+        let mut last = pixels.texels[first];
+        for (texel, is_seen) in pixels.texels.iter_mut().zip(is_seen) {
+            if is_seen { last = *texel } else { *texel = last }
+        }
         let few = [4, 6, 8, 12].into_iter().map(|most| quantise(&pixels.texels, most)).find(|quantised| quantised.error <= NEAR);
         let Quantised { palette, texels, .. } = few.unwrap_or_else(|| quantise(&pixels.texels, PaintedFacade::MOST_COLOURS));
         SmallTexture { width: width as u8, palette, texels }
     }
 
-    /// All objects, each once, with a little of what is about them.
-    fn atlas(&self, painted: &PaintedFacade) -> Pixels {
+    /// All objects that repeat, each once, with a little of what is about them, for sections that are to look so.
+    fn atlas(&self, painted: &PaintedFacade, shown: &Shown, whole: &[Pixels]) -> Pixels {
         let mut atlas = Pixels { width: PICTURE_SIDE, texels: vec![painted.colour; PICTURE_SIDE * PICTURE_SIDE] };
-        for (object, place) in painted.objects.iter().zip(layout(painted)) {
-            let Place { x, y, width, height } = place;
-            let (low, size) = (GridPos(object.low.0, object.low.1).to_metres(), GridPos(object.size.0, object.size.1).to_metres());
-            let beyond = size / DVec2::new(width as f64, height as f64) * MARGIN as f64;
+        let places = layout(painted);
+        for (n, &Place { x, y, width, height }) in places.iter().enumerate().filter(|&(n, _)| repeats(&painted.objects[n])) {
+            let beyond = self.draft.objects[n].size / DVec2::new(width as f64, height as f64) * MARGIN as f64;
             let (width, height) = (width + 2 * MARGIN, height + 2 * MARGIN);
-            let part = self.resample((low - beyond, low + size + beyond), (width, height));
+            let (part, _) = self.part(n, beyond, (width, height));
             for (row, texels) in part.texels.chunks_exact(width).enumerate() {
                 let start = (y - MARGIN + row) * PICTURE_SIDE + x - MARGIN;
                 atlas.texels[start..start + width].copy_from_slice(texels);
             }
         }
+        sharpen(&mut atlas, &places, shown, whole);
+        // What lies below another object wherever it is repeated is never seen.
+        let is_free: Vec<bool> = used(&places, shown).into_iter().map(|is_used| !is_used).collect();
+        fill(&mut atlas, &is_free, |_| false, painted.colour);
         atlas
+    }
+
+    /// An object and a little beyond it at so many texels, each of them from the first of its places where no later object covers it; and
+    /// which are covered at none.
+    fn part(&self, n: usize, beyond: DVec2, (width, height): (usize, usize)) -> (Pixels, Vec<bool>) {
+        let object = &self.draft.objects[n];
+        let covers: Vec<(DVec2, DVec2)> =
+            self.draft.objects[n + 1..].iter().flat_map(|later| later.places().map(|low| (low, low + later.size))).collect();
+        let texel = (object.size + beyond * 2.0) / DVec2::new(width as f64, height as f64);
+        let mut is_seen = vec![false; width * height];
+        let mut part: Option<Pixels> = None;
+        for low in object.places().map(|low| low - beyond) {
+            let near: Vec<_> = covers
+                .iter()
+                .filter(|cover| cover.0.cmplt(low + object.size + beyond * 2.0).all() && cover.1.cmpgt(low).all())
+                .collect();
+            let is_free = |i: usize| {
+                let corner = low + texel * DVec2::new((i % width) as f64, (height - 1 - i / width) as f64);
+                !near.iter().any(|(from, to)| from.cmplt(corner + texel).all() && to.cmpgt(corner).all())
+            };
+            let news: Vec<usize> = (0..is_seen.len()).filter(|&i| !is_seen[i] && is_free(i)).collect();
+            if news.is_empty() && part.is_some() {
+                continue;
+            }
+            let here = self.resample((low, low + object.size + beyond * 2.0), (width, height));
+            let part = part.get_or_insert_with(|| here.clone());
+            for i in news {
+                (part.texels[i], is_seen[i]) = (here.texels[i], true);
+            }
+            if is_seen.iter().all(|&is_seen| is_seen) {
+                break;
+            }
+        }
+        let part = part.unwrap_or_else(|| Pixels { width, texels: vec![Rgb::default(); width * height] });
+        (part, is_seen)
     }
 
     /// A rectangle of the wall at another number of texels: means over what each of them covers, in linear light.

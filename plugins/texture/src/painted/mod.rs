@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  FacadeDraft, picture ──► cut ─┬─► PaintedFacade: colour, small textures of ≤ 16 colours, places        (levels 1 and 2)
-//!                                └─► the wall of each section; an atlas of all objects, each once ──► WebP  (level 3)
+//!                                └─► the wall of each section; an atlas of all that repeats, once ──► WebP  (level 3)
 //!
 //!  PaintedFacade ──► put_together ──► a coarse picture of each section ─┐
 //!  WebP ──► decode_picture (limits first) ──► compose ──► a fine one ───┴─► PictureLayer ──► mips, blocks (BC1)
@@ -11,6 +11,7 @@
 
 mod atlas;
 mod cut;
+mod flats;
 mod picture;
 mod quantise;
 
@@ -23,7 +24,7 @@ use crate::mips::halve;
 pub use atlas::compose;
 use atlas::shown;
 pub use cut::{CutError, CutFacade, cut_facade};
-pub use picture::{PICTURE_SIDE, PICTURE_STORED_CAP, PictureError, decode_picture};
+pub use picture::{PICTURE_SIDE, PICTURE_STORED_CAP, PictureError, decode_picture, keep_flats};
 
 /// Texels along a coarse picture.
 const COARSE_SIDE: usize = 128;
@@ -112,5 +113,5 @@ pub fn put_together(painted: &PaintedFacade) -> Option<Vec<Pixels>> {
         width: COARSE_SIDE,
         texels: of.into_iter().map(|shown| texel(shown).unwrap_or(painted.colour)).collect(),
     };
-    Some(shown(painted, COARSE_SIDE).of.into_iter().map(section).collect())
+    Some(shown(painted, COARSE_SIDE, |_| true).of.into_iter().map(section).collect())
 }

@@ -1,16 +1,20 @@
-//! Pictures of level 3 as they travel: lossy WebP of one size, which every platform decodes.
+//! Pictures of level 3 as they travel: lossy WebP of one size, which every platform decodes, with a chunk of [flat colours](super::flats).
 
 use std::io::Cursor;
 
 use image_webp::WebPDecoder;
 
 use super::Pixels;
+use super::flats::FlatColours;
 
 /// Texels along a picture of level 3.
 pub const PICTURE_SIDE: usize = 512;
 
 /// Most bytes of a picture as stored.
 pub const PICTURE_STORED_CAP: usize = 64 << 10;
+
+/// Name of the chunk of flat colours, which other readers of WebP pass over.
+const FLATS: &[u8; 4] = b"FLAT";
 
 /// Why a picture of level 3 is not shown.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -40,7 +44,7 @@ pub enum PictureError {
 /// # Errors
 /// If it is no whole lossy WebP of [`PICTURE_SIDE`] squared.
 pub fn decode_picture(stored: &[u8]) -> Result<Pixels, PictureError> {
-    check(stored)?;
+    let flats = check(stored)?;
     // It is others' code, and nothing of it outlives the call. Browsers know no such end of a panic: there it would be the program's.
     let decoded = std::panic::catch_unwind(|| {
         let mut decoder = WebPDecoder::new(Cursor::new(stored))?;
@@ -51,11 +55,31 @@ pub fn decode_picture(stored: &[u8]) -> Result<Pixels, PictureError> {
     let bytes = decoded.map_err(|_| PictureError::Broken("its decoder gave up on it".to_owned()))?;
     let bytes = bytes.map_err(|error| PictureError::Broken(error.to_string()))?;
     let pixels = Pixels::of_rgb(PICTURE_SIDE, &bytes).filter(|pixels| pixels.height() == PICTURE_SIDE);
-    pixels.ok_or_else(|| PictureError::Broken("it has other texels than it says".to_owned()))
+    let mut pixels = pixels.ok_or_else(|| PictureError::Broken("it has other texels than it says".to_owned()))?;
+    flats.restore(&mut pixels);
+    Ok(pixels)
 }
 
-/// Looks at the header: one chunk, lossy, a whole frame of the right size.
-fn check(stored: &[u8]) -> Result<(), PictureError> {
+/// A picture as stored by an encoder of lossy WebP, with those colours of its original that are flat, as [`decode_picture`] gives them back.
+///
+/// # Errors
+/// As [`decode_picture`].
+pub fn keep_flats(mut stored: Vec<u8>, original: &Pixels) -> Result<Vec<u8>, PictureError> {
+    let flats = FlatColours::of(original, &decode_picture(&stored)?).bytes();
+    if !flats.is_empty() {
+        stored.resize(stored.len().next_multiple_of(2), 0);
+        stored.extend(FLATS);
+        stored.extend((flats.len() as u32).to_le_bytes());
+        stored.extend(&flats);
+        stored.resize(stored.len().next_multiple_of(2), 0);
+        let whole = (stored.len() - 8) as u32;
+        stored[4..8].copy_from_slice(&whole.to_le_bytes());
+    }
+    Ok(stored)
+}
+
+/// Looks at the headers: a chunk with a whole lossy frame of the right size, after it perhaps one of flat colours.
+fn check(stored: &[u8]) -> Result<FlatColours, PictureError> {
     use PictureError::Strange;
     if stored.len() > PICTURE_STORED_CAP {
         return Err(PictureError::TooLong(stored.len()));
@@ -68,9 +92,15 @@ fn check(stored: &[u8]) -> Result<(), PictureError> {
         return Err(Strange("it is not plain lossy WebP"));
     }
     let [whole, chunk] = [[*r0, *r1, *r2, *r3], [*c0, *c1, *c2, *c3]].map(|bytes| u32::from_le_bytes(bytes) as usize);
-    if whole != stored.len() - 8 || chunk > frame.len() || frame.len() - chunk > 1 {
+    let rest = frame.get(chunk.next_multiple_of(2).min(frame.len())..).unwrap_or_default();
+    if whole != stored.len() - 8 || chunk > frame.len() {
         return Err(Strange("it is longer or shorter than it says"));
     }
+    let flats = if rest.is_empty() {
+        FlatColours::default()
+    } else {
+        flats(rest).ok_or(Strange("what follows its frame is no flat colours"))?
+    };
     let [tag, _, _, 0x9D, 0x01, 0x2A, w0, w1, h0, h1, ..] = frame else { return Err(Strange("its frame is cut off")) };
     if tag & 1 != 0 {
         return Err(Strange("it begins with a change of a frame"));
@@ -78,5 +108,13 @@ fn check(stored: &[u8]) -> Result<(), PictureError> {
     // The upper two bits tell how it may be enlarged.
     let [width, height] = [[*w0, *w1], [*h0, *h1]].map(|bytes| u16::from_le_bytes(bytes) & 0x3FFF);
     let is_size = |texels: u16| usize::from(texels) == PICTURE_SIDE;
-    if is_size(width) && is_size(height) { Ok(()) } else { Err(PictureError::Size { width, height }) }
+    if is_size(width) && is_size(height) { Ok(flats) } else { Err(PictureError::Size { width, height }) }
+}
+
+fn flats(chunk: &[u8]) -> Option<FlatColours> {
+    let (name, rest) = chunk.split_first_chunk::<4>()?;
+    let (length, rest) = rest.split_first_chunk::<4>()?;
+    let length = u32::from_le_bytes(*length) as usize;
+    let is_whole = name == FLATS && length <= rest.len() && rest.len() - length <= 1;
+    is_whole.then(|| FlatColours::of_bytes(&rest[..length])).flatten()
 }
