@@ -6,7 +6,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::{FacadeDraft, FacadeFile, GraphOverrides, GridPos, PictureFile, PlacedFacade, file};
 use veduta_survey::raster::{Picture, PictureLimits};
-use veduta_texture::{CutFacade, PICTURE_SIDE, PICTURE_STORED_CAP, Pixels, cut_facade, keep_flats};
+use veduta_texture::{CutFacade, MOST_FLATS_BYTES, PICTURE_SIDE, PICTURE_STORED_CAP, Pixels, cut_facade, keep_flats};
 
 use crate::BakeError;
 use crate::scene::below;
@@ -56,15 +56,19 @@ pub fn read_facade(path: &Path, at: DVec2) -> Result<PlacedFacade, BakeError> {
 const QUICK: i32 = 3;
 const THOROUGH: i32 = 6;
 
-/// The encoder's finest quality, of which quarters make a difference.
+/// The encoder's coarsest and finest quality, in quarters.
+const COARSEST: u16 = 4;
 const FINEST: u16 = 400;
+/// No more quarters than this are gained by effort.
+const GAIN: u16 = 40;
 
 /// Most bytes of all pictures of a façade for each of its sections.
 const SECTION_BYTES: usize = 20_000;
 
 /// Pictures as they travel, as fine as so many bytes allow. `None` if even the coarsest are more.
 fn encode(pictures: &[Pixels], most_bytes: usize) -> Option<Vec<PictureFile>> {
-    let stored = |quarters: u16, effort: i32| -> Option<Vec<PictureFile>> {
+    let most_bytes = most_bytes.checked_sub(pictures.len() * MOST_FLATS_BYTES)?;
+    let stored = |quarters: u16, effort: i32| -> Option<Vec<Vec<u8>>> {
         let mut config = webp::WebPConfig::new().ok()?;
         config.quality = f32::from(quarters) / 4.0;
         config.method = effort;
@@ -72,23 +76,27 @@ fn encode(pictures: &[Pixels], most_bytes: usize) -> Option<Vec<PictureFile>> {
         let encode = |picture: &Pixels| {
             let (bytes, side) = (picture.bytes(), PICTURE_SIDE as u32);
             let stored = webp::Encoder::from_rgb(&bytes, side, side).encode_advanced(&config).ok()?;
-            let stored = keep_flats(stored.to_vec(), picture).ok()?;
-            (stored.len() <= PICTURE_STORED_CAP).then_some(PictureFile(stored))
+            (stored.len() + MOST_FLATS_BYTES <= PICTURE_STORED_CAP).then(|| stored.to_vec())
         };
-        let files: Vec<PictureFile> = pictures.iter().map(encode).collect::<Option<_>>()?;
-        (files.iter().map(|file| file.0.len()).sum::<usize>() <= most_bytes).then_some(files)
+        let files: Vec<Vec<u8>> = pictures.iter().map(encode).collect::<Option<_>>()?;
+        (files.iter().map(Vec::len).sum::<usize>() <= most_bytes).then_some(files)
     };
-    // Sought with little effort; with more of it a little finer ones fit, too.
-    let (mut best, mut low, mut high) = (stored(FINEST / 100, QUICK)?, FINEST / 100, FINEST);
-    while high - low > 1 {
-        let middle = low + (high - low) / 2;
-        match stored(middle, QUICK) {
-            Some(files) => (best, low) = (files, middle),
-            None => high = middle,
+    // The finest that fits, from one that does to one that may not.
+    let sought = |(mut best, mut low): (Vec<Vec<u8>>, u16), mut high: u16, effort: i32| {
+        while high - low > 1 {
+            let middle = low + (high - low) / 2;
+            match stored(middle, effort) {
+                Some(files) => (best, low) = (files, middle),
+                None => high = middle,
+            }
         }
-    }
-    let finer = (low..=FINEST).map_while(|quarters| stored(quarters, THOROUGH)).last();
-    Some(finer.unwrap_or(best))
+        (best, low)
+    };
+    // With more effort a little finer ones fit, too.
+    let coarsest = (stored(COARSEST, QUICK)?, COARSEST);
+    let (quick, quarters) = sought(coarsest, FINEST + 1, QUICK);
+    let (files, _) = sought((quick, quarters.saturating_sub(1)), (quarters + GAIN).min(FINEST + 1), THOROUGH);
+    files.into_iter().zip(pictures).map(|(file, picture)| keep_flats(file, picture).ok().map(PictureFile)).collect()
 }
 
 /// Files that overrides name: of models, façades and their pictures, as far as they are there. `path`: of the overrides.

@@ -26,6 +26,7 @@ mod cell;
 mod colour;
 mod course;
 pub mod draw;
+mod facade_draft;
 mod faces;
 pub mod file;
 mod finding;
@@ -63,6 +64,7 @@ pub use arcade::Arcade;
 pub use cell::{Cell, Cells, Portal, PortalSide};
 pub use colour::{ParseColourError, Rgb};
 pub use course::Course;
+pub use facade_draft::{FacadeDraft, FacadeError, FacadeObject, FacadeObjectKind, ObjectHead, ObjectRepeat};
 pub use faces::{BorderEdge, connected_faces};
 pub use finding::{Finding, Severity};
 pub use furniture::{Furnishing, FurnitureError, FurnitureRule};
@@ -80,10 +82,7 @@ pub use ornament::{Articulation, Balconies, BalconyPlaces, Niche, Oriel, Ornamen
 pub use overrides::{FacadeFile, GraphOverride, GraphOverrides, LinkEdit, ModelFile, OverrideError, Target};
 pub use overview::{District, DistrictOf, HouseName, MAP_STEP, Massing, Overview, OverviewParts};
 pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, ObjectShell, VolumeShell};
-pub use painted::{
-    FacadeDraft, FacadeError, FacadeObject, FacadeObjectKind, ObjectHead, ObjectRepeat, PaintedFacade, PaintedObject, PaintedWall,
-    PictureFile, PlacedFacade, PlanFacade, SmallTexture,
-};
+pub use painted::{PaintedFacade, PaintedObject, PaintedWall, PictureFile, PlacedFacade, PlanFacade, SmallTexture};
 pub use place::{Place, PlaceKind, Viewpoint};
 pub use plan::{
     CityPlan, GroundFloor, GroundPatch, House, Marking, MarkingKind, Opening, PlanObject, PlanRoof, PlanStreet, Storey,

@@ -86,8 +86,8 @@ use canvas::Canvas;
 use card::{Card, Leaf};
 use mips::Encoder;
 pub use painted::{
-    CutError, CutFacade, PICTURE_SIDE, PICTURE_STORED_CAP, PictureError, PictureLayer, Pixels, compose, cut_facade, decode_picture,
-    keep_flats, put_together,
+    CutError, CutFacade, MOST_FLATS_BYTES, PICTURE_SIDE, PICTURE_STORED_CAP, PictureError, PictureLayer, Pixels, compose,
+    cut_facade, decode_picture, keep_flats, put_together,
 };
 
 /// The modulation that leaves the wall's colour unchanged, in linear light: a stored modulation `m` is `m / 2`, so that it can

@@ -60,7 +60,7 @@ fn a_facade_is_cut_into_colour_small_textures_and_pictures() {
     let filled = wall.texels.iter().filter(|&&texel| apart(texel, WALL) < 3).count();
     assert!(filled * 1_000 > wall.texels.len() * 998, "windows are filled: {filled} texels of wall");
     let glass = atlas.texels.iter().filter(|&&texel| texel == GLASS).count();
-    assert!((5_000..20_000).contains(&glass), "{glass} texels of glass: one window of both");
+    assert!((5_000..40_000).contains(&glass), "{glass} texels of glass: one window of both, and what is filled about it");
 }
 
 #[test]
@@ -113,7 +113,7 @@ fn windows_lie_on_paintings_and_what_repeats_is_cut_where_nothing_lies_on_it() {
 
 #[test]
 fn flat_colours_travel_with_a_picture_that_any_reader_shows() {
-    let picture = Pixels { width: 512, texels: (0..512 * 512).map(|i| if i / 97 % 2 == 0 { WALL } else { GLASS }).collect() };
+    let picture = Pixels { width: 512, texels: (0..512 * 512).map(|i| if i % 512 < 200 { WALL } else { GLASS }).collect() };
     let plain = webp::Encoder::from_rgb(&picture.bytes(), 512, 512).encode(60.0).to_vec();
     let kept = keep_flats(plain.clone(), &picture).expect("it was just made");
     assert!(kept.len() <= plain.len() + 24, "{} of {} bytes", kept.len(), plain.len());
@@ -128,11 +128,11 @@ fn flat_colours_travel_with_a_picture_that_any_reader_shows() {
 fn small_textures_are_put_together_where_they_were_cut() {
     let CutFacade { painted, .. } = cut_facade(&draft(), &picture()).expect("it can be cut");
     let [coarse] = &put_together(&painted).expect("it can be drawn")[..] else { panic!("one section") };
-    let (mut right, count) = (0, coarse.width * coarse.height());
+    let (mut right, count, picture) = (0, coarse.width * coarse.height(), picture());
     for i in 0..count {
         let (x, y) = ((i % coarse.width) as f64 + 0.5, (i / coarse.width) as f64 + 0.5);
         let pixel = (y / coarse.height() as f64 * 800.0) as usize * 640 + (x / coarse.width as f64 * 640.0) as usize;
-        right += usize::from(coarse.texels[i] == picture().texels[pixel]);
+        right += usize::from(coarse.texels[i] == picture.texels[pixel]);
     }
     // Edges of windows lie between texels.
     assert!(right * 100 >= count * 98, "{right} of {count} texels");

@@ -5,6 +5,7 @@ use veduta_city::{PaintedFacade, PaintedObject, Rgb};
 
 use super::Pixels;
 use super::picture::PICTURE_SIDE;
+use crate::mips::halve;
 
 /// How much finer objects are kept than sections show them; less where they do not fit.
 const FINER: f64 = 1.4;
@@ -175,11 +176,37 @@ fn footprint(place: &Place, at: DVec2, texel: DVec2, mut of: impl FnMut(usize, f
 /// Fills texels that are free to be anything smoothly from the others, so that they cost nothing. `is_vague`: those that are not free, but tell
 /// nothing either.
 pub(super) fn fill(picture: &mut Pixels, is_free: &[bool], is_vague: impl Fn(usize) -> bool, rest: Rgb) {
-    const ROUNDS: usize = 96;
+    /// Rounds in which steps between what was filled are smoothed out.
+    const ROUNDS: usize = 12;
     let side = picture.width;
     let unknown: Vec<usize> = (0..picture.texels.len()).filter(|&i| is_free[i] || is_vague(i)).collect();
-    let mut linear: Vec<[f32; 3]> = picture.texels.iter().map(|texel| texel.to_linear()).collect();
-    unknown.iter().for_each(|&i| linear[i] = rest.to_linear());
+    let mut is_known = vec![true; picture.texels.len()];
+    unknown.iter().for_each(|&i| is_known[i] = false);
+    // Means of what is known, over ever larger squares, until one knows something: colours and how many they are of.
+    let told = picture
+        .texels
+        .iter()
+        .zip(is_known)
+        .map(|(texel, is_known)| if is_known { (texel.to_linear(), 1.0) } else { ([0.0; 3], 0.0) });
+    let mut squares: Vec<Vec<([f32; 3], f32)>> = vec![told.collect()];
+    while let Some(last) = squares.last().filter(|last| last.len() > 1) {
+        let sum = |four: [([f32; 3], f32); 4]| {
+            let share: f32 = four.iter().map(|(_, share)| share).sum();
+            (core::array::from_fn(|c| four.iter().map(|(colour, share)| colour[c] * share).sum::<f32>() / share.max(1.0)), share)
+        };
+        squares.push(halve(last.len().isqrt(), last, sum));
+    }
+    let mut linear = vec![rest.to_linear()];
+    for finer in squares.iter().rev() {
+        let side = finer.len().isqrt();
+        let coarser = linear.len().isqrt();
+        let step = side / coarser;
+        linear = finer
+            .iter()
+            .enumerate()
+            .map(|(i, &(colour, share))| if share > 0.0 { colour } else { linear[i / side / step * coarser + i % side / step] })
+            .collect();
+    }
     for _ in 0..ROUNDS {
         for &i in &unknown {
             let four = beside(i, side);

@@ -24,7 +24,7 @@ use crate::mips::halve;
 pub use atlas::compose;
 use atlas::shown;
 pub use cut::{CutError, CutFacade, cut_facade};
-pub use picture::{PICTURE_SIDE, PICTURE_STORED_CAP, PictureError, decode_picture, keep_flats};
+pub use picture::{MOST_FLATS_BYTES, PICTURE_SIDE, PICTURE_STORED_CAP, PictureError, decode_picture, keep_flats};
 
 /// Texels along a coarse picture.
 const COARSE_SIDE: usize = 128;

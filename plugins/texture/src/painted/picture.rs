@@ -16,6 +16,9 @@ pub const PICTURE_STORED_CAP: usize = 64 << 10;
 /// Name of the chunk of flat colours, which other readers of WebP pass over.
 const FLATS: &[u8; 4] = b"FLAT";
 
+/// Most bytes that [`keep_flats`] adds: the chunk's head, what it holds, and what makes both even.
+pub const MOST_FLATS_BYTES: usize = 8 + (1 + 3 * FlatColours::MOST).next_multiple_of(2) + 1;
+
 /// Why a picture of level 3 is not shown.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PictureError {
