@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{self, Align2, CornerRadius, FontId, Margin, RichText, ScrollArea, Slider, Vec2, Window};
+use veduta::facade::{AutoLevels, LevelReach};
 use veduta::prelude::*;
 use veduta::streaming::{Event, Journal, Link, Pace, Reconnect, Streamed, StreamingStats};
 
@@ -29,6 +30,7 @@ pub(super) fn draw(
     downloads: Res<Downloads>,
     pace: Res<Pace>,
     streamed: Streamed<'_>,
+    (mut commands, auto, mut reach): (Commands, Option<Res<AutoLevels>>, ResMut<LevelReach>),
 ) -> Result {
     let context = contexts.ctx_mut()?;
     let window = Window::new("Streaming").frame(frame()).title_bar(false).resizable(false).default_width(330.0);
@@ -58,6 +60,7 @@ pub(super) fn draw(
             None => "nothing was awaited long enough to tell the line's pace".to_owned(),
         });
         line(ui, &mut link, &mut settings, &mut reconnect);
+        levels(ui, &mut commands, auto.as_deref(), &mut reach);
         show(ui, &downloads, time.elapsed_secs_f64());
     });
     Ok(())
@@ -110,6 +113,25 @@ fn line(
     link.set_if_neq(own);
     if paused != settings.paused {
         settings.paused = paused;
+    }
+}
+
+/// How far levels of detail reach: as frames allow, or by hand.
+fn levels(ui: &mut egui::Ui, commands: &mut Commands, auto: Option<&AutoLevels>, reach: &mut ResMut<LevelReach>) {
+    let mut is_auto = auto.is_some();
+    let mut share = reach.0 * 100.0;
+    let frames = auto.copied().unwrap_or_default().frame_s.recip();
+    ui.horizontal(|ui| {
+        let slider = Slider::new(&mut share, 0.0..=100.0).fixed_decimals(0).suffix(" %").text("reach of levels");
+        ui.add_enabled(!is_auto, slider);
+        ui.checkbox(&mut is_auto, format!("hold {frames:.0} frames a second"));
+    });
+    match (is_auto, auto) {
+        (true, None) => commands.init_resource::<AutoLevels>(),
+        (false, Some(_)) => commands.remove_resource::<AutoLevels>(),
+        (true, Some(_)) => {}
+        (false, None) if share != reach.0 * 100.0 => reach.0 = share / 100.0,
+        (false, None) => {}
     }
 }
 
