@@ -121,11 +121,9 @@ fn levels(ui: &mut egui::Ui, commands: &mut Commands, auto: Option<&AutoLevels>,
     let mut is_auto = auto.is_some();
     let mut share = reach.0 * 100.0;
     let frames = auto.copied().unwrap_or_default().frame_s.recip();
-    ui.horizontal(|ui| {
-        let slider = Slider::new(&mut share, 0.0..=100.0).fixed_decimals(0).suffix(" %").text("reach of levels");
-        ui.add_enabled(!is_auto, slider);
-        ui.checkbox(&mut is_auto, format!("hold {frames:.0} frames a second"));
-    });
+    let slider = Slider::new(&mut share, 0.0..=100.0).fixed_decimals(0).suffix(" %").text("reach of levels");
+    ui.add_enabled(!is_auto, slider);
+    ui.checkbox(&mut is_auto, format!("reach as far as {frames:.0} frames a second allow"));
     match (is_auto, auto) {
         (true, None) => commands.init_resource::<AutoLevels>(),
         (false, Some(_)) => commands.remove_resource::<AutoLevels>(),

@@ -86,8 +86,7 @@ pub fn repetition(plan: &CityPlan) -> Repetition {
     for (street, along) in &fronts {
         for (n, front) in along.iter().enumerate() {
             let seen = along.iter().enumerate().filter(|&(m, other)| m != n && front.is_seen_with(other));
-            let likest = seen.map(|(m, other)| (front.likeness(other), m)).max_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((likeness, _)) = likest else { continue };
+            let Some(likeness) = seen.map(|(_, other)| front.likeness(other)).max_by(f64::total_cmp) else { continue };
             all.push(likeness);
             by_name.entry(streets.names[*street].as_str()).or_default().push(likeness);
             let twins = along.iter().filter(|other| front.house < other.house && front.is_seen_with(other));

@@ -133,7 +133,8 @@ pub(super) fn used(places: &[Place], shown: &Shown) -> Vec<bool> {
     used
 }
 
-/// Brings the atlas nearer to what sections are to show: their texels blur those of the atlas, so these become a little sharper than the picture.
+/// Brings the atlas nearer to what sections are to show, on the mean of all places where an object is repeated: texels of sections blur those of
+/// the atlas, so these become a little sharper than the picture.
 pub(super) fn sharpen(atlas: &mut Pixels, places: &[Place], shown: &Shown, wanted: &[Pixels]) {
     let mut linear: Vec<[f32; 3]> = atlas.texels.iter().map(|texel| texel.to_linear()).collect();
     let mut missing = vec![([0.0_f32; 3], 0.0_f32); linear.len()];

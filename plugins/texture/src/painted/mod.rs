@@ -7,7 +7,7 @@
 //!  PaintedFacade ──► put_together ──► a coarse picture of each section ─┐
 //!  WebP ──► decode_picture (limits first) ──► compose ──► a fine one ───┴─► PictureLayer ──► mips, blocks (BC1)
 //! ```
-//! What repeats is kept once, whatever it looks like where it is repeated: where it differs, it is an object of its own.
+//! What repeats is kept once, as a mean of how it looks where it is repeated: where it differs, let it be an object of its own.
 
 mod atlas;
 mod cut;
