@@ -34,6 +34,7 @@ pub mod furniture;
 mod graph;
 mod graph_check;
 mod grid;
+mod guide;
 mod holes;
 mod id;
 mod limits;
@@ -74,6 +75,7 @@ pub use graph::{
 };
 pub use graph_check::GraphError;
 pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres, ring_edges};
+pub use guide::{Certainty, Guide, GuidePlace};
 pub use id::Id;
 pub use limits::{FARTHEST_M, HIGHEST_M, MOST_LEVELS, WIDEST_M};
 pub use monument::{Design, Monument, MonumentError, MonumentTag, Monuments, PlacedMonument};

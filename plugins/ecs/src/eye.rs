@@ -93,6 +93,8 @@ pub enum Steering {
     Visitor,
     /// A tour or film: the visitor's controls rest, and touching them hands over.
     Guided,
+    /// The guide, on the way to where the visitor asked to be led; touching the controls hands over too.
+    Led,
 }
 
 /// Puts every eye on screen.

@@ -19,10 +19,12 @@ mod clock;
 mod daylight;
 mod eye;
 mod ground;
+mod interface;
 mod overview;
 mod place;
 mod sets;
 mod space;
+mod words;
 
 use bevy::prelude::*;
 
@@ -34,10 +36,12 @@ pub use clock::CityClock;
 pub use daylight::{Daylight, Weather};
 pub use eye::{Eye, Itinerary, Steering, Stop, Viewer};
 pub use ground::{Footing, Ground};
+pub use interface::{Interface, Route, WalkTo, keys_are_free};
 pub use overview::{Around, OverviewWants, Overviews};
 pub use place::{City, CityFailed, CityOpened, JumpTo, OpenCity};
 pub use sets::VedutaSystems;
 pub use space::WorldOrigin;
+pub use words::{Words, WordsError, WordsValue};
 
 /// Registers what the plugins share. Every plugin of Veduta adds it if it is missing.
 #[derive(Debug, Default, Clone, Copy)]
@@ -52,6 +56,9 @@ impl Plugin for EcsPlugin {
             .init_resource::<OverviewWants>()
             .init_resource::<Steering>()
             .init_resource::<CityClock>()
+            .init_resource::<Interface>()
+            .init_resource::<Route>()
+            .init_resource::<Words>()
             .init_resource::<Weather>()
             .init_resource::<Daylight>()
             .register_type::<Eye>()
@@ -59,6 +66,7 @@ impl Plugin for EcsPlugin {
             .register_type::<Footing>()
             .register_type::<LevelFade>()
             .register_type::<CityClock>()
+            .register_type::<Interface>()
             .register_type::<Weather>()
             .register_type::<Daylight>()
             .add_message::<CellEntered>()
@@ -68,6 +76,7 @@ impl Plugin for EcsPlugin {
             .add_message::<CityOpened>()
             .add_message::<CityFailed>()
             .add_message::<JumpTo>()
+            .add_message::<WalkTo>()
             .configure_sets(
                 Update,
                 (VedutaSystems::Steer, VedutaSystems::Stream, VedutaSystems::Build, VedutaSystems::Show).chain(),

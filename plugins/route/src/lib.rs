@@ -65,6 +65,7 @@ mod compile;
 mod error;
 mod flight;
 mod gazetteer;
+mod letters;
 mod net;
 mod pace;
 mod path;
@@ -73,9 +74,11 @@ mod pose;
 mod resume;
 #[cfg(test)]
 mod samples;
+mod search;
 mod timeline;
 #[cfg(test)]
 mod tours;
+mod walk;
 mod way;
 
 pub use compile::{CompiledTour, StepSpan, compile, compile_with};
@@ -85,5 +88,7 @@ pub use net::{Foot, JOIN_M, StreetNet};
 pub use path::CORNER_M;
 pub use pose::Pose;
 pub use resume::{ResumeLeg, WALK_BACK_M, resume, resume_with};
+pub use search::{Finder, Hit, Named};
 pub use timeline::TURN_DEG_S;
+pub use walk::Walk;
 pub use way::{CROSSING_M, DETOUR, FreeLine, OFF_STREET_M, RouteError, STRAIGHT_M};

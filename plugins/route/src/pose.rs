@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, swizzles::Vec3Swizzles};
 
 /// The camera at a moment of a tour.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pose {
     /// Plan metres.
     pub plan_pos: DVec2,

@@ -1,16 +1,11 @@
 //! Back onto the tour after wandering off.
 
-use glam::swizzles::Vec3Swizzles;
-
 use crate::{
-    CompiledTour, FreeLine, Pose, StreetNet,
+    CompiledTour, FreeLine, Pose, StreetNet, Walk,
     compile::hour_on,
     error::WALK_EYE_M,
-    pace::{Haste, Pace},
-    path::{Mark, round_corners},
     pose::{smoothstep, turn_deg},
-    timeline::{Draft, Gaze, Run, SETTLE_S, Timeline},
-    way,
+    walk::HERE_M,
 };
 
 /// Longest way that is walked back, in metres; from further off the view fades.
@@ -32,7 +27,7 @@ pub struct ResumeLeg {
     from: Pose,
     to: Pose,
     /// The walk back; without one the view fades.
-    walk: Option<Timeline>,
+    walk: Option<Walk>,
     back_s: f64,
     tail: Vec<Pose>,
     resumes_at_s: f64,
@@ -56,7 +51,7 @@ fn leg(compiled: &CompiledTour, net: &StreetNet, from: Pose, t_s: f64, free: Opt
     let to = compiled.pose(t_s);
     let from = if from.is_finite() { from } else { to };
     let walk = walk_back(net, &from, &to, free);
-    let back_s = walk.as_ref().map_or(FADE_S, Timeline::end_s);
+    let back_s = walk.as_ref().map_or(FADE_S, Walk::duration_s);
     let tail_at = |i: u32| compiled.pose(t_s + tail_time(f64::from(i) / TAIL_HZ));
     let tail = (0..=libm::ceil(TAIL_S * TAIL_HZ) as u32).map(tail_at).collect();
     let resumes_at_s = (t_s + TAIL_S / 2.0).min(compiled.duration_s());
@@ -69,33 +64,14 @@ fn tail_time(t: f64) -> f64 {
     TAIL_S * (x * x * x - x * x * x * x / 2.0)
 }
 
-fn walk_back(net: &StreetNet, from: &Pose, to: &Pose, free: Option<FreeLine<'_>>) -> Option<Timeline> {
-    const HERE_M: f64 = 0.3;
-    let mut draft = Draft::new(from.at(), from.facing(), &net.terrain);
-    draft.stand(SETTLE_S);
-    if from.at().distance(to.at()) > HERE_M {
-        if from.eye_m.max(to.eye_m) > WALK_EYE_M || from.plan_pos.distance(to.plan_pos) > WALK_BACK_M {
-            return None;
-        }
-        let way = net.way_with(from.plan_pos, to.plan_pos, free).ok()?;
-        let is_blocked = free.is_some_and(|free| way.len() == 2 && !free(from.plan_pos, to.plan_pos));
-        if is_blocked || way::length(&way) > WALK_BACK_M {
-            return None;
-        }
-        let marks: Vec<Mark> = way.iter().map(|p| Mark { at: p.extend(from.eye_m), leg: 0 }).collect();
-        for path in round_corners(&marks, free) {
-            let pace = Pace::new(&path, |_| SPEED, Haste { up: 1.2, down: 1.2, side: 3.0 });
-            let run = Run { path, pace, reach_m: 4.0, is_walk: true };
-            draft.set_off(&run, Gaze::Ahead);
-            draft.facing = run.facing(run.path.length(), draft.facing);
-            draft.run(run);
-        }
-    } else {
-        draft.here = to.at();
+fn walk_back(net: &StreetNet, from: &Pose, to: &Pose, free: Option<FreeLine<'_>>) -> Option<Walk> {
+    let sets_out = from.at().distance(to.at()) > HERE_M;
+    if sets_out && (from.eye_m.max(to.eye_m) > WALK_EYE_M || from.plan_pos.distance(to.plan_pos) > WALK_BACK_M) {
+        return None;
     }
-    draft.turn(Gaze::Direction(to.facing()), 0.0);
-    let end_s = draft.now_s;
-    Some(draft.finish(end_s))
+    let walk = Walk::new(net, *from, *to, SPEED, free).ok()?;
+    let is_blocked = free.is_some_and(|free| walk.way().len() == 2 && !free(from.plan_pos, to.plan_pos));
+    (!is_blocked && walk.length_m() <= WALK_BACK_M).then_some(walk)
 }
 
 impl ResumeLeg {
@@ -125,26 +101,8 @@ impl ResumeLeg {
             return self.tail_pose(dt - self.back_s);
         }
         match &self.walk {
-            Some(walk) => self.walked(walk, dt),
+            Some(walk) => walk.pose(dt),
             None => self.faded(dt),
-        }
-    }
-
-    fn walked(&self, walk: &Timeline, dt: f64) -> Pose {
-        let share = smoothstep(dt / self.back_s);
-        let (at, facing) = (walk.at(dt), walk.facing(dt));
-        let between = |a: f64, b: f64| a + (b - a) * share;
-        let (from, to) = (&self.from, &self.to);
-        // What is left to the spot after a walk that was not worth taking.
-        let left = to.plan_pos - walk.at(self.back_s).xy();
-        Pose {
-            plan_pos: at.xy() + left * share,
-            eye_m: between(from.eye_m, to.eye_m),
-            heading_deg: facing.heading,
-            pitch_deg: facing.pitch,
-            fov_deg: between(from.fov_deg, to.fov_deg),
-            hour: between(from.hour, hour_on(from.hour, to.hour)).rem_euclid(24.0),
-            fade: between(from.fade, to.fade),
         }
     }
 

@@ -4,7 +4,7 @@ use std::collections::BinaryHeap;
 
 use glam::DVec2;
 
-use crate::net::{Foot, StreetNet};
+use crate::net::{Foot, StreetNet, nearest_on};
 
 /// Tells whether the straight line between two plan positions is free: nothing in it that a walker could run into.
 pub type FreeLine<'a> = &'a dyn Fn(DVec2, DVec2) -> bool;
@@ -248,6 +248,20 @@ fn best_pair<'a>(here: &'a [Access], there: &'a [Access], may_cross: bool) -> Op
 /// Length of a polyline in metres.
 pub(crate) fn length(way: &[DVec2]) -> f64 {
     way.windows(2).map(|w| w[0].distance(w[1])).sum()
+}
+
+/// Metres of a polyline from its point nearest to a position on; of points alike the last.
+pub(crate) fn left_m(way: &[DVec2], plan_pos: DVec2) -> f64 {
+    let (mut nearest, mut left_m, mut after_m) = (f64::INFINITY, 0.0, 0.0);
+    for w in way.windows(2).rev() {
+        let (point, _) = nearest_on(w[0], w[1], plan_pos);
+        let away = point.distance(plan_pos);
+        if away < nearest {
+            (nearest, left_m) = (away, after_m + point.distance(w[1]));
+        }
+        after_m += w[0].distance(w[1]);
+    }
+    left_m
 }
 
 /// A walker who stands in the street beside its centre line walks on to it at a slant, not at a right angle. The way's first

@@ -90,7 +90,7 @@ pub(crate) fn take_over(
         let (at, z_m) = origin.plan_from_world(transform.translation);
         let ground_m = ground.at(eye.plan_pos, eye.ground_m);
         let has_fallen = z_m - f64::from(middle_m()) < ground_m - FALLEN_M;
-        let carried = *steering == Steering::Guided || gait.flying || jump.is_under_way();
+        let carried = *steering != Steering::Visitor || gait.flying || jump.is_under_way();
         footing.set_if_neq(if carried { Footing::Terrain } else { Footing::Own });
         if carried || has_fallen || at.distance(eye.plan_pos) > APART_M {
             let foot_m = eye.ground_m.max(ground_m + KERB_M);
@@ -114,7 +114,7 @@ pub(crate) fn settle(
 ) {
     for (body, mut transform, output) in &mut bodies {
         let Ok((mut eye, mut gait)) = walkers.get_mut(body.of) else { continue };
-        if *steering == Steering::Guided || gait.flying || jump.is_under_way() {
+        if *steering != Steering::Visitor || gait.flying || jump.is_under_way() {
             continue;
         }
         let (at, z_m) = origin.plan_from_world(transform.translation);
@@ -162,7 +162,7 @@ pub(crate) fn stride(
 ) {
     let dt = time.delta_secs_f64().min(0.1);
     for (viewer, mut eye, mut gait) in &mut walkers {
-        if *steering == Steering::Guided {
+        if *steering != Steering::Visitor {
             gait.velocity = DVec3::ZERO;
             gait.flying = eye.eye_m > settings.eye_m.1 + 0.5;
             continue;

@@ -120,9 +120,9 @@ fn read_input(
     intent.set_if_neq(next);
 }
 
-/// Touching the controls takes the eye from a tour.
+/// Touching the controls takes the eye from whoever leads it.
 fn hand_over(intent: Res<Intent>, mut steering: ResMut<Steering>) {
-    if *steering == Steering::Guided && intent.is_moving() {
+    if *steering != Steering::Visitor && intent.is_moving() {
         *steering = Steering::Visitor;
     }
 }

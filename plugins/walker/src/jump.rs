@@ -68,7 +68,7 @@ pub(crate) fn advance(
     mut jump: ResMut<Jump>,
     mut viewers: Query<&mut Eye, (With<Viewer>, With<Walker>)>,
 ) {
-    if *jump == Jump::None || *steering == Steering::Guided {
+    if *jump == Jump::None || *steering != Steering::Visitor {
         return;
     }
     let Ok(mut eye) = viewers.single_mut() else { return };

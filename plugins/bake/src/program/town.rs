@@ -1,8 +1,8 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use veduta_bake::{BakeSettings, Input, plan};
-use veduta_city::{Overview, Tour};
+use veduta_city::{Guide, Overview, Tour};
 use veduta_route::{Gazetteer, StepProblem, StreetNet, TourError, compile};
 use veduta_store::{DirReader, INDEX_NAME, read_index, read_overview};
 
@@ -20,7 +20,7 @@ pub(crate) struct Towns(BTreeMap<PathBuf, Result<Town, String>>);
 pub(crate) fn check_tour(path: &Path, tour: &Tour, towns: &mut Towns) -> Result<String, Vec<String>> {
     let words = format!("“{}”, {} steps", tour.title, tour.steps.len());
     let told = |error: &dyn core::fmt::Display| vec![format!("{}: {error}", path.display())];
-    let Some(city) = city_of(path, tour) else {
+    let Some(city) = city_of(path, &tour.city) else {
         return match compile(tour, &StreetNet::new(&[]), &Gazetteer::new(&[])) {
             Err(error) if is_own(&error) => Err(told(&error)),
             _ => Ok(format!("{words}; places and ways were not looked at, for `{}` is not here", tour.city)),
@@ -35,6 +35,33 @@ pub(crate) fn check_tour(path: &Path, tour: &Tour, towns: &mut Towns) -> Result<
     }
 }
 
+/// Checks a guide: what stands in it, and, where its city lies beside it, whether that has its places.
+pub(crate) fn check_guide(path: &Path, guide: &Guide, towns: &mut Towns) -> Result<String, Vec<String>> {
+    let languages: BTreeSet<&String> = guide.places.iter().flat_map(|place| place.text.keys()).collect();
+    let mut words = format!("{} places in {} languages", guide.places.len(), languages.len());
+    let mut wrong = guide.validate();
+    match city_of(path, &guide.city).map(|city| towns.0.entry(city).or_insert_with_key(|city| open(city))) {
+        Some(Ok(town)) => wrong.extend(guide.places.iter().filter_map(|place| town.lacks(&place.name))),
+        Some(Err(error)) => wrong.push(format!("its city cannot be opened: {error}")),
+        None => words.push_str("; names were not looked for, for its city is not here"),
+    }
+    if wrong.is_empty() { Ok(words) } else { Err(wrong.iter().map(|w| format!("{}: {w}", path.display())).collect()) }
+}
+
+impl Town {
+    /// A name that no place here has, in words.
+    fn lacks(&self, name: &str) -> Option<String> {
+        if self.places.find(name).is_some_and(|place| place.name == name) {
+            return None;
+        }
+        let meant = match &self.places.suggest(name)[..] {
+            [] => "see the map's `places`".to_owned(),
+            alike => format!("is it {}?", alike.iter().map(|name| format!("“{name}”")).collect::<Vec<_>>().join(" or ")),
+        };
+        Some(format!("the map has no place “{name}”: {meant}"))
+    }
+}
+
 /// Whether a mistake is the tour's own, whatever city it is played in.
 const fn is_own(error: &TourError) -> bool {
     match error {
@@ -45,12 +72,12 @@ const fn is_own(error: &TourError) -> bool {
     }
 }
 
-/// Where a tour's city lies: what it names, or the graph of which that would be baked.
-fn city_of(path: &Path, tour: &Tour) -> Option<PathBuf> {
-    if tour.city.is_empty() || tour.city.contains("://") {
+/// Where the city that a file names lies: what it names, or the graph of which that would be baked.
+fn city_of(path: &Path, named: &str) -> Option<PathBuf> {
+    if named.is_empty() || named.contains("://") {
         return None;
     }
-    let named = path.with_file_name("").join(&tour.city);
+    let named = path.with_file_name("").join(named);
     if named.exists() {
         return Some(named);
     }

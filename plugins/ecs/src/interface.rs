@@ -1,0 +1,54 @@
+use bevy::math::DVec2;
+use bevy::prelude::*;
+
+/// How interfaces look and behave, whoever draws them. Live.
+#[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq)]
+#[reflect(Resource)]
+pub struct Interface {
+    /// Size of letters and symbols: 1 as designed, 0.5 to 3.
+    pub size: f32,
+    /// Black and white, and nothing shines through.
+    pub high_contrast: bool,
+    /// Nothing slides, glides or grows.
+    pub reduced_motion: bool,
+    /// Whether somebody is typing: keys mean letters then, and nothing else. Kept by whoever has a field to type into.
+    pub is_typing: bool,
+}
+
+impl Default for Interface {
+    fn default() -> Self {
+        Self { size: 1.0, high_contrast: false, reduced_motion: false, is_typing: false }
+    }
+}
+
+/// Runs where keys mean what they mean in the city, not letters that somebody types.
+#[must_use]
+pub fn keys_are_free(interface: Option<Res<Interface>>) -> bool {
+    interface.is_none_or(|interface| !interface.is_typing)
+}
+
+/// Asks for a walk by the shortest way along the streets, by whoever knows them (the guide).
+#[derive(Message, Debug, Clone, PartialEq)]
+pub struct WalkTo {
+    /// Name of what lies there, as the visitor reads it.
+    pub name: String,
+    /// Where to stand in the end, plan metres.
+    pub plan_pos: DVec2,
+    /// Where to look in the end: degrees clockwise from north and up. Without, at `towards`.
+    pub facing_deg: Option<(f64, f64)>,
+    /// What to look at in the end, plan metres.
+    pub towards: DVec2,
+}
+
+/// A way that the visitor is led, or shown: maps and the ground draw it.
+#[derive(Resource, Debug, Clone, PartialEq, Default)]
+pub struct Route {
+    /// Its corners, plan metres, in order; none where nobody is led.
+    pub way: Vec<DVec2>,
+    /// Where it leads, as the visitor reads it.
+    pub name: String,
+    /// Metres left to go.
+    pub left_m: f64,
+    /// Seconds left at the walk's speed.
+    pub left_s: f64,
+}
