@@ -6,13 +6,14 @@ use std::process::ExitCode;
 use anstream::eprintln;
 use clap::{Parser, Subcommand};
 use veduta::city::{Tour, file};
+use veduta_store::INDEX_NAME;
 
 use crate::film::FilmOrder;
 use crate::gallery::{GalleryOrder, Sheet};
 use crate::profile::Profile;
 use crate::shot::{At, ShotOrder};
 use crate::studio::Size;
-use crate::walk::FirstTour;
+use crate::walk::{FirstTour, WalkOrder};
 use crate::{Failure, bench, cities, film, gallery, shot, walk};
 
 /// Walk through cities.
@@ -35,6 +36,9 @@ enum Command {
         /// Let façades' levels of detail reach only as far as so many frames a second allow.
         #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u16).range(5..=500))]
         hold_fps: Option<u16>,
+        /// Language of the interface; the one that was chosen last, else the system's, if not given.
+        #[arg(long, value_name = "CODE", value_parser = ["en", "cs", "it"])]
+        language: Option<String>,
         /// Tour to begin with.
         #[arg(long)]
         tour: Option<PathBuf>,
@@ -134,14 +138,18 @@ enum Command {
     },
 }
 
-/// Walks in the city that is named, else in the tour's, else in the sample with the sample tour on T.
-fn walk(
-    city: Option<&str>,
-    profile: Option<Profile>,
-    hold_fps: Option<u16>,
-    tour: Option<PathBuf>,
-    journal: Option<&Path>,
-) -> Result<(), Failure> {
+/// Walks in the city that is named, else in the tour's, else in the sample with the sample tour on T. Tours and the guide are those
+/// beside the tour, else beside the city.
+fn walk(city: Option<&str>, tour: Option<PathBuf>, order: WalkOrder) -> Result<(), Failure> {
+    let folder = |path: &Path| path.parent().filter(|p| !p.as_os_str().is_empty()).map_or_else(|| PathBuf::from("."), Path::to_owned);
+    let scene = match (city, &tour) {
+        (_, Some(tour)) => folder(tour),
+        (Some(city), None) if city.contains("://") => PathBuf::from("."),
+        // A folder that is no baked city is a scene itself.
+        (Some(city), None) if Path::new(city).is_dir() && !Path::new(city).join(INDEX_NAME).is_file() => PathBuf::from(city),
+        (Some(city), None) => folder(Path::new(city)),
+        (None, None) => cities::sample_scene(),
+    };
     let first = match (city, tour) {
         (_, Some(path)) => Some(FirstTour { path, at_once: true }),
         (None, None) => Some(FirstTour { path: cities::sample_scene().join("royal_route.tour.ron"), at_once: false }),
@@ -151,7 +159,7 @@ fn walk(
         (None, Some(FirstTour { path, at_once: true })) => cities::of_tour(&file::read::<Tour>(path)?, path)?,
         _ => cities::open(city)?,
     };
-    walk::walk(&city, profile, hold_fps, first.as_ref(), journal)
+    walk::walk(&WalkOrder { city, first, scene, ..order })
 }
 
 /// A number within bounds, for a command line.
@@ -179,13 +187,13 @@ pub fn run() -> ExitCode {
 
 fn command(command: Option<Command>) -> Result<(), Failure> {
     match command {
-        None if walk::has_display() => walk(None, None, None, None, None),
+        None if walk::has_display() => walk(None, None, WalkOrder::default()),
         None => film::film(&FilmOrder::sample()?),
-        Some(Command::Walk { city, profile, hold_fps, tour, journal }) => {
+        Some(Command::Walk { city, profile, hold_fps, language, tour, journal }) => {
             if !walk::has_display() {
                 return Err("no display to walk on; `veduta film TOUR --out film.mp4` needs none".into());
             }
-            walk(city.as_deref(), profile, hold_fps, tour, journal.as_deref())
+            walk(city.as_deref(), tour, WalkOrder { profile, hold_fps, language, journal, ..WalkOrder::default() })
         }
         Some(Command::Film { tour, out, size, fps, profile, from, to, json }) => {
             let out = out.unwrap_or_else(|| film::default_out(&tour));

@@ -23,6 +23,7 @@ pub mod film;
 pub mod gallery;
 mod hud;
 pub mod profile;
+mod settings;
 pub mod shot;
 pub mod studio;
 pub mod walk;

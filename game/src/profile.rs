@@ -11,8 +11,10 @@ use veduta::buildings::BuildSettings;
 use veduta::facade::{Shading, TileFormat, TileQuality};
 use veduta::prelude::*;
 
+use crate::settings::Settings;
+
 /// How much the picture may cost.
-#[derive(Resource, clap::ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Resource, clap::ValueEnum, serde::Serialize, serde::Deserialize, Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Profile {
     /// Software rendering, weak laptops.
     Low,
@@ -114,12 +116,14 @@ fn contact_shade(quality_level: Quality) -> ScreenSpaceAmbientOcclusion {
     ScreenSpaceAmbientOcclusion { quality_level, ..default() }
 }
 
-/// Gives new cameras the profile's anti-aliasing, and a depth prepass: each pixel is shaded once however many houses stand
-/// behind one another.
-fn dress_cameras(mut commands: Commands, profile: Res<Profile>, new: Query<Entity, Added<Camera3d>>) {
-    for camera in &new {
-        let mut camera = commands.entity(camera);
-        camera.insert(DepthPrepass);
+/// Gives cameras the profile's anti-aliasing, and a depth prepass: each pixel is shaded once however many houses stand behind one another.
+fn dress_cameras(mut commands: Commands, profile: Res<Profile>, cameras: Query<(Entity, Ref<Camera3d>)>) {
+    for (entity, camera) in &cameras {
+        if !(camera.is_added() || profile.is_changed()) {
+            continue;
+        }
+        let mut camera = commands.entity(entity);
+        camera.remove::<(Fxaa, Smaa, ScreenSpaceAmbientOcclusion)>().insert(DepthPrepass);
         match *profile {
             Profile::Low => camera.insert((Msaa::Off, Fxaa::default())),
             Profile::Medium => camera.insert((Msaa::Off, Smaa::default(), contact_shade(Quality::Low))),
@@ -128,12 +132,28 @@ fn dress_cameras(mut commands: Commands, profile: Res<Profile>, new: Query<Entit
     }
 }
 
-/// The adapter's profile, where the visitor has chosen none.
-pub(crate) fn adapt(adapter: Option<Res<RenderAdapterInfo>>, mut commands: Commands) {
-    let Some(adapter) = adapter else { return };
-    let profile = Profile::for_adapter(&adapter.0);
-    info!("{}: profile {profile:?}", adapter.name);
+/// The profile that fits the graphics adapter.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Fitting(pub Profile);
+
+/// Sky and light of a profile that was changed during the walk. How finely tiles are painted stays as it was at the start.
+pub(crate) fn follow(profile: Res<Profile>, mut commands: Commands) {
+    if profile.is_changed() && !profile.is_added() {
+        commands.insert_resource(profile.sky());
+        commands.insert_resource(profile.shading());
+    }
+}
+
+/// Looks at the adapter, and takes the profile that fits it where the visitor has chosen none.
+pub(crate) fn adapt(adapter: Option<Res<RenderAdapterInfo>>, settings: Res<Settings>, mut commands: Commands) {
+    let fitting = adapter.as_ref().map_or(Profile::Low, |adapter| Profile::for_adapter(&adapter.0));
+    let profile = settings.profile.unwrap_or(fitting);
+    if let Some(adapter) = adapter {
+        info!("{}: profile {profile:?}", adapter.name);
+    }
+    commands.insert_resource(Fitting(fitting));
     commands.insert_resource(profile);
+    commands.insert_resource(profile.tiles());
     commands.insert_resource(profile.sky());
     commands.insert_resource(profile.levels());
     commands.insert_resource(profile.shading());

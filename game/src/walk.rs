@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use bevy::asset::io::AssetSourceBuilder;
 use bevy::prelude::*;
-use veduta::facade::{AutoLevels, FacadePlugin};
+use veduta::facade::FacadePlugin;
+use veduta::guide::OpenGuide;
 use veduta::prelude::*;
 use veduta::streaming::{Journal, StreamingCache};
 
 use crate::camera::camera;
 use crate::profile::Profile;
+use crate::settings::{Orders, Settings, SettingsPlugin};
 use crate::{Failure, cities, expert, hud, profile};
 
 /// Whether there is a display to open a window on.
@@ -21,22 +23,33 @@ pub fn has_display() -> bool {
     ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].iter().any(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()))
 }
 
+/// A walk that was asked for.
+#[derive(Debug, Clone, Default)]
+pub struct WalkOrder {
+    /// What streaming opens.
+    pub city: String,
+    /// Quality, if it was told.
+    pub profile: Option<Profile>,
+    /// Frames a second that levels of detail make room for.
+    pub hold_fps: Option<u16>,
+    /// Code of the language, if it was told.
+    pub language: Option<String>,
+    /// The tour that T begins with.
+    pub first: Option<FirstTour>,
+    /// Folder of tours and the guide.
+    pub scene: PathBuf,
+    /// File of the journal.
+    pub journal: Option<PathBuf>,
+}
+
 /// Opens a window in a city, and stays until it is closed.
 ///
 /// # Errors
 /// If the journal's file cannot be made, or the program ends with a failure.
-pub fn walk(
-    city: &str,
-    chosen: Option<Profile>,
-    hold_fps: Option<u16>,
-    first: Option<&FirstTour>,
-    journal: Option<&Path>,
-) -> Result<(), Failure> {
-    let beside = first.and_then(|f| f.path.parent()).filter(|p| !p.as_os_str().is_empty());
-    let tours = beside.unwrap_or(Path::new(".")).to_owned();
-    let tours = std::path::absolute(&tours).unwrap_or(tours);
+pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
+    let scene = std::path::absolute(&order.scene).unwrap_or_else(|_| order.scene.clone());
     let mut app = App::new();
-    app.register_asset_source("tours", AssetSourceBuilder::platform_default(&tours.display().to_string(), None));
+    app.register_asset_source("tours", AssetSourceBuilder::platform_default(&scene.display().to_string(), None));
     app.add_plugins(
         DefaultPlugins
             .set(WindowPlugin {
@@ -53,8 +66,11 @@ pub fn walk(
                 ..default()
             }),
     );
-    let start = chosen.unwrap_or(Profile::Low);
+    let orders = Orders { language: order.language.clone(), profile: order.profile, hold_fps: order.hold_fps };
+    let (settings, file) = Settings::read(orders);
+    let start = settings.profile.unwrap_or(Profile::Low);
     start.apply(&mut app);
+    app.insert_resource(settings).insert_resource(file);
     app.add_plugins((
         veduta::ecs::EcsPlugin,
         StreamingPlugin::default(),
@@ -65,30 +81,37 @@ pub fn walk(
         TourPlugin::default(),
         MinimapPlugin,
         GuidePlugin::default(),
+        SettingsPlugin,
         hud::HudPlugin,
         expert::ExpertPlugin,
     ))
     .insert_resource(ClearColor(Color::BLACK))
-    .insert_resource(OpenCity(city.to_owned()))
+    .insert_resource(OpenCity(order.city.clone()))
     .insert_resource(StreamingCache { dir: Some(cities::streamed_dir()), ..default() })
+    .insert_resource(hud::TourFiles::in_folder(&scene))
+    .add_systems(PreStartup, profile::adapt)
     .add_systems(Startup, spawn_walker);
-    if let Some(frames) = hold_fps {
-        app.insert_resource(AutoLevels { frame_s: 1.0 / f64::from(frames), ..default() });
-    }
-    if let Some(path) = journal {
+    if let Some(path) = &order.journal {
         let told = app.world_mut().resource_mut::<Journal>().write_to(path);
         told.map_err(|error| format!("{}: {error}", path.display()))?;
     }
-    if let Some(first) = first {
-        app.insert_resource(first.clone()).add_systems(Update, offer_tour);
+    if let Some(first) = &order.first {
+        app.insert_resource(first.clone());
     }
-    if chosen.is_none() {
-        app.add_systems(Startup, profile::adapt.before(spawn_walker));
+    app.add_systems(Update, offer_tour.run_if(resource_exists::<FirstTour>));
+    if let Some(guide) = guide_in(&scene) {
+        app.world_mut().write_message(OpenGuide(format!("tours://{guide}")));
     }
     match app.run() {
         AppExit::Success => Ok(()),
         AppExit::Error(code) => Err(format!("ended with code {code}").into()),
     }
+}
+
+/// The guide that lies in a folder: the first by name.
+fn guide_in(folder: &Path) -> Option<String> {
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+    files.filter(|name| name.ends_with(".guide.ron")).min()
 }
 
 fn spawn_walker(mut commands: Commands) {
@@ -104,18 +127,20 @@ pub struct FirstTour {
     pub at_once: bool,
 }
 
-/// Opens the first tour once the city is open: at once if it was asked for, else when T is pressed.
+/// Opens the first tour once the city is open: at once if it was asked for, else when a tour is asked for and there is none.
 fn offer_tour(
     mut opened: MessageReader<CityOpened>,
-    keys: Res<ButtonInput<KeyCode>>,
+    mut asked: MessageReader<TourCommand>,
     first: Res<FirstTour>,
     player: Res<TourPlayer>,
-    mut tour: MessageWriter<TourCommand>,
+    mut has_begun: Local<bool>,
+    mut commands: Commands,
 ) {
-    let begins = opened.read().last().is_some() && first.at_once;
+    let begins = opened.read().count() > 0 && first.at_once && !core::mem::replace(&mut *has_begun, true);
     let idle = player.state() == veduta::tour::TourState::Idle;
-    if begins || (idle && keys.just_pressed(KeyCode::KeyT)) {
+    let toggled = asked.read().any(|command| *command == TourCommand::Toggle);
+    if begins || (idle && toggled) {
         let name = first.path.file_name().unwrap_or_default().to_string_lossy();
-        tour.write(TourCommand::Open(format!("tours://{name}")));
+        commands.write_message(TourCommand::Open(format!("tours://{name}")));
     }
 }

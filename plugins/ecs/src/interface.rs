@@ -40,6 +40,15 @@ pub struct WalkTo {
     pub towards: DVec2,
 }
 
+/// Asks maps to show a spot.
+#[derive(Message, Debug, Clone, PartialEq)]
+pub struct ShowOnMap {
+    /// Name of what lies there, as the visitor reads it.
+    pub name: String,
+    /// Plan metres.
+    pub plan_pos: DVec2,
+}
+
 /// A way that the visitor is led, or shown: maps and the ground draw it.
 #[derive(Resource, Debug, Clone, PartialEq, Default)]
 pub struct Route {

@@ -36,7 +36,7 @@ pub use clock::CityClock;
 pub use daylight::{Daylight, Weather};
 pub use eye::{Eye, Itinerary, Steering, Stop, Viewer};
 pub use ground::{Footing, Ground};
-pub use interface::{Interface, Route, WalkTo, keys_are_free};
+pub use interface::{Interface, Route, ShowOnMap, WalkTo, keys_are_free};
 pub use overview::{Around, OverviewWants, Overviews};
 pub use place::{City, CityFailed, CityOpened, JumpTo, OpenCity};
 pub use sets::VedutaSystems;
@@ -77,6 +77,7 @@ impl Plugin for EcsPlugin {
             .add_message::<CityFailed>()
             .add_message::<JumpTo>()
             .add_message::<WalkTo>()
+            .add_message::<ShowOnMap>()
             .configure_sets(
                 Update,
                 (VedutaSystems::Steer, VedutaSystems::Stream, VedutaSystems::Build, VedutaSystems::Show).chain(),

@@ -29,6 +29,9 @@ pub struct Words {
 /// What is said where a language has no word for it.
 const FALLBACK: &str = "en";
 
+/// Languages that write a point where others write a comma.
+const POINTED: [&str; 6] = ["en", "he", "ja", "ko", "th", "zh"];
+
 /// A number or text that stands in a message.
 pub type WordsValue = FluentValue<'static>;
 
@@ -125,6 +128,23 @@ impl Words {
         message.to_owned()
     }
 
+    /// A message without values in a language of its own; `None` where it has none.
+    #[must_use]
+    pub fn said_in(&self, language: &str, message: &str) -> Option<String> {
+        let bundle = self.bundles.get(language)?;
+        let pattern = bundle.get_message(message)?.value()?;
+        let mut mistakes = Vec::new();
+        let said = bundle.format_pattern(pattern, None, &mut mistakes);
+        mistakes.is_empty().then(|| said.into_owned())
+    }
+
+    /// A number with so many digits after the point, or comma, as the visitor's language writes it.
+    #[must_use]
+    pub fn number(&self, value: f64, digits: usize) -> String {
+        let plain = format!("{value:.digits$}");
+        if POINTED.contains(&self.language()) { plain } else { plain.replace('.', ",") }
+    }
+
     /// Whether a language has a message of its own.
     #[must_use]
     pub fn has(&self, language: &str, message: &str) -> bool {
@@ -156,6 +176,14 @@ mod tests {
         words.speak("cs");
         let say = |n: u32| words.say_with("minutes", &[("n", n.into())]);
         assert_eq!([say(1), say(3), say(7)], ["1 minuta", "3 minuty", "7 minut"]);
+    }
+
+    #[test]
+    fn numbers_are_written_as_the_language_does() {
+        let mut words = Words::default();
+        assert_eq!(words.number(1.25, 1), "1.2");
+        words.speak("cs");
+        assert_eq!([words.number(1.25, 1), words.number(40.4, 0)], ["1,2", "40"]);
     }
 
     #[test]

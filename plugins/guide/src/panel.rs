@@ -1,44 +1,223 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
-use bevy_egui::egui::{Align2, Area, Color32, CornerRadius, FontId, Frame, Id, Margin, Order, RichText, Vec2};
+use bevy_egui::egui::{Align2, Area, Id as EguiId, Order, ScrollArea, Ui, Vec2};
+use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
+use veduta_city::{Certainty, GuidePlace, Place};
+use veduta_ecs::{Interface, Words};
+use veduta_ui::{Look, Surface, Symbol, symbol_button};
 
-use crate::NearPlace;
+use crate::{CityGuide, NearPlace};
 
 /// How the panel looks. Live.
 #[derive(Resource, Debug, Clone, Copy, PartialEq)]
 pub struct PanelSettings {
     /// Whether it is shown.
     pub visible: bool,
-    /// Height of the letters as a share of the window's height.
-    pub share: f32,
+    /// Whether a place's whole text is shown, not its name alone.
+    pub unfolded: bool,
 }
 
 impl Default for PanelSettings {
     fn default() -> Self {
-        Self { visible: true, share: 0.024 }
+        Self { visible: true, unfolded: true }
     }
 }
 
+/// What the panel keeps from frame to frame.
+#[derive(Resource, Default)]
+pub(crate) struct PanelState {
+    cache: CommonMarkCache,
+    /// How far it has come in, 0 to 1.
+    shown: f32,
+    last: Option<Place>,
+}
+
+/// What is told of a place, in the visitor's language.
+struct Told<'a> {
+    name: &'a str,
+    text: &'a str,
+    period: &'a str,
+    certainty: Option<Certainty>,
+    hours: &'a str,
+    links: &'a [String],
+}
+
+impl<'a> Told<'a> {
+    fn of(place: &'a Place, told: Option<&'a GuidePlace>, words: &Words) -> Self {
+        Self {
+            name: told.map_or(&place.name, |told| told.name_in(words.language())),
+            text: told.and_then(|told| told.text_in(&words.preferred())).unwrap_or(&place.text),
+            period: told.map_or("", |told| &told.period),
+            certainty: told.and_then(|told| told.certainty),
+            hours: told.map_or("", |told| &told.hours),
+            links: told.map_or(&[], |told| &told.links),
+        }
+    }
+}
+
+/// Seconds in which the panel comes and goes.
+const FADE_S: f32 = 0.25;
+
 /// Name and text of the place, at the top left.
-pub(crate) fn draw_panel(mut contexts: EguiContexts, near: Res<NearPlace>, settings: Res<PanelSettings>) -> Result {
-    let Some(place) = near.0.as_ref().filter(|_| settings.visible) else { return Ok(()) };
+pub(crate) fn draw(
+    mut contexts: EguiContexts,
+    time: Res<Time<Real>>,
+    near: Res<NearPlace>,
+    guide: Res<CityGuide>,
+    words: Res<Words>,
+    interface: Res<Interface>,
+    mut settings: ResMut<PanelSettings>,
+    mut state: ResMut<PanelState>,
+) -> Result {
+    let state = &mut *state;
+    let goal = if settings.visible && near.0.is_some() { 1.0 } else { 0.0 };
+    if goal == 0.0 && state.shown == 0.0 {
+        return Ok(());
+    }
     let context = contexts.ctx_mut()?;
+    let look = Look::of(&interface, context);
+    let step = if look.reduced_motion { 1.0 } else { time.delta_secs() / FADE_S };
+    state.shown = if goal > state.shown { (state.shown + step).min(1.0) } else { (state.shown - step).max(0.0) };
+    if let Some(place) = &near.0
+        && state.last.as_ref().is_none_or(|last| last.id != place.id)
+    {
+        state.last = Some(place.clone());
+    }
+    let Some(place) = state.last.clone() else { return Ok(()) };
+    let told = Told::of(&place, guide.place(&place.name), &words);
     let screen = context.content_rect();
-    let size = (screen.height() * settings.share).max(11.0);
-    Area::new(Id::new("veduta place"))
-        .anchor(Align2::LEFT_TOP, Vec2::splat(screen.height() * 0.03))
-        .order(Order::Middle)
-        .interactable(false)
-        .show(context, |ui| {
-            ui.set_max_width((screen.width() * 0.3).max(220.0));
-            let paper = Color32::from_rgba_unmultiplied(0xF4, 0xEE, 0xE1, 225);
-            Frame::new().fill(paper).corner_radius(CornerRadius::same(6)).inner_margin(Margin::symmetric(14, 10)).show(ui, |ui| {
-                let ink = Color32::from_rgb(0x3A, 0x31, 0x27);
-                ui.label(RichText::new(&place.name).font(FontId::proportional(size * 1.35)).color(ink));
-                if !place.text.is_empty() {
-                    ui.label(RichText::new(&place.text).font(FontId::proportional(size)).color(ink));
-                }
+    Area::new(EguiId::new("veduta place")).anchor(Align2::LEFT_TOP, Vec2::splat(screen.height() * 0.03)).order(Order::Middle).show(
+        context,
+        |ui| {
+            ui.set_opacity(state.shown);
+            look.frame(Surface::Paper).show(ui, |ui| {
+                ui.set_max_width((look.text * 22.0).min(screen.width() * 0.4));
+                ui.set_max_height(screen.height() * 0.55);
+                show(ui, &look, &words, &told, &mut settings.unfolded, &mut state.cache);
             });
-        });
+        },
+    );
     Ok(())
+}
+
+/// The sheet of a place.
+fn show(ui: &mut Ui, look: &Look, words: &Words, told: &Told<'_>, unfolded: &mut bool, cache: &mut CommonMarkCache) {
+    let surface = Surface::Paper;
+    look.dress(ui, surface);
+    ui.horizontal_top(|ui| {
+        let room = (ui.available_width() - look.text * 2.6).max(look.text * 6.0);
+        ui.vertical(|ui| {
+            ui.set_width(room);
+            ui.label(look.words(told.name, 1.3, look.ink(surface)));
+            let about = [told.period, &certainty_in(words, told.certainty)].map(str::to_owned);
+            let about: Vec<String> = about.into_iter().filter(|part| !part.is_empty()).collect();
+            if !about.is_empty() {
+                ui.label(look.words(about.join(" · "), 0.85, look.faint(surface)));
+            }
+        });
+        let has_more = !told.text.is_empty() || !told.links.is_empty();
+        if has_more {
+            let (symbol, name) = if *unfolded { (Symbol::Close, "place-fold") } else { (Symbol::Help, "place-unfold") };
+            if symbol_button(ui, look, surface, symbol, false, &words.say(name), "").clicked() {
+                *unfolded = !*unfolded;
+            }
+        }
+    });
+    if !*unfolded {
+        return;
+    }
+    ScrollArea::vertical().max_height(ui.available_height()).show(ui, |ui| {
+        CommonMarkViewer::new().show(ui, cache, told.text);
+        if !told.hours.is_empty() {
+            ui.label(words.say_with("place-hours", &[("hours", told.hours.to_owned().into())]));
+        }
+        for link in told.links {
+            let site = link.split("://").nth(1).unwrap_or(link).split('/').next().unwrap_or_default();
+            ui.hyperlink_to(words.say_with("place-link", &[("site", site.to_owned().into())]), link);
+        }
+    });
+}
+
+/// How far the model of a place can be trusted, in words.
+fn certainty_in(words: &Words, certainty: Option<Certainty>) -> String {
+    match certainty {
+        Some(Certainty::Documented) => words.say("certainty-documented"),
+        Some(Certainty::Typical) => words.say("certainty-typical"),
+        Some(Certainty::Invented) => words.say("certainty-invented"),
+        None => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy_egui::egui::OutputCommand;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    use super::*;
+
+    fn words(language: &str) -> Words {
+        let mut words = Words::default();
+        crate::WORDS.iter().for_each(|(code, messages)| words.add(code, messages).expect("no mistakes"));
+        words.speak(language);
+        words
+    }
+
+    fn tower() -> (Place, GuidePlace) {
+        let place = Place { name: "Powder Tower".into(), text: "Old text.".into(), ..Place::default() };
+        let pairs = |pairs: &[(&str, &str)]| pairs.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+        let told = GuidePlace {
+            name: "Powder Tower".into(),
+            names: pairs(&[("cs", "Prašná brána")]),
+            text: pairs(&[("en", "A gate of **1475**."), ("cs", "Brána z roku 1475.")]),
+            period: "1475".into(),
+            certainty: Some(Certainty::Typical),
+            links: vec!["https://example.org/tower".into()],
+            ..GuidePlace::default()
+        };
+        (place, told)
+    }
+
+    #[test]
+    fn the_sheet_speaks_the_visitors_language() {
+        let (place, told) = tower();
+        let look = Look { text: 16.0, high_contrast: false, reduced_motion: true };
+        for (language, name, text) in [("en", "Powder Tower", "A gate of "), ("cs", "Prašná brána", "Brána z roku 1475."), ("it", "Powder Tower", "A gate of ")]
+        {
+            let words = words(language);
+            let mut cache = CommonMarkCache::default();
+            let mut unfolded = true;
+            let harness = Harness::new_ui(|ui| show(ui, &look, &words, &Told::of(&place, Some(&told), &words), &mut unfolded, &mut cache));
+            harness.get_by_label(name);
+            harness.get_by_label_contains(text);
+        }
+        let told = Told::of(&place, None, &words("cs"));
+        assert_eq!((told.name, told.text), ("Powder Tower", "Old text."), "without a guide, what the map says");
+    }
+
+    #[test]
+    fn it_folds_and_its_links_go_out_to_be_asked_about() {
+        let (place, told) = tower();
+        let look = Look { text: 16.0, high_contrast: true, reduced_motion: true };
+        let words = words("en");
+        let mut cache = CommonMarkCache::default();
+        let mut harness = Harness::new_ui_state(
+            |ui, unfolded| show(ui, &look, &words, &Told::of(&place, Some(&told), &words), unfolded, &mut cache),
+            true,
+        );
+        harness.get_by_label_contains("example.org").click();
+        let mut opened = Vec::new();
+        for _ in 0..3 {
+            harness.step();
+            let commands = &harness.output().platform_output.commands;
+            opened.extend(commands.iter().filter_map(|command| match command {
+                OutputCommand::OpenUrl(link) => Some(link.url.clone()),
+                _ => None,
+            }));
+        }
+        assert_eq!(opened, ["https://example.org/tower"]);
+        harness.get_by_label(&words.say("place-fold")).click();
+        harness.run();
+        assert!(!*harness.state() && harness.query_by_label_contains("example.org").is_none());
+    }
 }

@@ -2,15 +2,27 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{
-    self, Align2, Color32, Context, FontId, Id, Order, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Vec2 as EguiVec2,
+    self, Align2, Color32, Context, FontId, Id, Order, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Vec2 as EguiVec2, WidgetInfo,
+    WidgetType,
 };
 use veduta_city::Viewpoint;
-use veduta_ecs::{City, Eye, JumpTo, Viewer};
+use veduta_ecs::{City, Eye, Interface, JumpTo, Route, Viewer, WalkTo, Words};
+use veduta_ui::Look;
 
 use crate::MinimapSettings;
 use crate::label;
 use crate::tiles::{MapTiles, PAPER};
 use crate::view::{MapView, Projection, zoomed};
+
+/// What is drawn besides the plan.
+struct Shown<'a> {
+    city: &'a City,
+    tiles: &'a MapTiles,
+    eye: &'a Eye,
+    route: &'a Route,
+    marked: Option<DVec2>,
+    words: &'a Words,
+}
 
 /// Draws the map in the corner, or the large one.
 pub(crate) fn draw_map(
@@ -18,48 +30,70 @@ pub(crate) fn draw_map(
     city: Option<Res<City>>,
     tiles: Res<MapTiles>,
     viewers: Query<&Eye, With<Viewer>>,
+    (route, words, interface): (Res<Route>, Res<Words>, Res<Interface>),
     mut settings: ResMut<MinimapSettings>,
     mut view: ResMut<MapView>,
     mut jumps: MessageWriter<JumpTo>,
+    mut walks: MessageWriter<WalkTo>,
 ) -> Result {
     let (Some(city), Some(eye)) = (city, viewers.iter().next()) else { return Ok(()) };
     if !settings.visible && !view.open {
         return Ok(());
     }
     let context = contexts.ctx_mut()?;
+    let look = Look::of(&interface, context);
+    let shown = Shown { city: &city, tiles: &tiles, eye, route: &route, marked: view.marked, words: &words };
     if view.open {
-        large_map(context, &city, &tiles, eye, &mut view, &mut jumps);
+        match large_map(context, &look, &shown, &mut view) {
+            Some(Click { to, walks: false }) => drop(jumps.write(JumpTo(to))),
+            Some(Click { to, walks: true }) => {
+                let facing_deg = Some((to.heading_deg, to.pitch_deg));
+                let name = nearest_name(&city, to.pos).unwrap_or_default();
+                walks.write(WalkTo { name, plan_pos: to.pos, facing_deg, towards: to.pos });
+            }
+            None => {}
+        }
     } else {
-        corner_map(context, &city, &tiles, eye, &mut settings, &mut view);
+        corner_map(context, &shown, &mut settings, &mut view);
     }
     Ok(())
 }
 
-fn corner_map(context: &Context, city: &City, tiles: &MapTiles, eye: &Eye, settings: &mut MinimapSettings, view: &mut MapView) {
+fn corner_map(context: &Context, shown: &Shown<'_>, settings: &mut MinimapSettings, view: &mut MapView) {
     let screen = context.content_rect();
     let edge = (screen.height() * settings.share).clamp(120.0, 900.0);
     let margin = edge * 0.06;
     let corner = screen.right_bottom() - EguiVec2::splat(edge + margin);
     egui::Area::new(Id::new("veduta minimap")).fixed_pos(corner).order(Order::Middle).show(context, |ui| {
         let (rect, response) = ui.allocate_exact_size(EguiVec2::splat(edge), Sense::click());
+        let name = shown.words.say("map-open");
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &name));
         if response.hovered() {
             let wheel = ui.input(|i| i.smooth_scroll_delta().y);
             settings.radius_m = zoomed(settings.radius_m, (-wheel / 300.0).exp());
         }
-        if response.on_hover_text("Click for the large map (M)").clicked() {
+        if response.on_hover_text(format!("{name} (M)")).clicked() {
             view.open = true;
             view.middle = None;
             view.radius_m = view.radius_m.max(settings.radius_m * 2.0);
         }
-        let up = if settings.north_up { 0.0 } else { eye.heading_deg };
-        let map = Projection::new(rect, eye.plan_pos, settings.radius_m, up);
-        paint(&ui.painter().with_clip_rect(rect), &map, city, tiles, eye, edge / 18.0);
+        let up = if settings.north_up { 0.0 } else { shown.eye.heading_deg };
+        let map = Projection::new(rect, shown.eye.plan_pos, settings.radius_m, up);
+        paint(&ui.painter().with_clip_rect(rect), &map, shown, edge / 18.0);
         ui.painter().rect_stroke(rect, 4.0, Stroke::new(2.0, Color32::from_rgb(0x6B, 0x5D, 0x4B)), StrokeKind::Middle);
     });
 }
 
-fn large_map(context: &Context, city: &City, tiles: &MapTiles, eye: &Eye, view: &mut MapView, jumps: &mut MessageWriter<JumpTo>) {
+/// Where a click on the large map leads, and whether on foot.
+struct Click {
+    to: Viewpoint,
+    walks: bool,
+}
+
+fn large_map(context: &Context, look: &Look, shown: &Shown<'_>, view: &mut MapView) -> Option<Click> {
     let screen = context.content_rect();
+    let eye = shown.eye;
+    let mut click = None;
     egui::Area::new(Id::new("veduta map")).fixed_pos(screen.min).order(Order::Foreground).show(context, |ui| {
         let (rect, response) = ui.allocate_exact_size(screen.size(), Sense::click_and_drag());
         let map = Projection::new(rect, view.middle.unwrap_or(eye.plan_pos), view.radius_m, 0.0);
@@ -67,19 +101,20 @@ fn large_map(context: &Context, city: &City, tiles: &MapTiles, eye: &Eye, view: 
             let d = response.drag_delta() / map.scale;
             view.middle = Some(map.middle() - DVec2::new(f64::from(d.x), f64::from(-d.y)));
         }
-        let wheel = ui.input(|i| i.smooth_scroll_delta().y);
-        if wheel != 0.0 {
-            view.radius_m = zoomed(view.radius_m, (-wheel / 300.0).exp());
+        let (wheel, pinch, walks) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta(), i.modifiers.shift));
+        if wheel != 0.0 || pinch != 1.0 {
+            view.radius_m = zoomed(view.radius_m, (-wheel / 300.0).exp() / pinch);
         }
-        paint(ui.painter(), &map, city, tiles, eye, (screen.height() / 45.0).clamp(12.0, 48.0));
-        title(ui.painter(), rect, &city.name, &city.attribution);
+        paint(ui.painter(), &map, shown, (look.text * 1.0).clamp(10.0, 60.0));
+        title(ui.painter(), rect, look, shown);
         if response.clicked()
             && let Some(at) = response.interact_pointer_pos()
         {
-            jumps.write(JumpTo(target(city, map.plan(at), f64::from(14.0 / map.scale), eye)));
+            click = Some(Click { to: target(shown.city, map.plan(at), f64::from(14.0 / map.scale), eye), walks });
             view.open = false;
         }
     });
+    click
 }
 
 /// Where a click leads: to the place under it, else to the nearest street, else right there.
@@ -107,30 +142,35 @@ fn nearest_on_street(city: &City, at: DVec2) -> Option<DVec2> {
         .min_by(|a, b| a.distance_squared(at).total_cmp(&b.distance_squared(at)))
 }
 
-fn title(painter: &Painter, rect: Rect, name: &str, attribution: &str) {
-    let ink = Color32::from_rgb(0x4A, 0x40, 0x35);
-    let size = (rect.height() / 26.0).clamp(18.0, 80.0);
-    painter.text(rect.left_top() + EguiVec2::splat(size * 0.6), Align2::LEFT_TOP, name, FontId::proportional(size), ink);
-    let hint = "click: go there · drag, wheel: move, zoom · M: back";
-    painter.text(
-        rect.left_bottom() + EguiVec2::new(size * 0.6, -size * 0.5),
-        Align2::LEFT_BOTTOM,
-        hint,
-        FontId::proportional(size * 0.5),
-        ink,
-    );
-    painter.text(
-        rect.right_bottom() - EguiVec2::splat(size * 0.5),
-        Align2::RIGHT_BOTTOM,
-        attribution,
-        FontId::proportional(size * 0.4),
-        ink,
-    );
+/// Name of what is nearest to a spot: a place, else a street.
+fn nearest_name(city: &City, at: DVec2) -> Option<String> {
+    let place = city.overviews.places().filter(|p| p.pos.distance(at) < p.radius_m).min_by(|a, b| {
+        let away = |p: &veduta_city::Place| p.pos.distance_squared(at);
+        away(a).total_cmp(&away(b))
+    });
+    let streets = city.overviews.iter().flat_map(|(_, overview)| &overview.streets).filter(|s| s.walkable && !s.name.is_empty());
+    let street = || {
+        let away = |s: &veduta_city::PlanStreet| {
+            s.line.iter().map(|p| p.to_metres().distance_squared(at)).min_by(f64::total_cmp).unwrap_or(f64::INFINITY)
+        };
+        streets.min_by(|a, b| away(a).total_cmp(&away(b))).map(|s| s.name.to_string())
+    };
+    place.map(|p| p.name.clone()).or_else(street)
 }
 
-fn paint(painter: &Painter, map: &Projection, city: &City, tiles: &MapTiles, eye: &Eye, text: f32) {
+fn title(painter: &Painter, rect: Rect, look: &Look, shown: &Shown<'_>) {
+    let ink = Color32::from_rgb(0x4A, 0x40, 0x35);
+    let (inset, text) = (look.text * 0.9, look.text);
+    painter.text(rect.left_top() + EguiVec2::splat(inset), Align2::LEFT_TOP, &shown.city.name, FontId::proportional(text * 1.7), ink);
+    let at = rect.left_bottom() + EguiVec2::new(inset, -inset);
+    painter.text(at, Align2::LEFT_BOTTOM, shown.words.say("map-hint"), FontId::proportional(text), ink);
+    let at = rect.right_bottom() - EguiVec2::splat(inset);
+    painter.text(at, Align2::RIGHT_BOTTOM, &shown.city.attribution, FontId::proportional(text * 0.8), ink);
+}
+
+fn paint(painter: &Painter, map: &Projection, shown: &Shown<'_>, text: f32) {
     painter.rect_filled(map.rect, 4.0, PAPER);
-    for tile in tiles.near(map.middle().as_vec2(), map.reach_m()) {
+    for tile in shown.tiles.near(map.middle().as_vec2(), map.reach_m()) {
         let vertices = tile.points.iter().zip(&tile.colours).map(|(&[x, y], &color)| egui::epaint::Vertex {
             pos: map.screen(DVec2::new(f64::from(x), f64::from(y))),
             uv: egui::epaint::WHITE_UV,
@@ -139,9 +179,35 @@ fn paint(painter: &Painter, map: &Projection, city: &City, tiles: &MapTiles, eye
         let mesh = egui::Mesh { vertices: vertices.collect(), indices: tile.indices.clone(), ..egui::Mesh::default() };
         painter.add(Shape::mesh(mesh));
     }
-    label::write(painter, map, &city.overviews, text);
-    marker(painter, map, eye, text);
+    route(painter, map, shown.route, text);
+    label::write(painter, map, &shown.city.overviews, text);
+    if let Some(spot) = shown.marked {
+        pin(painter, map.screen(spot), text);
+    }
+    marker(painter, map, shown.eye, text);
     compass(painter, map, text);
+}
+
+/// Colour of where the visitor is led, and of what he asked to see.
+const LED: Color32 = Color32::from_rgb(0x2F, 0x6D, 0x9E);
+
+/// The way that the visitor is led, with its end.
+fn route(painter: &Painter, map: &Projection, route: &Route, size: f32) {
+    let (Some(&end), true) = (route.way.last(), route.way.len() > 1) else { return };
+    let points: Vec<Pos2> = route.way.iter().map(|&p| map.screen(p)).collect();
+    painter.add(Shape::line(points.clone(), Stroke::new(size * 0.5, Color32::from_white_alpha(210))));
+    painter.add(Shape::line(points, Stroke::new(size * 0.28, LED)));
+    pin(painter, map.screen(end), size);
+}
+
+/// A pin that stands on a spot.
+fn pin(painter: &Painter, foot: Pos2, size: f32) {
+    let head = foot - EguiVec2::new(0.0, size * 1.5);
+    let side = EguiVec2::new(size * 0.5, -size * 0.25);
+    let tip = vec![foot, head + EguiVec2::new(-side.x, -side.y), head + EguiVec2::new(side.x, -side.y)];
+    painter.add(Shape::convex_polygon(tip, LED, Stroke::NONE));
+    painter.circle(head, size * 0.62, LED, Stroke::new(size * 0.1, Color32::WHITE));
+    painter.circle_filled(head, size * 0.22, Color32::WHITE);
 }
 
 /// The walker: a dot with a cone of view.

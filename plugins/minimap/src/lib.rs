@@ -20,6 +20,7 @@
 //! | key | |
 //! |---|---|
 //! | M | large map |
+//! | click, Shift+click (large map) | be there, walk there |
 //! | N | north up or heading up |
 //! | +, − or wheel | zoom |
 //!
@@ -35,7 +36,9 @@ mod tiles;
 mod view;
 
 use bevy::prelude::*;
-use bevy_egui::{EguiPlugin, EguiPrimaryContextPass};
+use bevy_egui::EguiPrimaryContextPass;
+use veduta_ecs::{Words, keys_are_free};
+use veduta_ui::UiSystems;
 
 pub use tiles::MapTiles;
 pub use view::MapView;
@@ -64,20 +67,31 @@ impl Default for MinimapSettings {
     }
 }
 
+/// What the interface says, by language.
+const WORDS: [(&str, &str); 3] = [
+    ("en", include_str!("../words/en.ftl")),
+    ("cs", include_str!("../words/cs.ftl")),
+    ("it", include_str!("../words/it.ftl")),
+];
+
 impl Plugin for MinimapPlugin {
     fn build(&self, app: &mut App) {
         veduta_ecs::ensure(app);
-        if !app.is_plugin_added::<EguiPlugin>() {
-            app.add_plugins(EguiPlugin::default());
-        }
+        veduta_ui::ensure(app);
+        Words::bring(app, &WORDS);
         app.init_resource::<MinimapSettings>()
             .init_resource::<MapTiles>()
             .init_resource::<MapView>()
             .register_type::<MinimapSettings>()
             .add_systems(
                 Update,
-                (tiles::ask_for_overview, tiles::cut_tiles, view::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>)),
+                (
+                    tiles::ask_for_overview,
+                    tiles::cut_tiles,
+                    view::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>).run_if(keys_are_free),
+                    view::show_asked,
+                ),
             )
-            .add_systems(EguiPrimaryContextPass, draw::draw_map);
+            .add_systems(EguiPrimaryContextPass, draw::draw_map.in_set(UiSystems::Draw));
     }
 }

@@ -2,6 +2,8 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy_egui::egui::{Pos2, Rect, Vec2 as EguiVec2};
 
+use veduta_ecs::ShowOnMap;
+
 use crate::MinimapSettings;
 
 /// State of the large map.
@@ -13,13 +15,22 @@ pub struct MapView {
     pub middle: Option<DVec2>,
     /// Metres from the middle to its nearer edge; 0 until opened.
     pub radius_m: f32,
+    /// A spot that was asked to be shown, plan metres.
+    pub marked: Option<DVec2>,
+}
+
+/// Opens the large map about a spot that is to be shown.
+pub(crate) fn show_asked(mut asked: MessageReader<ShowOnMap>, mut view: ResMut<MapView>) {
+    if let Some(spot) = asked.read().last() {
+        *view = MapView { open: true, middle: Some(spot.plan_pos), radius_m: 220.0, marked: Some(spot.plan_pos) };
+    }
 }
 
 /// M, N, + and −.
 pub(crate) fn read_keys(keys: Res<ButtonInput<KeyCode>>, mut view: ResMut<MapView>, mut settings: ResMut<MinimapSettings>) {
     if keys.just_pressed(KeyCode::KeyM) {
         view.open = !view.open;
-        view.middle = None;
+        (view.middle, view.marked) = (None, None);
         if view.radius_m == 0.0 {
             view.radius_m = 320.0;
         }

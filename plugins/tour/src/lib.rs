@@ -55,8 +55,9 @@ mod keys;
 mod play;
 
 use bevy::prelude::*;
-use bevy_egui::{EguiPlugin, EguiPrimaryContextPass};
-use veduta_ecs::VedutaSystems;
+use bevy_egui::EguiPrimaryContextPass;
+use veduta_ecs::{VedutaSystems, Words, keys_are_free};
+use veduta_ui::UiSystems;
 
 pub use asset::{TourAsset, TourLoadError};
 pub use caption::CaptionSettings;
@@ -75,6 +76,13 @@ impl Default for TourPlugin {
     }
 }
 
+/// What the interface says, by language.
+const WORDS: [(&str, &str); 3] = [
+    ("en", include_str!("../words/en.ftl")),
+    ("cs", include_str!("../words/cs.ftl")),
+    ("it", include_str!("../words/it.ftl")),
+];
+
 impl Plugin for TourPlugin {
     fn build(&self, app: &mut App) {
         veduta_ecs::ensure(app);
@@ -89,11 +97,10 @@ impl Plugin for TourPlugin {
                 (play::obey, play::tell_failures, play::compile_tour, play::play).chain().in_set(VedutaSystems::Steer),
             );
         if self.interface {
-            if !app.is_plugin_added::<EguiPlugin>() {
-                app.add_plugins(EguiPlugin::default());
-            }
-            app.add_systems(Update, keys::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>))
-                .add_systems(EguiPrimaryContextPass, caption::draw_caption);
+            veduta_ui::ensure(app);
+            Words::bring(app, &WORDS);
+            app.add_systems(Update, keys::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>).run_if(keys_are_free))
+                .add_systems(EguiPrimaryContextPass, caption::draw_caption.in_set(UiSystems::Draw));
         }
     }
 }

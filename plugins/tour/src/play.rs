@@ -212,7 +212,13 @@ fn pause(player: &mut TourPlayer) {
 
 fn play_on(player: &mut TourPlayer, steering: &mut ResMut<Steering>, eye: Option<&Eye>, clock: &CityClock) {
     match player.state {
-        TourState::Paused => player.state = TourState::Playing,
+        TourState::Paused => {
+            player.state = TourState::Playing;
+            // From its end it begins again.
+            if player.compiled.as_ref().is_some_and(|tour| player.t_s >= tour.duration_s()) {
+                (player.t_s, player.hold) = (0.0, Hold::Cut);
+            }
+        }
         TourState::Wandering => {
             let (Some(tour), Some(net), Some(eye)) = (&player.compiled, &player.net, eye) else { return };
             player.leg = Some((resume(tour, net, pose_of(eye, clock.hour), player.t_s), 0.0));
@@ -340,8 +346,8 @@ pub(crate) fn compile_tour(
 /// So many seconds ahead it is told where the tour will be.
 const AHEAD_S: [f64; 4] = [3.0, 7.0, 12.0, 20.0];
 
-/// Tells where the viewers will be.
-fn tell_ahead(player: &TourPlayer, itineraries: &mut Query<&mut Itinerary, With<Viewer>>) {
+/// Tells where the viewers will be, and once that the tour leads nowhere any more: others may lead then.
+fn tell_ahead(player: &TourPlayer, has_told: &mut bool, itineraries: &mut Query<&mut Itinerary, With<Viewer>>) {
     let is_under_way = matches!(player.state, TourState::Waiting | TourState::Playing | TourState::Returning | TourState::Paused);
     let tour = player.compiled.as_ref().filter(|_| is_under_way);
     let stop = |tour: &CompiledTour, in_s: f64| {
@@ -349,6 +355,10 @@ fn tell_ahead(player: &TourPlayer, itineraries: &mut Query<&mut Itinerary, With<
         Stop { in_s, plan_pos: pose.plan_pos, eye_m: pose.eye_m }
     };
     let stops = tour.map_or_else(Vec::new, |tour| AHEAD_S.iter().map(|&in_s| stop(tour, in_s)).collect());
+    if stops.is_empty() && !*has_told {
+        return;
+    }
+    *has_told = !stops.is_empty();
     for mut itinerary in itineraries {
         itinerary.set_if_neq(Itinerary(stops.clone()));
     }
@@ -363,9 +373,10 @@ pub(crate) fn play(
     mut clock: ResMut<CityClock>,
     mut viewers: Query<&mut Eye, With<Viewer>>,
     mut itineraries: Query<&mut Itinerary, With<Viewer>>,
+    mut has_told: Local<bool>,
     mut ended: MessageWriter<TourEnded>,
 ) {
-    tell_ahead(&player, &mut itineraries);
+    tell_ahead(&player, &mut has_told, &mut itineraries);
     let guided = *steering == Steering::Guided;
     if matches!(player.state, TourState::Playing | TourState::Returning | TourState::Paused) && !guided {
         player.state = TourState::Wandering;

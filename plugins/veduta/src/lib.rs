@@ -42,6 +42,7 @@ pub use veduta_minimap as minimap;
 pub use veduta_sky as sky;
 pub use veduta_streaming as streaming;
 pub use veduta_tour as tour;
+pub use veduta_ui as ui;
 pub use veduta_walker as walker;
 
 /// All of Veduta, for a game with a window.

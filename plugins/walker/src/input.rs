@@ -3,7 +3,7 @@ use bevy::input::mouse::AccumulatedMouseMotion;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy::window::{CursorGrabMode, CursorOptions, PrimaryWindow};
-use veduta_ecs::Steering;
+use veduta_ecs::{Interface, Steering};
 
 use crate::{WalkerSettings, WalkerSystems};
 
@@ -78,22 +78,26 @@ fn read_input(
     motion: Res<AccumulatedMouseMotion>,
     held: Res<MouseHeld>,
     gamepads: Query<&Gamepad>,
+    interface: Res<Interface>,
     mut last_fov: Local<Option<usize>>,
     mut intent: ResMut<Intent>,
 ) {
     use KeyCode as K;
+    // Where somebody types, keys are letters.
+    let resting = ButtonInput::default();
+    let keys = if interface.is_typing { &resting } else { &*keys };
     let dt = time.delta_secs_f64();
     let mut next = Intent {
         go: DVec3::new(
-            axis(&keys, &[K::KeyA], &[K::KeyD]),
-            axis(&keys, &[K::KeyS, K::ArrowDown], &[K::KeyW, K::ArrowUp]),
-            axis(&keys, &[K::KeyC], &[K::Space]),
+            axis(keys, &[K::KeyA], &[K::KeyD]),
+            axis(keys, &[K::KeyS, K::ArrowDown], &[K::KeyW, K::ArrowUp]),
+            axis(keys, &[K::KeyC], &[K::Space]),
         ),
-        turn_deg: axis(&keys, &[K::ArrowLeft], &[K::ArrowRight]) * 70.0 * dt,
+        turn_deg: axis(keys, &[K::ArrowLeft], &[K::ArrowRight]) * 70.0 * dt,
         run: keys.any_pressed([K::ShiftLeft, K::ShiftRight]),
         toggle_fly: keys.just_pressed(K::KeyF),
         fov: [K::Digit1, K::Digit2, K::Digit3].iter().position(|&key| keys.just_pressed(key)),
-        raise_m: axis(&keys, &[K::PageDown], &[K::PageUp]) * 0.8 * dt,
+        raise_m: axis(keys, &[K::PageDown], &[K::PageUp]) * 0.8 * dt,
         ..Intent::default()
     };
     if held.0 {
@@ -143,7 +147,8 @@ mod tests {
             .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(100)))
             .init_resource::<WalkerSettings>()
             .init_resource::<Intent>()
-            .init_resource::<Steering>();
+            .init_resource::<Steering>()
+            .init_resource::<Interface>();
         build(&mut app);
         app.update();
         app
@@ -168,6 +173,8 @@ mod tests {
         assert_eq!(wish.go, DVec3::new(1.0, 1.0, 0.0));
         assert!(wish.run && (wish.turn_deg - 7.0).abs() < 1e-6, "{wish:?}");
         assert_eq!(*app.world().resource::<Steering>(), Steering::Visitor);
+        app.world_mut().resource_mut::<Interface>().is_typing = true;
+        assert_eq!(intent(&mut app), Intent::default(), "letters move nobody");
     }
 
     #[test]

@@ -1,0 +1,188 @@
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use bevy_egui::EguiContexts;
+use bevy_egui::egui::{Align2, Area, Id, Order, ProgressBar, Ui, Vec2};
+use veduta::ecs::{Interface, Words};
+use veduta::guide::SearchBox;
+use veduta::minimap::MapView;
+use veduta::prelude::*;
+use veduta::tour::TourState;
+use veduta::ui::{Look, Surface};
+use veduta::walker::Intent;
+
+use super::Open;
+use crate::settings::Settings;
+
+/// The first minute: walking, looking, search, map and tour are learned by doing them.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct FirstMinute {
+    step: usize,
+    /// How much of the step is done, 0 to 1.
+    done: f64,
+    /// Where the eye was in the frame before, and where it looked.
+    last: Option<(DVec2, f64)>,
+    /// For how long its end has been shown, seconds.
+    ended_s: f64,
+}
+
+const STEPS: [&str; 5] = ["first-walk", "first-look", "first-search", "first-map", "first-tour"];
+/// So far one walks, metres, and turns, degrees, to have learned it.
+const WALKS_M: f64 = 5.0;
+const TURNS_DEG: f64 = 60.0;
+/// The end is shown so long, seconds.
+const ENDS_S: f64 = 5.0;
+/// Farther in a frame nobody walks: a jump.
+const LEAPS_M: f64 = 3.0;
+
+impl FirstMinute {
+    fn is_over(&self) -> bool {
+        self.step >= STEPS.len()
+    }
+
+    /// What was done in a frame.
+    fn pass(&mut self, eye: &Eye, intent: &Intent, opened: [bool; 3]) {
+        let (pos, heading) = self.last.unwrap_or((eye.plan_pos, eye.heading_deg));
+        self.last = Some((eye.plan_pos, eye.heading_deg));
+        let walked_m = pos.distance(eye.plan_pos);
+        let turned_deg = (180.0 - (180.0 - (eye.heading_deg - heading)).rem_euclid(360.0)).abs();
+        let [search, map, tour] = opened;
+        self.done += match self.step {
+            0 if intent.go != bevy::math::DVec3::ZERO && walked_m < LEAPS_M => walked_m / WALKS_M,
+            1 if intent.turn_deg != 0.0 => turned_deg / TURNS_DEG,
+            2 if search => 1.0,
+            3 if map => 1.0,
+            4 if tour => 1.0,
+            _ => 0.0,
+        };
+        if self.done >= 1.0 {
+            (self.step, self.done) = (self.step + 1, 0.0);
+        }
+    }
+}
+
+/// Watches what the visitor does.
+pub(super) fn watch(
+    time: Res<Time<Real>>,
+    viewers: Query<&Eye, With<Viewer>>,
+    intent: Res<Intent>,
+    (search, map, player): (Res<SearchBox>, Res<MapView>, Res<TourPlayer>),
+    mut first: ResMut<FirstMinute>,
+    mut settings: ResMut<Settings>,
+) {
+    if settings.knows_the_way {
+        return;
+    }
+    if first.is_over() {
+        first.ended_s += time.delta_secs_f64();
+        if first.ended_s > ENDS_S {
+            settings.knows_the_way = true;
+        }
+    } else if let Some(eye) = viewers.iter().next() {
+        let tour = matches!(player.state(), TourState::Playing | TourState::Waiting);
+        let next = {
+            let mut next = *first;
+            next.pass(eye, &intent, [search.open, map.open, tour]);
+            next
+        };
+        first.set_if_neq(next);
+    }
+}
+
+pub(super) fn draw(
+    mut contexts: EguiContexts,
+    (words, interface, open): (Res<Words>, Res<Interface>, Res<Open>),
+    (search, map): (Res<SearchBox>, Res<MapView>),
+    first: Res<FirstMinute>,
+    mut settings: ResMut<Settings>,
+) -> Result {
+    if settings.knows_the_way || open.help || open.settings || search.open || map.open {
+        return Ok(());
+    }
+    let context = contexts.ctx_mut()?;
+    let look = Look::of(&interface, context);
+    let offset = Vec2::new(0.0, context.content_rect().height() * 0.1);
+    let area = Area::new(Id::new("veduta first minute")).anchor(Align2::CENTER_TOP, offset).order(Order::Middle);
+    let skips = area.show(context, |ui| look.frame(Surface::Paper).show(ui, |ui| show(ui, &look, &words, &first)).inner).inner;
+    if skips {
+        settings.knows_the_way = true;
+    }
+    Ok(())
+}
+
+/// The card of a step; whether to skip the rest.
+fn show(ui: &mut Ui, look: &Look, words: &Words, first: &FirstMinute) -> bool {
+    let surface = Surface::Paper;
+    look.dress(ui, surface);
+    ui.set_max_width(look.text * 28.0);
+    let all = STEPS.len() as u32;
+    let Some(step) = STEPS.get(first.step) else {
+        ui.label(look.words(words.say("first-done"), 1.15, look.ink(surface)));
+        return false;
+    };
+    ui.horizontal(|ui| {
+        ui.label(look.words(words.say("first-title"), 0.9, look.faint(surface)));
+        let told = words.say_with("first-step", &[("n", (first.step as u32 + 1).into()), ("all", all.into())]);
+        ui.label(look.words(told, 0.9, look.faint(surface)));
+    });
+    ui.label(look.words(words.say(step), 1.15, look.ink(surface)));
+    ui.horizontal(|ui| {
+        let share = (first.step as f32 + first.done.clamp(0.0, 1.0) as f32) / all as f32;
+        let bar = ProgressBar::new(share).desired_width(look.text * 20.0).desired_height(look.text * 0.5).fill(look.accent(surface));
+        ui.add(bar);
+        ui.button(words.say("first-skip")).clicked()
+    })
+    .inner
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::DVec3;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    use super::*;
+
+    #[test]
+    fn each_step_is_learned_by_doing_it() {
+        let mut first = FirstMinute::default();
+        let mut eye = Eye::default();
+        let walks = Intent { go: DVec3::Y, ..Intent::default() };
+        let turns = Intent { turn_deg: 3.0, ..Intent::default() };
+        for _ in 0..60 {
+            eye.plan_pos.x += 0.2;
+            first.pass(&eye, &Intent::default(), [true, true, true]);
+        }
+        assert_eq!(first.step, 0, "who is carried has not walked");
+        eye.plan_pos.x += 400.0;
+        first.pass(&eye, &walks, [false; 3]);
+        assert_eq!(first.step, 0, "nor who has leapt");
+        for _ in 0..30 {
+            eye.plan_pos.x += 0.2;
+            first.pass(&eye, &walks, [false; 3]);
+        }
+        assert_eq!(first.step, 1);
+        for _ in 0..40 {
+            eye.heading_deg = (eye.heading_deg + 3.0).rem_euclid(360.0);
+            first.pass(&eye, &turns, [false; 3]);
+        }
+        assert_eq!(first.step, 2);
+        for opened in [[true, false, false], [false, true, false], [false, false, true]] {
+            first.pass(&eye, &turns, opened);
+        }
+        assert!(first.is_over());
+    }
+
+    #[test]
+    fn the_card_can_be_skipped() {
+        let look = Look { text: 16.0, high_contrast: false, reduced_motion: true };
+        let mut words = Words::default();
+        super::super::WORDS.iter().for_each(|(code, file)| words.add(code, file).expect("no mistakes"));
+        let first = FirstMinute { step: 2, ..FirstMinute::default() };
+        let mut harness = Harness::new_ui_state(|ui, skips: &mut bool| *skips |= show(ui, &look, &words, &first), false);
+        harness.get_by_label("3 of 5");
+        harness.get_by_label(&words.say("first-search"));
+        harness.get_by_label("Skip").click();
+        harness.run();
+        assert!(*harness.state());
+    }
+}

@@ -1,0 +1,208 @@
+use bevy::prelude::*;
+use bevy_egui::EguiContexts;
+use bevy_egui::egui::{self, Align2, Area, Checkbox, ComboBox, DragValue, Grid, Id, Order, ScrollArea, Slider, Ui, Vec2};
+use veduta::ecs::{Interface, Words};
+use veduta::ui::{Look, Surface, Symbol, symbol_button};
+
+use super::Open;
+use crate::profile::Profile;
+use crate::settings::{MINIMAP_SHARE, Settings, TEXT_SIZE};
+
+pub(super) fn draw(
+    mut contexts: EguiContexts,
+    (words, interface): (Res<Words>, Res<Interface>),
+    mut open: ResMut<Open>,
+    mut settings: ResMut<Settings>,
+) -> Result {
+    if !open.settings {
+        return Ok(());
+    }
+    let context = contexts.ctx_mut()?;
+    let look = Look::of(&interface, context);
+    let mut next = settings.clone();
+    let area = Area::new(Id::new("veduta settings")).anchor(Align2::CENTER_CENTER, Vec2::ZERO).order(Order::Foreground);
+    let closes = area.show(context, |ui| look.frame(Surface::Paper).show(ui, |ui| show(ui, &look, &words, &mut next)).inner).inner;
+    settings.set_if_neq(next);
+    if closes {
+        open.settings = false;
+    }
+    Ok(())
+}
+
+/// Names of languages in themselves.
+fn language_name(code: &str) -> &str {
+    match code {
+        "en" => "English",
+        "cs" => "Čeština",
+        "it" => "Italiano",
+        other => other,
+    }
+}
+
+const PROFILES: [(Profile, &str); 4] = [
+    (Profile::Low, "quality-low"),
+    (Profile::Medium, "quality-medium"),
+    (Profile::High, "quality-high"),
+    (Profile::Ultra, "quality-ultra"),
+];
+const LEVELS: [&str; 4] = ["settings-level-1", "settings-level-2", "settings-level-3", "settings-level-4"];
+
+/// The window of settings; whether to close it.
+fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) -> bool {
+    let surface = Surface::Paper;
+    look.dress(ui, surface);
+    let mut closes = false;
+    ui.horizontal(|ui| {
+        ui.label(look.words(words.say("settings-title"), 1.25, look.ink(surface)));
+        if symbol_button(ui, look, surface, Symbol::Close, false, &words.say("bar-close"), "F3").clicked() {
+            closes = true;
+        }
+    });
+    let height = ui.ctx().content_rect().height() * 0.7;
+    ScrollArea::vertical().max_height(height).show(ui, |ui| {
+        Grid::new("settings").num_columns(2).spacing([look.text * 1.5, look.text * 0.35]).show(ui, |ui| {
+            language(ui, words, settings);
+            quality(ui, words, settings);
+            optional(ui, &words.say("settings-hold"), &mut settings.hold_fps, 60, 10..=240);
+            optional(ui, &words.say("settings-limit"), &mut settings.kilobytes_s, 200, 5..=20_000);
+            slider(ui, &words.say("settings-text"), &mut settings.text_size, TEXT_SIZE);
+            check(ui, &words.say("settings-contrast"), &mut settings.high_contrast);
+            check(ui, &words.say("settings-motion"), &mut settings.reduced_motion);
+            check(ui, &words.say("settings-minimap"), &mut settings.minimap);
+            slider(ui, &words.say("settings-minimap-size"), &mut settings.minimap_share, MINIMAP_SHARE);
+            check(ui, &words.say("settings-north"), &mut settings.north_up);
+            check(ui, &words.say("settings-panel"), &mut settings.place_panel);
+            check(ui, &words.say("settings-captions"), &mut settings.captions);
+            check(ui, &words.say("settings-bar"), &mut settings.bar_stays);
+        });
+    });
+    ui.label(look.words(words.say("settings-tiles"), 0.85, look.faint(surface)));
+    if ui.button(words.say("settings-reset")).clicked() {
+        *settings = Settings { knows_the_way: settings.knows_the_way, ..Settings::default() };
+    }
+    closes
+}
+
+fn language(ui: &mut Ui, words: &Words, settings: &mut Settings) {
+    let label = ui.label(words.say("settings-language"));
+    let system = words.say("settings-language-system");
+    let shown = settings.language.as_deref().map_or(system.as_str(), language_name).to_owned();
+    let chosen = ComboBox::from_id_salt("language").selected_text(shown).show_ui(ui, |ui| {
+        ui.selectable_value(&mut settings.language, None, &system);
+        for code in words.languages() {
+            ui.selectable_value(&mut settings.language, Some(code.to_owned()), language_name(code));
+        }
+    });
+    chosen.response.labelled_by(label.id);
+    ui.end_row();
+}
+
+fn quality(ui: &mut Ui, words: &Words, settings: &mut Settings) {
+    let label = ui.label(words.say("settings-quality"));
+    let fitting = words.say("settings-quality-fitting");
+    let name = |profile: Profile| PROFILES.iter().find(|(p, _)| *p == profile).map_or_else(String::new, |(_, name)| words.say(name));
+    let chosen = ComboBox::from_id_salt("quality").selected_text(settings.profile.map_or(fitting.clone(), name)).show_ui(ui, |ui| {
+        ui.selectable_value(&mut settings.profile, None, &fitting);
+        for (profile, name) in PROFILES {
+            ui.selectable_value(&mut settings.profile, Some(profile), words.say(name));
+        }
+    });
+    chosen.response.labelled_by(label.id);
+    ui.end_row();
+    let label = ui.label(words.say("settings-level"));
+    let shown = LEVELS.get(usize::from(settings.finest).wrapping_sub(1)).map_or_else(String::new, |name| words.say(name));
+    let chosen = ComboBox::from_id_salt("level").selected_text(shown).show_ui(ui, |ui| {
+        for (level, name) in (1..).zip(LEVELS) {
+            ui.selectable_value(&mut settings.finest, level, words.say(name));
+        }
+    });
+    chosen.response.labelled_by(label.id);
+    ui.end_row();
+}
+
+fn check(ui: &mut Ui, name: &str, value: &mut bool) {
+    let label = ui.label(name);
+    ui.add(Checkbox::without_text(value)).labelled_by(label.id);
+    ui.end_row();
+}
+
+fn slider(ui: &mut Ui, name: &str, value: &mut f32, (least, most): (f32, f32)) {
+    let label = ui.label(name);
+    ui.add(Slider::new(value, least..=most).max_decimals(2)).labelled_by(label.id);
+    ui.end_row();
+}
+
+/// A number that may be left open.
+fn optional<N: egui::emath::Numeric>(ui: &mut Ui, name: &str, value: &mut Option<N>, usual: N, range: core::ops::RangeInclusive<N>) {
+    let label = ui.label(name);
+    ui.horizontal(|ui| {
+        let mut is_set = value.is_some();
+        if ui.add(Checkbox::without_text(&mut is_set)).labelled_by(label.id).changed() {
+            *value = is_set.then_some(usual);
+        }
+        if let Some(number) = value {
+            ui.add(DragValue::new(number).range(range));
+        }
+    });
+    ui.end_row();
+}
+
+#[cfg(test)]
+mod tests {
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    use super::*;
+
+    fn words() -> Words {
+        let mut words = Words::default();
+        super::super::WORDS.iter().for_each(|(code, file)| words.add(code, file).expect("no mistakes"));
+        words
+    }
+
+    #[test]
+    fn every_setting_has_a_name_and_does_what_it_says() {
+        let (look, words) = (Look { text: 14.0, high_contrast: false, reduced_motion: true }, words());
+        let mut harness = Harness::builder().with_size(Vec2::new(900.0, 900.0)).build_ui_state(
+            |ui, settings: &mut Settings| _ = show(ui, &look, &words, settings),
+            Settings::default(),
+        );
+        harness.run();
+        let choose = |harness: &mut Harness<'_, Settings>, box_name: &str, choice: &str| {
+            harness.get_by_role_and_label(egui::accesskit::Role::ComboBox, box_name).click();
+            harness.run();
+            harness.get_by_label(choice).click();
+            harness.run();
+        };
+        choose(&mut harness, "Language", "Čeština");
+        choose(&mut harness, "Quality", "high");
+        choose(&mut harness, "Façades, highest level of detail", "2, windows and doors");
+        for name in ["High contrast", "Less motion", "Minimap", "North up", "What stands near", "Captions of tours", "The bar stays"] {
+            harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, name).click();
+            harness.run();
+        }
+        for name in ["Keep so many frames a second", "Limit streaming to, kB a second"] {
+            harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, name).click();
+            harness.run();
+        }
+        let chosen = Settings {
+            language: Some("cs".into()),
+            profile: Some(Profile::High),
+            finest: 2,
+            hold_fps: Some(60),
+            kilobytes_s: Some(200),
+            high_contrast: true,
+            reduced_motion: true,
+            minimap: false,
+            north_up: true,
+            place_panel: false,
+            captions: false,
+            bar_stays: true,
+            ..Settings::default()
+        };
+        assert_eq!(*harness.state(), chosen);
+        harness.get_by_label("As at first").click();
+        harness.run();
+        assert_eq!(*harness.state(), Settings::default());
+    }
+}

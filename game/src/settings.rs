@@ -1,0 +1,343 @@
+//! What the visitor has chosen: read when the program begins, kept when it changes.
+
+use std::path::PathBuf;
+
+use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
+use veduta::buildings::BuildSettings;
+use veduta::city::file;
+use veduta::ecs::{Interface, Words};
+use veduta::facade::AutoLevels;
+use veduta::guide::PanelSettings;
+use veduta::prelude::*;
+use veduta::streaming::Link;
+use veduta::tour::CaptionSettings;
+
+use crate::profile::{Fitting, Profile, follow};
+
+/// What the visitor has chosen. Live.
+#[derive(Resource, Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct Settings {
+    /// Code of the language; the system's if none.
+    pub language: Option<String>,
+    /// Quality; fitting the graphics adapter if none.
+    pub profile: Option<Profile>,
+    /// Façades' highest level of detail.
+    pub finest: u8,
+    /// Frames a second that levels of detail make room for; none for any.
+    pub hold_fps: Option<u16>,
+    /// Kilobytes a second that streaming may take; none for all there are.
+    pub kilobytes_s: Option<u32>,
+    pub text_size: f32,
+    pub high_contrast: bool,
+    pub reduced_motion: bool,
+    /// Windows, and how large and which way up the minimap is.
+    pub minimap: bool,
+    pub minimap_share: f32,
+    pub minimap_radius_m: f32,
+    pub north_up: bool,
+    pub place_panel: bool,
+    pub captions: bool,
+    /// Whether the bar stays; else it hides itself.
+    pub bar_stays: bool,
+    /// Whether the first minute has been gone through or skipped.
+    pub knows_the_way: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        let map = MinimapSettings::default();
+        Self {
+            language: None,
+            profile: None,
+            finest: 4,
+            hold_fps: None,
+            kilobytes_s: None,
+            text_size: 1.0,
+            high_contrast: false,
+            reduced_motion: false,
+            minimap: map.visible,
+            minimap_share: map.share,
+            minimap_radius_m: map.radius_m,
+            north_up: map.north_up,
+            place_panel: true,
+            captions: true,
+            bar_stays: false,
+            knows_the_way: false,
+        }
+    }
+}
+
+/// Where settings are kept, and how they came to be.
+#[derive(Resource, Debug, Clone)]
+pub(crate) struct SettingsFile {
+    /// `None` where the system has no place for them: they last till the end then.
+    path: Option<PathBuf>,
+    /// What the command line has decided: it holds for this visit and is not kept.
+    orders: Orders,
+    kept: Settings,
+    /// For how long what has changed was not kept, seconds.
+    pending_s: f64,
+}
+
+/// What the command line decides.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Orders {
+    pub language: Option<String>,
+    pub profile: Option<Profile>,
+    pub hold_fps: Option<u16>,
+}
+
+/// The folder for what a user has chosen.
+fn config_dir() -> Option<PathBuf> {
+    let var = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    let base = var("XDG_CONFIG_HOME").or_else(|| var("APPDATA")).or_else(|| var("HOME").map(|home| home.join(".config")))?;
+    Some(base.join("veduta"))
+}
+
+/// The language of the system, if the interface speaks it.
+fn system_language(spoken: &[&str]) -> Option<String> {
+    let told = ["LC_ALL", "LC_MESSAGES", "LANG"].iter().find_map(|name| std::env::var(name).ok().filter(|v| !v.is_empty()))?;
+    let code = told.split(['_', '.', '@', '-']).next()?.to_lowercase();
+    spoken.contains(&code.as_str()).then_some(code)
+}
+
+impl Settings {
+    /// What was kept in the usual place. A file that cannot be read is told of and left alone until something else is chosen.
+    pub fn read(orders: Orders) -> (Self, SettingsFile) {
+        Self::read_from(config_dir().map(|dir| dir.join("settings.ron")), orders)
+    }
+
+    fn read_from(path: Option<PathBuf>, orders: Orders) -> (Self, SettingsFile) {
+        let found = path.as_ref().filter(|path| path.is_file());
+        let kept = found.map_or_else(Self::default, |path| {
+            file::read::<Self>(path).unwrap_or_else(|error| {
+                warn!("settings as at first, for: {error}");
+                Self::default()
+            })
+        });
+        let kept = kept.within_bounds();
+        let mut now = kept.clone();
+        now.language = orders.language.clone().or(now.language);
+        now.profile = orders.profile.or(now.profile);
+        now.hold_fps = orders.hold_fps.or(now.hold_fps);
+        (now, SettingsFile { path, orders, kept, pending_s: 0.0 })
+    }
+
+    /// Numbers that a hand has put out of bounds come back.
+    fn within_bounds(mut self) -> Self {
+        let within = |value: f32, (least, most): (f32, f32), otherwise: f32| {
+            if value.is_finite() { value.clamp(least, most) } else { otherwise }
+        };
+        let usual = Self::default();
+        self.text_size = within(self.text_size, TEXT_SIZE, usual.text_size);
+        self.minimap_share = within(self.minimap_share, MINIMAP_SHARE, usual.minimap_share);
+        self.minimap_radius_m = within(self.minimap_radius_m, MINIMAP_RADIUS_M, usual.minimap_radius_m);
+        self.finest = self.finest.clamp(1, 4);
+        self.hold_fps = self.hold_fps.map(|frames| frames.clamp(5, 500));
+        self.kilobytes_s = self.kilobytes_s.map(|kilobytes| kilobytes.clamp(1, 1_000_000));
+        self
+    }
+}
+
+pub(crate) const TEXT_SIZE: (f32, f32) = (0.6, 2.5);
+pub(crate) const MINIMAP_SHARE: (f32, f32) = (0.15, 0.6);
+const MINIMAP_RADIUS_M: (f32, f32) = (25.0, 5_000.0);
+
+impl SettingsFile {
+    /// What is to be kept: what was chosen, but for what the command line decided.
+    fn to_keep(&self, now: &Settings) -> Settings {
+        let Orders { language, profile, hold_fps } = &self.orders;
+        let mut keep = now.clone();
+        if language.is_some() && now.language == *language {
+            keep.language.clone_from(&self.kept.language);
+        }
+        if profile.is_some() && now.profile == *profile {
+            keep.profile = self.kept.profile;
+        }
+        if hold_fps.is_some() && now.hold_fps == *hold_fps {
+            keep.hold_fps = self.kept.hold_fps;
+        }
+        keep
+    }
+
+    fn write(&mut self, now: &Settings) {
+        let keep = self.to_keep(now);
+        let Some(path) = self.path.as_ref().filter(|_| keep != self.kept) else { return };
+        let written = path.parent().map_or(Ok(()), std::fs::create_dir_all).map_err(|error| error.to_string());
+        match written.and_then(|()| file::write(&keep, path).map_err(|error| error.to_string())) {
+            Ok(()) => self.kept = keep,
+            Err(error) => {
+                // Once is enough.
+                self.path = None;
+                warn!("settings cannot be kept: {error}");
+            }
+        }
+    }
+}
+
+/// Settings as they bear on the rest, and their file.
+pub(crate) struct SettingsPlugin;
+
+impl Plugin for SettingsPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(PreUpdate, gather)
+            .add_systems(Update, (speak, dress, reach).run_if(resource_changed::<Settings>))
+            .add_systems(Update, follow.after(reach))
+            .add_systems(PostUpdate, keep)
+            .add_systems(Last, keep_at_the_end);
+    }
+}
+
+/// What was changed without the settings' window: by keys and wheel.
+fn gather(map: Res<MinimapSettings>, panel: Res<PanelSettings>, captions: Res<CaptionSettings>, mut settings: ResMut<Settings>) {
+    if !(map.is_changed() || panel.is_changed() || captions.is_changed()) || settings.is_changed() {
+        return;
+    }
+    let mut next = settings.clone();
+    (next.minimap, next.minimap_share) = (map.visible, map.share);
+    (next.minimap_radius_m, next.north_up) = (map.radius_m, map.north_up);
+    (next.place_panel, next.captions) = (panel.visible, captions.visible);
+    settings.set_if_neq(next);
+}
+
+/// Speaks the language that was chosen, else the system's.
+fn speak(settings: Res<Settings>, mut words: ResMut<Words>) {
+    let spoken: Vec<&str> = words.languages().collect();
+    let language = settings.language.clone().or_else(|| system_language(&spoken)).unwrap_or_else(|| "en".to_owned());
+    if words.language() != language {
+        words.speak(&language);
+    }
+}
+
+/// Letters, windows.
+fn dress(
+    settings: Res<Settings>,
+    mut interface: ResMut<Interface>,
+    mut map: ResMut<MinimapSettings>,
+    mut panel: ResMut<PanelSettings>,
+    mut captions: ResMut<CaptionSettings>,
+) {
+    interface.set_if_neq(Interface {
+        size: settings.text_size,
+        high_contrast: settings.high_contrast,
+        reduced_motion: settings.reduced_motion,
+        ..*interface
+    });
+    map.set_if_neq(MinimapSettings {
+        visible: settings.minimap,
+        share: settings.minimap_share,
+        radius_m: settings.minimap_radius_m,
+        north_up: settings.north_up,
+    });
+    panel.set_if_neq(PanelSettings { visible: settings.place_panel, ..*panel });
+    captions.set_if_neq(CaptionSettings { visible: settings.captions, ..*captions });
+}
+
+/// Quality and what streaming may take.
+fn reach(
+    settings: Res<Settings>,
+    mut commands: Commands,
+    fitting: Res<Fitting>,
+    mut profile: ResMut<Profile>,
+    mut link: ResMut<Link>,
+    auto: Option<Res<AutoLevels>>,
+    mut levels: ResMut<LevelDistances>,
+    mut streaming: ResMut<StreamingSettings>,
+    mut building: ResMut<BuildSettings>,
+) {
+    profile.set_if_neq(settings.profile.unwrap_or(fitting.0));
+    // What the profile allows, and of that what the visitor does.
+    let mut allowed = profile.levels();
+    for level in (settings.finest..4).map(usize::from) {
+        (allowed.near[level - 1], allowed.far[level - 1]) = (0.0, 0.0);
+    }
+    levels.set_if_neq(allowed);
+    let usual = profile.streaming();
+    streaming.set_if_neq(StreamingSettings { finest: usual.finest.min(settings.finest.max(1)), ..usual });
+    let relief_m = if settings.finest < 4 { 0.0 } else { profile.buildings().relief_m };
+    building.set_if_neq(BuildSettings { relief_m, ..*building });
+    let bytes_s = settings.kilobytes_s.map_or(f64::INFINITY, |kilobytes| f64::from(kilobytes) * 1_000.0);
+    link.set_if_neq(Link { bytes_s, ..*link });
+    match (settings.hold_fps, auto.is_some()) {
+        (Some(frames), _) => commands.insert_resource(AutoLevels { frame_s: 1.0 / f64::from(frames.max(1)), ..default() }),
+        (None, true) => commands.remove_resource::<AutoLevels>(),
+        (None, false) => {}
+    }
+}
+
+/// Seconds that choices rest before they are written: a slider is not written at every step.
+const REST_S: f64 = 1.0;
+
+fn keep(time: Res<Time<Real>>, settings: Res<Settings>, mut file: ResMut<SettingsFile>) {
+    if settings.is_changed() {
+        file.pending_s = f64::EPSILON;
+        return;
+    }
+    if file.pending_s > 0.0 {
+        file.pending_s += time.delta_secs_f64();
+        if file.pending_s > REST_S {
+            file.pending_s = 0.0;
+            file.write(&settings);
+        }
+    }
+}
+
+fn keep_at_the_end(mut exits: MessageReader<AppExit>, settings: Res<Settings>, mut file: ResMut<SettingsFile>) {
+    if exits.read().count() > 0 {
+        file.write(&settings);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place(name: &str) -> PathBuf {
+        let dir = std::env::temp_dir().join(format!("veduta-settings-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&dir);
+        dir.join("settings.ron")
+    }
+
+    #[test]
+    fn what_was_chosen_is_there_at_the_next_start() {
+        let path = place("kept");
+        let (mut settings, mut file) = Settings::read_from(Some(path.clone()), Orders::default());
+        assert_eq!(settings, Settings::default());
+        settings.language = Some("cs".into());
+        settings.profile = Some(Profile::High);
+        settings.text_size = 1.5;
+        file.write(&settings);
+        assert_eq!(Settings::read_from(Some(path.clone()), Orders::default()).0, settings);
+        let _ = path.parent().map(std::fs::remove_dir_all);
+    }
+
+    #[test]
+    fn the_command_line_holds_for_this_visit_alone() {
+        let path = place("orders");
+        let (mut settings, mut file) = Settings::read_from(Some(path.clone()), Orders::default());
+        settings.language = Some("it".into());
+        file.write(&settings);
+        let orders = Orders { language: Some("cs".into()), profile: Some(Profile::Low), ..Orders::default() };
+        let (mut settings, mut file) = Settings::read_from(Some(path.clone()), orders);
+        assert_eq!((settings.language.as_deref(), settings.profile), (Some("cs"), Some(Profile::Low)));
+        settings.captions = false;
+        file.write(&settings);
+        let (settings, _) = Settings::read_from(Some(path.clone()), Orders::default());
+        assert_eq!((settings.language.as_deref(), settings.profile, settings.captions), (Some("it"), None, false));
+        let _ = path.parent().map(std::fs::remove_dir_all);
+    }
+
+    #[test]
+    fn a_file_with_a_mistake_or_odd_numbers_does_no_harm() {
+        let path = place("odd");
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("room");
+        for (text, size) in [("(text_size: 900)", TEXT_SIZE.1), ("(text_size: NaN)", 1.0), ("(text_siz", 1.0), ("(finest: 200)", 1.0)] {
+            std::fs::write(&path, text).expect("room");
+            let (settings, _) = Settings::read_from(Some(path.clone()), Orders::default());
+            assert_eq!((settings.text_size, settings.finest), (size, 4), "{text}");
+        }
+        let _ = path.parent().map(std::fs::remove_dir_all);
+    }
+}

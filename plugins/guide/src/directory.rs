@@ -1,0 +1,235 @@
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
+use veduta_city::{Guide, Overview, Place};
+use veduta_ecs::City;
+use veduta_route::{Finder, Named};
+
+use crate::CityGuide;
+
+/// Something besides places and streets that can be found: a tour, a command.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Offer {
+    /// What a game knows it by.
+    pub key: String,
+    /// Its names, the one to show first.
+    pub names: Vec<String>,
+}
+
+/// What a game offers in the search box. Live.
+#[derive(Resource, Debug, Clone, PartialEq, Eq, Default)]
+pub struct Offers(
+    /// In no order.
+    pub Vec<Offer>,
+);
+
+/// Something offered was chosen.
+#[derive(Message, Debug, Clone, PartialEq, Eq)]
+pub struct OfferTaken {
+    /// What the game knows it by.
+    pub key: String,
+}
+
+/// What a name stands for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Found {
+    /// A place.
+    Place(Place),
+    /// A street: its name, and the middles of its pieces in plan metres.
+    Street(String, Vec<DVec2>),
+    /// Something that a game offers.
+    Offer(Offer),
+}
+
+impl Found {
+    /// Its name in the map.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Place(place) => &place.name,
+            Self::Street(name, _) => name,
+            Self::Offer(offer) => offer.names.first().map_or("", String::as_str),
+        }
+    }
+
+    /// Where it is, or is nearest to somebody; plan metres.
+    #[must_use]
+    pub fn plan_pos(&self, near: DVec2) -> Option<DVec2> {
+        match self {
+            Self::Place(place) => Some(place.pos),
+            Self::Street(_, pieces) => pieces.iter().copied().min_by(|a, b| a.distance_squared(near).total_cmp(&b.distance_squared(near))),
+            Self::Offer(_) => None,
+        }
+    }
+}
+
+/// All that has a name, to be searched.
+#[derive(Resource, Default)]
+pub struct Directory {
+    index: Arc<Index>,
+    /// Of what it was made.
+    source: Source,
+    task: Option<(Source, Task<Index>)>,
+}
+
+#[derive(Default)]
+struct Index {
+    finder: Finder,
+    found: Vec<Found>,
+}
+
+/// What a directory is made of, told apart by what does not change without it.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Source {
+    parts: Vec<(u32, usize)>,
+    guide: u64,
+    offers: Offers,
+}
+
+impl Directory {
+    /// What fits what was typed, best first, `most` at most; near `near` sooner. Each with its name that fits best.
+    #[must_use]
+    pub fn find(&self, typed: &str, near: DVec2, most: usize) -> Vec<(Found, String)> {
+        let hits = self.index.finder.find(typed, Some(near), most);
+        let told = |index: usize, name: usize| {
+            let matched = self.index.finder.named().get(index)?.names.get(name)?;
+            Some((self.index.found.get(index)?.clone(), matched.clone()))
+        };
+        hits.into_iter().filter_map(|hit| told(hit.index, hit.name)).collect()
+    }
+
+    /// How many things have a name.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.index.found.len()
+    }
+
+    /// Whether nothing has a name.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.index.found.is_empty()
+    }
+
+    /// A directory of some parts of a city.
+    #[must_use]
+    pub fn of<'a>(parts: impl IntoIterator<Item = &'a Overview>, guide: &Guide, offers: &Offers) -> Self {
+        Self { index: Arc::new(Index::of(parts, guide, offers)), ..Self::default() }
+    }
+}
+
+impl Index {
+    fn of<'a>(parts: impl IntoIterator<Item = &'a Overview>, guide: &Guide, offers: &Offers) -> Self {
+        let told: BTreeMap<&str, _> = guide.places.iter().map(|place| (place.name.as_str(), place)).collect();
+        let mut streets: BTreeMap<&str, Vec<DVec2>> = BTreeMap::new();
+        let mut index = Self::default();
+        let mut named = Vec::new();
+        let mut seen = std::collections::BTreeSet::new();
+        for part in parts {
+            for place in part.places.iter().filter(|place| !place.name.trim().is_empty()) {
+                // A place at the border of two parts stands in both.
+                if seen.insert((place.id, &place.name)) {
+                    named.push(Named::place(place, told.get(place.name.as_str()).copied()));
+                    index.found.push(Found::Place(place.clone()));
+                }
+            }
+            for street in part.streets.iter().filter(|street| street.walkable && !street.name.is_empty()) {
+                let middle = street.line.get(street.line.len() / 2).map(|p| p.to_metres());
+                streets.entry(&street.name).or_default().extend(middle);
+            }
+        }
+        for (name, pieces) in streets {
+            let is_known = seen.iter().any(|(_, known)| *known == name);
+            if let (false, Some(&first)) = (is_known, pieces.get(pieces.len() / 2)) {
+                named.push(Named::street(name, first));
+                index.found.push(Found::Street(name.to_owned(), pieces));
+            }
+        }
+        for offer in &offers.0 {
+            named.push(Named { names: offer.names.clone(), plan_pos: None, renown: 0.2 });
+            index.found.push(Found::Offer(offer.clone()));
+        }
+        index.finder = Finder::new(named);
+        index
+    }
+}
+
+/// Makes the directory anew, beside the frame, when what it is made of has changed.
+pub(crate) fn keep(city: Option<Res<City>>, guide: Res<CityGuide>, offers: Res<Offers>, mut directory: ResMut<Directory>) {
+    if let Some((_, task)) = &mut directory.task {
+        let Some(index) = block_on(poll_once(task)) else { return };
+        if let Some((source, _)) = directory.task.take() {
+            (directory.index, directory.source) = (Arc::new(index), source);
+        }
+    }
+    let parts = || city.iter().flat_map(|city| city.overviews.iter());
+    let is_same = directory.source.guide == guide.version()
+        && directory.source.offers == *offers
+        && parts().map(|(part, overview)| (part, Arc::as_ptr(overview) as usize)).eq(directory.source.parts.iter().copied());
+    if is_same {
+        return;
+    }
+    let source = Source {
+        parts: parts().map(|(part, overview)| (part, Arc::as_ptr(overview) as usize)).collect(),
+        guide: guide.version(),
+        offers: offers.clone(),
+    };
+    let overviews: Vec<Arc<Overview>> = parts().map(|(_, overview)| Arc::clone(overview)).collect();
+    let (told, offered) = (guide.guide().clone(), offers.clone());
+    let task = AsyncComputeTaskPool::get().spawn(async move { Index::of(overviews.iter().map(AsRef::as_ref), &told, &offered) });
+    directory.task = Some((source, task));
+}
+
+#[cfg(test)]
+mod tests {
+    use veduta_city::{GridPos, GuidePlace, Id, PlaceKind, PlanStreet};
+    use veduta_ecs::Overviews;
+
+    use super::*;
+
+    fn town() -> Overview {
+        let line = [(0, 0), (50, 0), (100, 0)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec();
+        let street = |name: &str| PlanStreet { id: Id(7), name: name.into(), line: line.clone(), width: 6 * 1024, walkable: true, layer: 0 };
+        let place = |id, name: &str, kind| Place { id: Id(id), name: name.into(), kind, ..Place::default() };
+        Overview {
+            streets: vec![street("Celetná"), street("Karlova")],
+            places: vec![place(1, "Powder Tower", PlaceKind::Monument), place(2, "Celetná", PlaceKind::Street)],
+            ..Overview::default()
+        }
+    }
+
+    fn guide() -> Guide {
+        let names = [("cs".to_owned(), "Prašná brána".to_owned())].into();
+        Guide { places: vec![GuidePlace { name: "Powder Tower".into(), names, ..GuidePlace::default() }], ..Guide::default() }
+    }
+
+    #[test]
+    fn places_streets_and_offers_are_found_each_once() {
+        let offers = Offers(vec![Offer { key: "night".into(), names: vec!["Night".into()] }]);
+        let directory = Directory::of([&town(), &town()], &guide(), &offers);
+        assert_eq!(directory.len(), 4, "a street that is a place is told once, and so is a place in two parts");
+        let first = |typed: &str| directory.find(typed, DVec2::ZERO, 5).into_iter().next();
+        assert!(matches!(first("prasna"), Some((Found::Place(place), name)) if place.name == "Powder Tower" && name == "Prašná brána"));
+        assert!(matches!(first("karlov"), Some((Found::Street(name, _), _)) if name == "Karlova"));
+        assert!(matches!(first("night"), Some((Found::Offer(offer), _)) if offer.key == "night"));
+    }
+
+    #[test]
+    fn it_is_made_anew_when_the_city_comes() {
+        AsyncComputeTaskPool::get_or_init(Default::default);
+        let mut app = App::new();
+        app.init_resource::<Directory>().init_resource::<Offers>().insert_resource(CityGuide::of(guide())).add_systems(Update, keep);
+        app.update();
+        app.insert_resource(City { overviews: Overviews::whole(town()), ..City::default() });
+        for _ in 0..2_000 {
+            app.update();
+            if app.world().resource::<Directory>().len() == 3 {
+                return;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        panic!("{} things have a name", app.world().resource::<Directory>().len());
+    }
+}

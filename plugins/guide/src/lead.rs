@@ -1,0 +1,404 @@
+use std::sync::Arc;
+
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
+use bevy_egui::EguiContexts;
+use bevy_egui::egui::{Align2, Area, Id as EguiId, Order, Ui, Vec2 as EguiVec2};
+use veduta_city::Overview;
+use veduta_ecs::{
+    Around, Awaited, City, CityClock, CityFailed, Eye, Interface, Itinerary, JumpTo, OverviewWants, Route, Steering, Stop, Viewer, WalkTo,
+    Words,
+};
+use veduta_route::{Pose, RouteError, StreetNet, WALK_EYE_M, Walk};
+use veduta_ui::{Look, Surface, Symbol, symbol_button};
+
+use crate::CityGuide;
+use crate::near::heading_to;
+
+/// How somebody is led. Live.
+#[derive(Resource, Debug, Clone, Copy, PartialEq)]
+pub struct LeadSettings {
+    /// Walking speed, metres a second.
+    pub walk_m_s: f64,
+}
+
+impl Default for LeadSettings {
+    fn default() -> Self {
+        Self { walk_m_s: 2.2 }
+    }
+}
+
+/// A walk that was asked for has ended.
+#[derive(Message, Debug, Clone, PartialEq, Eq)]
+pub struct WalkEnded {
+    /// Where it led, as the visitor reads it.
+    pub name: String,
+    /// Whether its end was reached.
+    pub arrived: bool,
+}
+
+/// The visitor is led along the streets to where he asked.
+#[derive(Resource, Default)]
+pub struct Lead(State);
+
+#[derive(Default)]
+enum State {
+    #[default]
+    Idle,
+    /// Asked for; the streets between may be on their way.
+    Asked(WalkTo),
+    /// The way is being found, beside the frame.
+    Finding(WalkTo, Task<Result<Walk, RouteError>>),
+    /// Under way: how long, and for how long the street ahead has been waited for.
+    Walking { to: WalkTo, walk: Arc<Walk>, t_s: f64, waited_s: f64 },
+}
+
+impl Lead {
+    /// Whether somebody is on the way, or about to be.
+    #[must_use]
+    pub fn is_under_way(&self) -> bool {
+        !matches!(self.0, State::Idle)
+    }
+
+    /// Whether the walk stands still because what lies ahead has not come.
+    #[must_use]
+    pub fn waits(&self) -> bool {
+        matches!(self.0, State::Walking { waited_s, .. } if waited_s > 0.0)
+    }
+}
+
+/// Streets are looked for in a circle about both ends that reaches so far beyond them, as a share of their distance, and at least this.
+const ROUND: f64 = 0.6;
+const LEAST_ROUND_M: f64 = 150.0;
+/// So many seconds ahead it is told where the walk will be.
+const AHEAD_S: [f64; 4] = [3.0, 7.0, 12.0, 20.0];
+
+fn around(from: DVec2, to: DVec2) -> Around {
+    let apart = from.distance(to);
+    Around { middle: (from + to) / 2.0, radius_m: apart / 2.0 + (apart * ROUND).max(LEAST_ROUND_M) }
+}
+
+/// Takes walks that are asked for, and ends one when the visitor touches the controls.
+pub(crate) fn set_out(
+    mut asked: MessageReader<WalkTo>,
+    mut jumps: MessageReader<JumpTo>,
+    mut lead: ResMut<Lead>,
+    mut route: ResMut<Route>,
+    mut steering: ResMut<Steering>,
+    mut ended: MessageWriter<WalkEnded>,
+    mut wants: ResMut<OverviewWants>,
+) {
+    let jumped = jumps.read().count() > 0;
+    let let_go = matches!(lead.0, State::Walking { .. }) && *steering != Steering::Led;
+    if let_go || (jumped && lead.is_under_way()) {
+        stop(&mut lead, &mut route, &mut steering, &mut wants, &mut ended, false);
+    }
+    if let Some(to) = asked.read().last() {
+        if lead.is_under_way() {
+            stop(&mut lead, &mut route, &mut steering, &mut wants, &mut ended, false);
+        }
+        lead.0 = State::Asked(to.clone());
+    }
+}
+
+fn stop(
+    lead: &mut Lead,
+    route: &mut ResMut<Route>,
+    steering: &mut ResMut<Steering>,
+    wants: &mut ResMut<OverviewWants>,
+    ended: &mut MessageWriter<WalkEnded>,
+    arrived: bool,
+) {
+    if let State::Asked(to) | State::Finding(to, _) | State::Walking { to, .. } = core::mem::take(&mut lead.0) {
+        ended.write(WalkEnded { name: to.name, arrived });
+    }
+    route.set_if_neq(Route::default());
+    if **steering == Steering::Led {
+        **steering = Steering::Visitor;
+    }
+    OverviewWants::ask(wants, "lead", None);
+}
+
+/// Finds the way once the streets between are here.
+pub(crate) fn find_way(
+    city: Option<Res<City>>,
+    viewers: Query<&Eye, With<Viewer>>,
+    settings: Res<LeadSettings>,
+    clock: Res<CityClock>,
+    words: Res<Words>,
+    mut lead: ResMut<Lead>,
+    mut route: ResMut<Route>,
+    mut steering: ResMut<Steering>,
+    mut wants: ResMut<OverviewWants>,
+    mut jumps: MessageWriter<JumpTo>,
+    mut ended: MessageWriter<WalkEnded>,
+    mut failed: MessageWriter<CityFailed>,
+) {
+    let (Some(city), Some(eye)) = (city, viewers.iter().next()) else { return };
+    match &mut lead.0 {
+        State::Asked(to) => {
+            let to = to.clone();
+            // From the air nobody walks.
+            if eye.eye_m > WALK_EYE_M {
+                let (heading_deg, pitch_deg) = to.facing_deg.unwrap_or((heading_to(to.plan_pos, to.towards), 0.0));
+                jumps.write(JumpTo(veduta_city::Viewpoint { pos: to.plan_pos, heading_deg, pitch_deg, ..Default::default() }));
+                stop(&mut lead, &mut route, &mut steering, &mut wants, &mut ended, true);
+                return;
+            }
+            let around = around(eye.plan_pos, to.plan_pos);
+            OverviewWants::ask(&mut wants, "lead", Some(around));
+            if !city.overviews.has(around) {
+                return;
+            }
+            let parts: Vec<Arc<Overview>> = city.overviews.near(around).map(Arc::clone).collect();
+            let (from, goal, speed) = (pose_of(eye, clock.hour), to.clone(), settings.walk_m_s);
+            let task = AsyncComputeTaskPool::get().spawn(async move { way(&parts, from, &goal, speed) });
+            lead.0 = State::Finding(to, task);
+        }
+        State::Finding(to, task) => match block_on(poll_once(task)) {
+            None => {}
+            Some(Ok(walk)) => {
+                let (to, walk) = (to.clone(), Arc::new(walk));
+                let (left_m, left_s) = (walk.length_m(), walk.duration_s());
+                route.set_if_neq(Route { way: walk.way().to_vec(), name: to.name.clone(), left_m, left_s });
+                steering.set_if_neq(Steering::Led);
+                lead.0 = State::Walking { to, walk, t_s: 0.0, waited_s: 0.0 };
+            }
+            Some(Err(error)) => {
+                let told = words.say_with("lead-no-way", &[("name", to.name.clone().into())]);
+                failed.write(CityFailed { message: format!("{told} ({error})"), will_retry: false });
+                stop(&mut lead, &mut route, &mut steering, &mut wants, &mut ended, false);
+            }
+        },
+        State::Idle | State::Walking { .. } => {}
+    }
+}
+
+fn pose_of(eye: &Eye, hour: f64) -> Pose {
+    Pose {
+        plan_pos: eye.plan_pos,
+        eye_m: eye.eye_m,
+        heading_deg: eye.heading_deg,
+        pitch_deg: eye.pitch_deg,
+        fov_deg: eye.fov_deg,
+        hour,
+        fade: 0.0,
+    }
+}
+
+fn way(parts: &[Arc<Overview>], from: Pose, to: &WalkTo, speed: f64) -> Result<Walk, RouteError> {
+    let joined;
+    let overview = match parts {
+        [one] => one.as_ref(),
+        parts => {
+            joined = Overview::joined(parts.iter().map(AsRef::as_ref));
+            &joined
+        }
+    };
+    let net = StreetNet::new(&overview.streets).on(&overview.terrain);
+    let (heading_deg, pitch_deg) = to.facing_deg.unwrap_or((heading_to(to.plan_pos, to.towards), 0.0));
+    Walk::new(&net, from, Pose { plan_pos: to.plan_pos, heading_deg, pitch_deg, ..from }, speed, None)
+}
+
+/// Carries the walk on.
+pub(crate) fn go(
+    time: Res<Time>,
+    awaited: Res<Awaited>,
+    mut lead: ResMut<Lead>,
+    mut route: ResMut<Route>,
+    mut steering: ResMut<Steering>,
+    mut wants: ResMut<OverviewWants>,
+    mut viewers: Query<(&mut Eye, &mut Itinerary), With<Viewer>>,
+    mut ended: MessageWriter<WalkEnded>,
+) {
+    let State::Walking { walk, t_s, waited_s, .. } = &mut lead.0 else { return };
+    let dt = time.delta_secs_f64();
+    // The street ahead stands before it is walked into.
+    let waits = awaited.cells > 0 && *waited_s < Awaited::PATIENCE_S;
+    *waited_s = if awaited.cells == 0 { 0.0 } else { *waited_s + dt };
+    if !waits {
+        *t_s = (*t_s + dt).min(walk.duration_s());
+    }
+    let pose = walk.pose(*t_s);
+    let stops = AHEAD_S.map(|in_s| {
+        let pose = walk.pose(*t_s + in_s);
+        Stop { in_s, plan_pos: pose.plan_pos, eye_m: pose.eye_m }
+    });
+    let (has_arrived, left_m, left_s) = (*t_s >= walk.duration_s(), walk.left_m(pose.plan_pos), walk.duration_s() - *t_s);
+    for (mut eye, mut itinerary) in &mut viewers {
+        let (ground_m, fov_deg, fade) = (eye.ground_m, eye.fov_deg, eye.fade);
+        eye.set_if_neq(Eye {
+            plan_pos: pose.plan_pos,
+            ground_m,
+            eye_m: pose.eye_m,
+            heading_deg: pose.heading_deg,
+            pitch_deg: pose.pitch_deg,
+            fov_deg,
+            fade,
+        });
+        itinerary.set_if_neq(Itinerary(if has_arrived { Vec::new() } else { stops.to_vec() }));
+    }
+    if has_arrived {
+        stop(&mut lead, &mut route, &mut steering, &mut wants, &mut ended, true);
+    } else {
+        (route.left_m, route.left_s) = (left_m, left_s);
+    }
+}
+
+/// Where the way leads and how long it takes yet, at the top in the middle.
+pub(crate) fn draw(
+    mut contexts: EguiContexts,
+    lead: Res<Lead>,
+    route: Res<Route>,
+    words: Res<Words>,
+    interface: Res<Interface>,
+    guide: Res<CityGuide>,
+    mut steering: ResMut<Steering>,
+) -> Result {
+    if !matches!(lead.0, State::Walking { .. }) {
+        return Ok(());
+    }
+    let context = contexts.ctx_mut()?;
+    let look = Look::of(&interface, context);
+    let offset = EguiVec2::new(0.0, context.content_rect().height() * 0.03);
+    let stops = Area::new(EguiId::new("veduta lead")).anchor(Align2::CENTER_TOP, offset).order(Order::Middle).show(context, |ui| {
+        let frame = look.frame(Surface::Dusk);
+        frame.show(ui, |ui| show(ui, &look, &words, guide.name(&route.name, &words), &route, lead.waits())).inner
+    });
+    if stops.inner {
+        steering.set_if_neq(Steering::Visitor);
+    }
+    Ok(())
+}
+
+/// The line of a walk; whether to stop.
+fn show(ui: &mut Ui, look: &Look, words: &Words, name: &str, route: &Route, waits: bool) -> bool {
+    look.dress(ui, Surface::Dusk);
+    ui.horizontal(|ui| {
+        ui.label(words.say_with("lead-to", &[("name", name.to_owned().into())]));
+        let told = if waits {
+            words.say("lead-waits")
+        } else {
+            let minutes = (route.left_s / 60.0).round() as u32;
+            let metres = (route.left_m / 5.0).round() as u32 * 5;
+            words.say_with("lead-left", &[("metres", metres.into()), ("minutes", minutes.into())])
+        };
+        ui.label(look.words(told, 1.0, look.accent(Surface::Dusk)));
+        symbol_button(ui, look, Surface::Dusk, Symbol::Close, false, &words.say("lead-stop"), "").clicked()
+    })
+    .inner
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use bevy::time::TimeUpdateStrategy;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+    use veduta_city::{GridPos, Id, PlanStreet};
+    use veduta_ecs::Overviews;
+
+    use super::*;
+
+    fn led() -> (App, Entity) {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default(), crate::GuidePlugin { interface: false }))
+            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(50)));
+        let line = [(0, 0), (200, 0)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec();
+        let street = PlanStreet { id: Id(1), name: "Long".into(), line, width: 6 * 1024, walkable: true, layer: 0 };
+        let overview = Overview { streets: vec![street], ..Overview::default() };
+        app.insert_resource(City { overviews: Overviews::whole(overview), ..City::default() });
+        let viewer = app.world_mut().spawn((Viewer, Eye { plan_pos: DVec2::new(5.0, 0.0), ..Eye::default() })).id();
+        (app, viewer)
+    }
+
+    fn ask(app: &mut App, x: f64) {
+        let plan_pos = DVec2::new(x, 0.0);
+        app.world_mut().write_message(WalkTo { name: "There".into(), plan_pos, facing_deg: Some((180.0, 10.0)), towards: plan_pos });
+    }
+
+    fn until(app: &mut App, what: &str, holds: impl Fn(&World) -> bool) {
+        for _ in 0..5_000 {
+            app.update();
+            if holds(app.world()) {
+                return;
+            }
+            if matches!(app.world().resource::<Lead>().0, State::Finding(..)) {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        }
+        panic!("never: {what}");
+    }
+
+    fn ended(app: &mut App) -> Vec<WalkEnded> {
+        app.world_mut().resource_mut::<Messages<WalkEnded>>().drain().collect()
+    }
+
+    #[test]
+    fn the_visitor_is_led_there_and_the_way_is_shown() {
+        let (mut app, viewer) = led();
+        ask(&mut app, 105.0);
+        until(&mut app, "on the way", |world| *world.resource::<Steering>() == Steering::Led);
+        let route = app.world().resource::<Route>().clone();
+        assert!(route.way.len() >= 2 && route.name == "There" && (95.0..=100.5).contains(&route.left_m), "{route:?}");
+        until(&mut app, "there", |world| !world.resource::<Lead>().is_under_way());
+        let eye = *app.world().get::<Eye>(viewer).expect("spawned above");
+        assert!(eye.plan_pos.distance(DVec2::new(105.0, 0.0)) < 0.1 && (eye.heading_deg - 180.0).abs() < 0.5, "{eye:?}");
+        assert_eq!(*app.world().resource::<Steering>(), Steering::Visitor);
+        assert!(app.world().resource::<Route>().way.is_empty());
+        assert_eq!(ended(&mut app), [WalkEnded { name: "There".into(), arrived: true }]);
+    }
+
+    #[test]
+    fn who_touches_the_controls_walks_on_by_himself() {
+        let (mut app, viewer) = led();
+        ask(&mut app, 150.0);
+        until(&mut app, "on the way", |world| world.resource::<Route>().left_m.clamp(1.0, 120.0) == world.resource::<Route>().left_m);
+        app.insert_resource(Steering::Visitor);
+        app.update();
+        let here = app.world().get::<Eye>(viewer).expect("spawned above").plan_pos;
+        (0..20).for_each(|_| app.update());
+        assert_eq!(app.world().get::<Eye>(viewer).expect("spawned above").plan_pos, here);
+        assert_eq!(ended(&mut app).last(), Some(&WalkEnded { name: "There".into(), arrived: false }));
+    }
+
+    #[test]
+    fn it_waits_for_the_street_ahead() {
+        let (mut app, viewer) = led();
+        ask(&mut app, 150.0);
+        until(&mut app, "on the way", |world| world.resource::<Route>().left_m.clamp(1.0, 130.0) == world.resource::<Route>().left_m);
+        app.world_mut().resource_mut::<Awaited>().cells = 2;
+        let here = app.world().get::<Eye>(viewer).expect("spawned above").plan_pos;
+        (0..10).for_each(|_| app.update());
+        assert_eq!(app.world().get::<Eye>(viewer).expect("spawned above").plan_pos, here);
+        assert!(app.world().resource::<Lead>().waits());
+        app.world_mut().resource_mut::<Awaited>().cells = 0;
+        until(&mut app, "there", |world| !world.resource::<Lead>().is_under_way());
+    }
+
+    #[test]
+    fn where_no_way_leads_it_is_said() {
+        let (mut app, _) = led();
+        ask(&mut app, 9_000.0);
+        until(&mut app, "given up", |world| !world.resource::<Lead>().is_under_way());
+        let told: Vec<CityFailed> = app.world_mut().resource_mut::<Messages<CityFailed>>().drain().collect();
+        assert!(told.iter().any(|failed| failed.message.contains("There")), "{told:?}");
+        assert_eq!(*app.world().resource::<Steering>(), Steering::Visitor);
+    }
+
+    #[test]
+    fn the_line_of_a_walk_can_be_stopped() {
+        let mut words = Words::default();
+        crate::WORDS.iter().for_each(|(code, messages)| words.add(code, messages).expect("no mistakes"));
+        let look = Look { text: 16.0, high_contrast: false, reduced_motion: false };
+        let route = Route { name: "Powder Tower".into(), left_m: 413.0, left_s: 187.0, ..Route::default() };
+        let mut harness = Harness::new_ui_state(|ui, stops: &mut bool| *stops |= show(ui, &look, &words, &route.name, &route, false), false);
+        harness.get_by_label("To Powder Tower");
+        harness.get_by_label("415 m, about 3 minutes");
+        harness.get_by_label("Stop here").click();
+        harness.run();
+        assert!(*harness.state());
+    }
+}
