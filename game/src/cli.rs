@@ -39,6 +39,12 @@ enum Command {
         /// Language of the interface; the one that was chosen last, else the system's, if not given.
         #[arg(long, value_name = "CODE", value_parser = ["en", "cs", "it"])]
         language: Option<String>,
+        /// Width x height of the window in pixels.
+        #[arg(long, default_value = "1280x720")]
+        size: Size,
+        /// Where stills go that are taken with F12; the folder for pictures if not given.
+        #[arg(long, value_name = "DIR")]
+        stills: Option<PathBuf>,
         /// Tour to begin with.
         #[arg(long)]
         tour: Option<PathBuf>,
@@ -189,11 +195,11 @@ fn command(command: Option<Command>) -> Result<(), Failure> {
     match command {
         None if walk::has_display() => walk(None, None, WalkOrder::default()),
         None => film::film(&FilmOrder::sample()?),
-        Some(Command::Walk { city, profile, hold_fps, language, tour, journal }) => {
+        Some(Command::Walk { city, profile, hold_fps, language, size, stills, tour, journal }) => {
             if !walk::has_display() {
                 return Err("no display to walk on; `veduta film TOUR --out film.mp4` needs none".into());
             }
-            walk(city.as_deref(), tour, WalkOrder { profile, hold_fps, language, journal, ..WalkOrder::default() })
+            walk(city.as_deref(), tour, WalkOrder { profile, hold_fps, language, size: Some(size), stills, journal, ..WalkOrder::default() })
         }
         Some(Command::Film { tour, out, size, fps, profile, from, to, json }) => {
             let out = out.unwrap_or_else(|| film::default_out(&tour));

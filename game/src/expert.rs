@@ -10,6 +10,7 @@ mod walls;
 use bevy::prelude::*;
 use bevy_egui::{EguiPrimaryContextPass, egui::Color32};
 use veduta::city::Level;
+use veduta::guide::PickSettings;
 use veduta::walker::WalkerSystems;
 
 /// The expert's view.
@@ -41,9 +42,11 @@ fn is_shown(expert: Res<Expert>) -> bool {
     expert.is_shown
 }
 
-fn toggle(keys: Res<ButtonInput<KeyCode>>, mut expert: ResMut<Expert>) {
+fn toggle(keys: Res<ButtonInput<KeyCode>>, mut expert: ResMut<Expert>, mut pick: ResMut<PickSettings>) {
     if keys.just_pressed(KeyCode::F2) {
         expert.is_shown = !expert.is_shown;
+        // A click goes through walls then, and nowhere else.
+        pick.leads = !expert.is_shown;
     }
 }
 

@@ -1,6 +1,7 @@
 //! What lies over the picture: the bar, help, the first minute, hints, settings, and what has gone wrong.
 
 mod bar;
+mod diary;
 mod first;
 mod help;
 mod notes;
@@ -14,6 +15,7 @@ use veduta::prelude::*;
 use veduta::ui::UiSystems;
 use veduta::walker::WalkerSystems;
 
+pub(crate) use diary::StillsFolder;
 pub(crate) use offers::TourFiles;
 
 /// What lies over the picture.
@@ -44,6 +46,7 @@ impl Plugin for HudPlugin {
             .init_resource::<notes::Notes>()
             .init_resource::<TourFiles>()
             .add_systems(Update, (read_keys.run_if(keys_are_free), notes::gather, notes::watch, first::watch, offers::offer, offers::take))
+            .add_systems(Update, (diary::take_still, diary::tell))
             .add_systems(Update, bar::press.after(WalkerSystems::Input).before(WalkerSystems::Move))
             .add_systems(
                 EguiPrimaryContextPass,

@@ -11,6 +11,7 @@ use veduta::streaming::{Journal, StreamingCache};
 
 use crate::camera::camera;
 use crate::profile::Profile;
+use crate::studio::Size;
 use crate::settings::{Orders, Settings, SettingsPlugin};
 use crate::{Failure, cities, expert, hud, profile};
 
@@ -38,6 +39,10 @@ pub struct WalkOrder {
     pub first: Option<FirstTour>,
     /// Folder of tours and the guide.
     pub scene: PathBuf,
+    /// Size of the window; 1280 × 720 if it was not told.
+    pub size: Option<Size>,
+    /// Where stills go, if it was told.
+    pub stills: Option<PathBuf>,
     /// File of the journal.
     pub journal: Option<PathBuf>,
 }
@@ -48,12 +53,13 @@ pub struct WalkOrder {
 /// If the journal's file cannot be made, or the program ends with a failure.
 pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
     let scene = std::path::absolute(&order.scene).unwrap_or_else(|_| order.scene.clone());
+    let size = order.size.map_or((1280, 720), |size| (size.width, size.height));
     let mut app = App::new();
     app.register_asset_source("tours", AssetSourceBuilder::platform_default(&scene.display().to_string(), None));
     app.add_plugins(
         DefaultPlugins
             .set(WindowPlugin {
-                primary_window: Some(Window { title: "Veduta".into(), resolution: (1280, 720).into(), ..default() }),
+                primary_window: Some(Window { title: "Veduta".into(), resolution: size.into(), ..default() }),
                 ..default()
             })
             .set(AssetPlugin {
@@ -88,6 +94,7 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
     .insert_resource(ClearColor(Color::BLACK))
     .insert_resource(OpenCity(order.city.clone()))
     .insert_resource(StreamingCache { dir: Some(cities::streamed_dir()), ..default() })
+    .insert_resource(order.stills.clone().map_or_else(hud::StillsFolder::usual, hud::StillsFolder))
     .insert_resource(hud::TourFiles::in_folder(&scene))
     .add_systems(PreStartup, profile::adapt)
     .add_systems(Startup, spawn_walker);

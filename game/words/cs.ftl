@@ -30,6 +30,7 @@ help-tour-time = prohlídka: o deset sekund zpět, vpřed
 help-tour-speed = prohlídka: pomaleji, rychleji
 help-hour = denní doba: dřív, později
 help-season = další roční období
+help-still = uložit snímek
 help-settings = nastavení
 help-help = tato stránka
 help-expert = jak město přichází: buňky, linka, deník
@@ -51,6 +52,7 @@ first-step = { $n } z { $all }
 # Rady
 hint-stuck = Něco stojí v cestě. Zabočte, nebo stiskněte F a přeleťte to.
 hint-idle = W chůze, / hledání, T prohlídka, F1 celé ovládání.
+still-taken = Snímek uložen: { $path }
 tour-ended = Prohlídka skončila. T ji začne znovu.
 walk-arrived = Jste na místě: { $name }.
 
@@ -85,6 +87,10 @@ settings-tiles = Jemnost malby zdí se změní při příštím spuštění.
 
 # Co lze žádat jménem
 offer-tour = Prohlídka: { $title }
+offer-quality-low = Kvalita: { quality-low }
+offer-quality-medium = Kvalita: { quality-medium }
+offer-quality-high = Kvalita: { quality-high }
+offer-quality-ultra = Kvalita: { quality-ultra }
 offer-noon = Poledne
 offer-dusk = Soumrak
 offer-night = Noc

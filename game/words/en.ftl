@@ -30,6 +30,7 @@ help-tour-time = tour: ten seconds back, ahead
 help-tour-speed = tour: slower, faster
 help-hour = hour of the day: earlier, later
 help-season = the next season
+help-still = take a still
 help-settings = settings
 help-help = this page
 help-expert = how the city streams: cells, line, journal
@@ -51,6 +52,7 @@ first-step = { $n } of { $all }
 # Hints
 hint-stuck = Something stands in the way. Turn aside, or press F and fly over it.
 hint-idle = W walks, / finds, T takes the tour, F1 shows all controls.
+still-taken = Still saved: { $path }
 tour-ended = The tour has ended. T begins it again.
 walk-arrived = Here you are: { $name }.
 
@@ -85,6 +87,10 @@ settings-tiles = How finely walls are painted changes at the next start.
 
 # What can be asked for by name
 offer-tour = Tour: { $title }
+offer-quality-low = Quality: { quality-low }
+offer-quality-medium = Quality: { quality-medium }
+offer-quality-high = Quality: { quality-high }
+offer-quality-ultra = Quality: { quality-ultra }
 offer-noon = Noon
 offer-dusk = Dusk
 offer-night = Night

@@ -30,6 +30,7 @@ help-tour-time = visita: dieci secondi indietro, avanti
 help-tour-speed = visita: più lenta, più veloce
 help-hour = ora del giorno: prima, dopo
 help-season = la stagione seguente
+help-still = salva un'immagine
 help-settings = impostazioni
 help-help = questa pagina
 help-expert = come arriva la città: celle, linea, diario
@@ -51,6 +52,7 @@ first-step = { $n } di { $all }
 # Suggerimenti
 hint-stuck = Qualcosa sbarra la via. Gira di lato, o premi F e passaci sopra in volo.
 hint-idle = W cammina, / cerca, T visita guidata, F1 tutti i comandi.
+still-taken = Immagine salvata: { $path }
 tour-ended = La visita è finita. T la ricomincia.
 walk-arrived = Eccoci: { $name }.
 
@@ -85,6 +87,10 @@ settings-tiles = La finezza dei muri dipinti cambia al prossimo avvio.
 
 # Ciò che si può chiedere per nome
 offer-tour = Visita: { $title }
+offer-quality-low = Qualità: { quality-low }
+offer-quality-medium = Qualità: { quality-medium }
+offer-quality-high = Qualità: { quality-high }
+offer-quality-ultra = Qualità: { quality-ultra }
 offer-noon = Mezzogiorno
 offer-dusk = Tramonto
 offer-night = Notte

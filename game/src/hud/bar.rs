@@ -91,7 +91,7 @@ pub(super) fn draw(
     let screen = context.content_rect();
     let is_near = context.pointer_latest_pos().is_some_and(|at| at.y > screen.bottom() - screen.height() * NEAR)
         && context.input(|input| input.pointer.time_since_last_movement() < STAYS_S);
-    let stays = settings.bar_stays || is_near || open.help || open.settings;
+    let stays = settings.bar_stays || !settings.knows_the_way || is_near || open.help || open.settings;
     bar.idle_s = if stays { 0.0 } else { bar.idle_s + time.delta_secs() };
     let goal = if bar.idle_s < STAYS_S { 1.0 } else { 0.0 };
     let step = if look.reduced_motion { 1.0 } else { time.delta_secs() / FADES_S };

@@ -35,6 +35,11 @@ const ENDS_S: f64 = 5.0;
 const LEAPS_M: f64 = 3.0;
 
 impl FirstMinute {
+    /// Which step, from 1.
+    pub fn step(&self) -> usize {
+        self.step + 1
+    }
+
     fn is_over(&self) -> bool {
         self.step >= STEPS.len()
     }

@@ -32,7 +32,7 @@ const STAY_S: f64 = 8.0;
 const MOST: usize = 4;
 
 impl Notes {
-    fn add(&mut self, text: String, is_failure: bool, now_s: f64) {
+    pub fn add(&mut self, text: String, is_failure: bool, now_s: f64) {
         if !self.shown.iter().any(|note| note.text == text) {
             self.shown.push_back(Note { text, is_failure, since_s: now_s });
         }
@@ -40,7 +40,15 @@ impl Notes {
             self.shown.pop_front();
         }
     }
+
+    /// Adds a note that is shown only after a moment.
+    pub fn add_later(&mut self, text: String, now_s: f64) {
+        self.add(text, false, now_s + LATER_S);
+    }
 }
+
+/// Notes that come a little later do so after so many seconds.
+const LATER_S: f64 = 1.5;
 
 /// Gathers what is to be noted.
 pub(super) fn gather(
@@ -58,7 +66,7 @@ pub(super) fn gather(
     if tours.read().any(|tour| tour.finished) {
         notes.add(words.say("tour-ended"), false, now_s);
     }
-    for walk in walks.read().filter(|walk| walk.arrived) {
+    for walk in walks.read().filter(|walk| walk.arrived && !walk.name.is_empty()) {
         let name = guide.name(&walk.name, &words).to_owned();
         notes.add(words.say_with("walk-arrived", &[("name", name.into())]), false, now_s);
     }
@@ -119,8 +127,15 @@ pub(super) fn watch(
     }
 }
 
-pub(super) fn draw(mut contexts: EguiContexts, interface: Res<Interface>, notes: Res<Notes>, expert: Res<Expert>) -> Result {
-    let shown = || notes.shown.iter().filter(|note| !(note.is_failure && expert.is_shown));
+pub(super) fn draw(
+    mut contexts: EguiContexts,
+    time: Res<Time<Real>>,
+    interface: Res<Interface>,
+    notes: Res<Notes>,
+    expert: Res<Expert>,
+) -> Result {
+    let now_s = time.elapsed_secs_f64();
+    let shown = || notes.shown.iter().filter(|note| note.since_s <= now_s && !(note.is_failure && expert.is_shown));
     if shown().next().is_none() {
         return Ok(());
     }
@@ -152,7 +167,7 @@ mod tests {
     fn who_walks_against_a_wall_is_helped_and_who_gets_on_is_not() {
         let mut stuck = Stuck::default();
         let (mut eye, walks) = (Eye::default(), Intent { go: DVec3::Y, ..Intent::default() });
-        let mut hints = |stuck: &mut Stuck, eye: &mut Eye, step_m: f64| {
+        let hints = |stuck: &mut Stuck, eye: &mut Eye, step_m: f64| {
             (0..100).filter_map(|_| {
                 eye.plan_pos.y += step_m;
                 stuck.pass(eye, &walks, 0.05, true)

@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
+use clap::ValueEnum;
 use veduta::city::{Tour, file};
 use veduta::ecs::{Words, WordsValue};
 use veduta::guide::{Offer, OfferTaken, Offers};
@@ -8,6 +9,8 @@ use veduta::minimap::MapView;
 use veduta::prelude::*;
 
 use super::Open;
+use crate::profile::Profile;
+use crate::settings::Settings;
 use crate::walk::FirstTour;
 
 /// The tours that lie beside the city: file names and titles.
@@ -27,7 +30,11 @@ impl TourFiles {
 }
 
 /// What can be asked for by name: a key, and the message that names it.
-const COMMANDS: [(&str, &str); 12] = [
+const COMMANDS: [(&str, &str); 16] = [
+    ("quality low", "offer-quality-low"),
+    ("quality medium", "offer-quality-medium"),
+    ("quality high", "offer-quality-high"),
+    ("quality ultra", "offer-quality-ultra"),
     ("hour 12", "offer-noon"),
     ("hour 20.2", "offer-dusk"),
     ("hour 23", "offer-night"),
@@ -41,6 +48,9 @@ const COMMANDS: [(&str, &str); 12] = [
     ("settings", "offer-settings"),
     ("help", "offer-help"),
 ];
+
+/// Languages: their codes, and their names in themselves and in English.
+const LANGUAGES: [(&str, &str, &str); 3] = [("en", "English", "English"), ("cs", "Čeština", "Czech"), ("it", "Italiano", "Italian")];
 
 /// Keeps what is offered in the visitor's language.
 pub(super) fn offer(words: Res<Words>, tours: Res<TourFiles>, mut offers: ResMut<Offers>) {
@@ -57,7 +67,12 @@ pub(super) fn offer(words: Res<Words>, tours: Res<TourFiles>, mut offers: ResMut
         names.extend(words.said_in("en", message).filter(|name| *name != names[0]));
         Offer { key: key.to_owned(), names }
     };
-    offers.set_if_neq(Offers(tours.0.iter().map(tour).chain(COMMANDS.iter().map(command)).collect()));
+    let language = |&(code, own, english): &(&str, &str, &str)| Offer {
+        key: format!("language {code}"),
+        names: vec![own.to_owned(), english.to_owned()],
+    };
+    let all = tours.0.iter().map(tour).chain(LANGUAGES.iter().map(language)).chain(COMMANDS.iter().map(command));
+    offers.set_if_neq(Offers(all.collect()));
 }
 
 /// Does what was chosen.
@@ -66,7 +81,7 @@ pub(super) fn take(
     mut commands: Commands,
     mut clock: ResMut<CityClock>,
     mut weather: ResMut<Weather>,
-    (mut open, mut map): (ResMut<Open>, ResMut<MapView>),
+    (mut open, mut map, mut settings): (ResMut<Open>, ResMut<MapView>, ResMut<Settings>),
     mut tour: MessageWriter<TourCommand>,
 ) {
     for OfferTaken { key } in taken.read() {
@@ -78,6 +93,8 @@ pub(super) fn take(
                 let wet = value.parse().unwrap_or(weather.wet);
                 *weather = Weather { wet, clouds: if wet > 0.5 { 0.85 } else { Weather::default().clouds } };
             }
+            "language" => settings.language = Some(value.to_owned()),
+            "quality" => settings.profile = Profile::from_str(value, true).ok(),
             "map" => (map.open, map.radius_m) = (true, map.radius_m.max(320.0)),
             "settings" => open.settings = true,
             "help" => open.help = true,
@@ -106,6 +123,7 @@ mod tests {
             .init_resource::<MapView>()
             .init_resource::<Offers>()
             .init_resource::<Words>()
+            .insert_resource(Settings::default())
             .insert_resource(TourFiles(vec![("scenes/x.tour.ron".into(), "A walk".into())]))
             .add_systems(Update, (offer, take).chain());
         Words::bring(&mut app, &super::super::WORDS);
@@ -118,9 +136,9 @@ mod tests {
         app.world_mut().resource_mut::<Words>().speak("cs");
         app.update();
         let offers = app.world().resource::<Offers>().0.clone();
-        assert_eq!(offers.len(), COMMANDS.len() + 1);
+        assert_eq!(offers.len(), COMMANDS.len() + LANGUAGES.len() + 1);
         let named = |name: &str| offers.iter().find(|offer| offer.names.iter().any(|n| n == name)).map(|offer| offer.key.clone());
-        for name in ["Prohlídka: A walk", "Noc", "Night", "Déšť", "Zima", "Mapa", "Nastavení", "Nápověda"] {
+        for name in ["Prohlídka: A walk", "Noc", "Night", "Déšť", "Zima", "Italiano", "Kvalita: vysoká", "Mapa", "Nastavení", "Nápověda"] {
             let key = named(name).unwrap_or_else(|| panic!("{name} is not offered"));
             app.world_mut().write_message(OfferTaken { key });
         }
@@ -128,6 +146,8 @@ mod tests {
         let world = app.world();
         assert_eq!((world.resource::<CityClock>().hour, world.resource::<CityClock>().day), (23.0, 15));
         assert_eq!(world.resource::<Weather>().wet, 1.0);
+        let settings = world.resource::<Settings>();
+        assert_eq!((settings.language.as_deref(), settings.profile), (Some("it"), Some(Profile::High)));
         assert!(world.resource::<MapView>().open && *world.resource::<Open>() == Open { help: true, settings: true });
         let tours: Vec<TourCommand> = app.world_mut().resource_mut::<Messages<TourCommand>>().drain().collect();
         assert_eq!(tours, [TourCommand::Open("tours://x.tour.ron".into())]);

@@ -1,6 +1,6 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
-use bevy_egui::egui::{self, Align2, Area, Checkbox, ComboBox, DragValue, Grid, Id, Order, ScrollArea, Slider, Ui, Vec2};
+use bevy_egui::egui::{self, Align2, Area, ComboBox, DragValue, Grid, Id, Order, ScrollArea, Slider, Ui, Vec2};
 use veduta::ecs::{Interface, Words};
 use veduta::ui::{Look, Surface, Symbol, symbol_button};
 
@@ -121,8 +121,7 @@ fn quality(ui: &mut Ui, words: &Words, settings: &mut Settings) {
 }
 
 fn check(ui: &mut Ui, name: &str, value: &mut bool) {
-    let label = ui.label(name);
-    ui.add(Checkbox::without_text(value)).labelled_by(label.id);
+    ui.checkbox(value, name);
     ui.end_row();
 }
 
@@ -134,16 +133,14 @@ fn slider(ui: &mut Ui, name: &str, value: &mut f32, (least, most): (f32, f32)) {
 
 /// A number that may be left open.
 fn optional<N: egui::emath::Numeric>(ui: &mut Ui, name: &str, value: &mut Option<N>, usual: N, range: core::ops::RangeInclusive<N>) {
-    let label = ui.label(name);
-    ui.horizontal(|ui| {
-        let mut is_set = value.is_some();
-        if ui.add(Checkbox::without_text(&mut is_set)).labelled_by(label.id).changed() {
-            *value = is_set.then_some(usual);
-        }
-        if let Some(number) = value {
-            ui.add(DragValue::new(number).range(range));
-        }
-    });
+    let mut is_set = value.is_some();
+    let checkbox = ui.checkbox(&mut is_set, name);
+    if checkbox.changed() {
+        *value = is_set.then_some(usual);
+    }
+    if let Some(number) = value {
+        ui.add(DragValue::new(number).range(range)).labelled_by(checkbox.id);
+    }
     ui.end_row();
 }
 

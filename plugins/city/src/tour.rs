@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -7,6 +9,9 @@ use serde::{Deserialize, Serialize};
 pub struct Tour {
     /// Title shown to the visitor.
     pub title: String,
+    /// The title in other languages: by the language's code.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub translations: BTreeMap<String, String>,
     /// The city it belongs to: a path relative to the tour's file, or a URL.
     pub city: String,
     /// Walking speed in metres a second where a step gives none.
@@ -167,9 +172,33 @@ pub enum Step {
     Say {
         /// The words.
         text: String,
+        /// The words in other languages: by the language's code.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        translations: BTreeMap<String, String>,
         /// For so many seconds; by the length of the text if not given.
         #[serde(default)]
         seconds: Option<f64>,
+    },
+    /// Begin a chapter: what a visitor can go to.
+    Chapter {
+        /// Its title.
+        title: String,
+        /// The title in other languages: by the language's code.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        translations: BTreeMap<String, String>,
+    },
+    /// Tell the game that this moment has come.
+    Mark {
+        /// What the game knows it by.
+        name: String,
+    },
+    /// Change how wet the streets are while the tour goes on: clouds come with the rain.
+    Rain {
+        /// 0 (dry) to 1 (puddles).
+        wet: f64,
+        /// In so many seconds.
+        #[serde(default)]
+        seconds: f64,
     },
     /// Change the vertical field of view while the tour goes on.
     Fov {

@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use bevy::math::DVec2;
 use bevy::prelude::*;
 
@@ -38,6 +40,21 @@ pub struct WalkTo {
     pub facing_deg: Option<(f64, f64)>,
     /// What to look at in the end, plan metres.
     pub towards: DVec2,
+}
+
+/// Names of places in the visitor's language, by their names in the map, where those differ. Kept by whoever knows them (the guide).
+#[derive(Resource, Debug, Clone, PartialEq, Eq, Default)]
+pub struct PlaceNames(
+    /// By the name in the map.
+    pub BTreeMap<String, String>,
+);
+
+impl PlaceNames {
+    /// A name in the visitor's language.
+    #[must_use]
+    pub fn of<'a>(&'a self, name: &'a str) -> &'a str {
+        self.0.get(name).map_or(name, String::as_str)
+    }
 }
 
 /// Asks maps to show a spot.

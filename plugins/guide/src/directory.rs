@@ -4,11 +4,12 @@ use std::sync::Arc;
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
-use veduta_city::{Guide, Overview, Place};
+use veduta_city::{Guide, Overview, Place, PlaceKind, Viewpoint};
 use veduta_ecs::City;
-use veduta_route::{Finder, Named};
+use veduta_route::{Finder, Named, StreetNet};
 
 use crate::CityGuide;
+use crate::near::heading_to;
 
 /// Something besides places and streets that can be found: a tour, a command.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -120,14 +121,18 @@ impl Directory {
     }
 }
 
+/// A house stands beside a street no farther off than this, metres.
+const BESIDE_M: f64 = 40.0;
+
 impl Index {
     fn of<'a>(parts: impl IntoIterator<Item = &'a Overview>, guide: &Guide, offers: &Offers) -> Self {
+        let parts: Vec<&Overview> = parts.into_iter().collect();
         let told: BTreeMap<&str, _> = guide.places.iter().map(|place| (place.name.as_str(), place)).collect();
         let mut streets: BTreeMap<&str, Vec<DVec2>> = BTreeMap::new();
         let mut index = Self::default();
         let mut named = Vec::new();
         let mut seen = std::collections::BTreeSet::new();
-        for part in parts {
+        for part in &parts {
             for place in part.places.iter().filter(|place| !place.name.trim().is_empty()) {
                 // A place at the border of two parts stands in both.
                 if seen.insert((place.id, &place.name)) {
@@ -147,12 +152,30 @@ impl Index {
                 index.found.push(Found::Street(name.to_owned(), pieces));
             }
         }
+        index.add_houses(parts.iter().copied(), &mut named);
         for offer in &offers.0 {
             named.push(Named { names: offer.names.clone(), plan_pos: None, renown: 0.2 });
             index.found.push(Found::Offer(offer.clone()));
         }
         index.finder = Finder::new(named);
         index
+    }
+
+    /// Houses by number and street.
+    fn add_houses<'a>(&mut self, parts: impl Iterator<Item = &'a Overview>, named: &mut Vec<Named>) {
+        for part in parts.filter(|part| part.names.iter().any(|name| !name.number.is_empty())) {
+            let net = StreetNet::new(&part.streets);
+            for house in part.names.iter().filter(|name| !name.number.is_empty()) {
+                let Some(outline) = part.houses.get(house.house as usize).map(|massing| &massing.outline) else { continue };
+                let pos = outline.centroid();
+                let foot = net.nearest(pos).filter(|foot| foot.distance_m < BESIDE_M);
+                let Some(street) = foot.and_then(|foot| part.streets.get(foot.street)).filter(|s| !s.name.is_empty()) else { continue };
+                let name = format!("{} {}", street.name, house.number);
+                named.push(Named { names: vec![name.clone()], plan_pos: Some(pos), renown: 0.1 });
+                let view = foot.map(|foot| Viewpoint { pos: foot.plan_pos, heading_deg: heading_to(foot.plan_pos, pos), ..Viewpoint::default() });
+                self.found.push(Found::Place(Place { name, kind: PlaceKind::House, pos, view, ..Place::default() }));
+            }
+        }
     }
 }
 
@@ -184,7 +207,7 @@ pub(crate) fn keep(city: Option<Res<City>>, guide: Res<CityGuide>, offers: Res<O
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::{GridPos, GuidePlace, Id, PlaceKind, PlanStreet};
+    use veduta_city::{GridPolygon, GridPos, GuidePlace, HouseName, Id, Massing, PlanStreet};
     use veduta_ecs::Overviews;
 
     use super::*;
@@ -214,6 +237,20 @@ mod tests {
         assert!(matches!(first("prasna"), Some((Found::Place(place), name)) if place.name == "Powder Tower" && name == "Prašná brána"));
         assert!(matches!(first("karlov"), Some((Found::Street(name, _), _)) if name == "Karlova"));
         assert!(matches!(first("night"), Some((Found::Offer(offer), _)) if offer.key == "night"));
+    }
+
+    #[test]
+    fn houses_are_found_by_street_and_number() {
+        let corner = |x: i32, y: i32| GridPos((40 + x) * 1024, (12 + y) * 1024);
+        let outline = GridPolygon::simple(vec![corner(-5, -5), corner(5, -5), corner(5, 5), corner(-5, 5)]);
+        let names = vec![HouseName { house: 0, name: String::new(), number: "12a".into() }];
+        let part = Overview { houses: vec![Massing::block(outline, 9 * 1024)], names, ..town() };
+        let directory = Directory::of([&part], &Guide::default(), &Offers::default());
+        let (found, name) = directory.find("celetna 12a", DVec2::ZERO, 1).remove(0);
+        let Found::Place(place) = found else { panic!("a house") };
+        assert_eq!(name, "Celetná 12a");
+        let view = place.view.expect("a stand in the street");
+        assert!(view.pos.distance(DVec2::new(40.0, 0.0)) < 0.1 && view.heading_deg.abs() < 0.1, "{view:?}");
     }
 
     #[test]

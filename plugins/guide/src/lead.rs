@@ -276,7 +276,10 @@ pub(crate) fn draw(
 fn show(ui: &mut Ui, look: &Look, words: &Words, name: &str, route: &Route, waits: bool) -> bool {
     look.dress(ui, Surface::Dusk);
     ui.horizontal(|ui| {
-        ui.label(words.say_with("lead-to", &[("name", name.to_owned().into())]));
+        ui.label(match name {
+            "" => words.say("lead-to-spot"),
+            name => words.say_with("lead-to", &[("name", name.to_owned().into())]),
+        });
         let told = if waits {
             words.say("lead-waits")
         } else {
@@ -358,10 +361,10 @@ mod tests {
         until(&mut app, "on the way", |world| world.resource::<Route>().left_m.clamp(1.0, 120.0) == world.resource::<Route>().left_m);
         app.insert_resource(Steering::Visitor);
         app.update();
+        assert_eq!(ended(&mut app), [WalkEnded { name: "There".into(), arrived: false }]);
         let here = app.world().get::<Eye>(viewer).expect("spawned above").plan_pos;
         (0..20).for_each(|_| app.update());
         assert_eq!(app.world().get::<Eye>(viewer).expect("spawned above").plan_pos, here);
-        assert_eq!(ended(&mut app).last(), Some(&WalkEnded { name: "There".into(), arrived: false }));
     }
 
     #[test]

@@ -32,6 +32,7 @@
 //! | Enter | walk there, or do it |
 //! | Shift+Enter | be there at once |
 //! | Ctrl+Enter | show it on the map |
+//! | click | tells of what has a name, and leads to where the ground was clicked |
 //!
 //! # Limits
 //! One place at a time is told of. In a large city what lies farther than 1.5 km is found only once its part of the overview is here.
@@ -43,9 +44,13 @@ mod asset;
 mod directory;
 mod lead;
 mod near;
+mod names;
 mod panel;
+mod pick;
 mod search;
+mod trail;
 
+use bevy::input::mouse::MouseButtonInput;
 use bevy::prelude::*;
 use bevy_egui::EguiPrimaryContextPass;
 use veduta_ecs::{VedutaSystems, Words, keys_are_free};
@@ -54,7 +59,8 @@ use veduta_ui::UiSystems;
 pub use asset::{CityGuide, GuideAsset, GuideLoadError, OpenGuide};
 pub use directory::{Directory, Found, Offer, OfferTaken, Offers};
 pub use lead::{Lead, LeadSettings, WalkEnded};
-pub use near::{NearPlace, PlaceEntered, PlaceLeft, relevance};
+pub use near::{NearPlace, Pin, PlaceEntered, PlaceLeft, relevance};
+pub use pick::{PickSettings, Pointed};
 pub use panel::PanelSettings;
 pub use search::{SearchAction, SearchBox};
 
@@ -86,6 +92,7 @@ impl Plugin for GuidePlugin {
             .register_asset_loader(asset::GuideLoader)
             .init_resource::<CityGuide>()
             .init_resource::<NearPlace>()
+            .init_resource::<Pin>()
             .init_resource::<PanelSettings>()
             .init_resource::<Directory>()
             .init_resource::<Offers>()
@@ -98,17 +105,20 @@ impl Plugin for GuidePlugin {
             .add_message::<WalkEnded>()
             .add_systems(Update, (asset::open, asset::take).chain())
             .add_systems(Update, (lead::set_out, lead::find_way, lead::go).chain().in_set(VedutaSystems::Steer))
-            .add_systems(Update, near::find_near.in_set(VedutaSystems::Show));
+            .add_systems(Update, (near::find_near, trail::lay, names::tell).in_set(VedutaSystems::Show));
         if self.interface {
             veduta_ui::ensure(app);
             app.init_resource::<SearchBox>()
                 .init_resource::<panel::PanelState>()
+                .init_resource::<PickSettings>()
+                .init_resource::<Pointed>()
+                .add_systems(Update, (pick::point, pick::click).chain().run_if(resource_exists::<Messages<MouseButtonInput>>))
                 .add_systems(Update, directory::keep)
                 .add_systems(
                     Update,
                     search::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>).run_if(keys_are_free),
                 )
-                .add_systems(EguiPrimaryContextPass, (panel::draw, search::draw, lead::draw).chain().in_set(UiSystems::Draw));
+                .add_systems(EguiPrimaryContextPass, (panel::draw, lead::draw, pick::draw, search::draw).chain().in_set(UiSystems::Draw));
         }
     }
 }

@@ -26,14 +26,57 @@ pub struct PlaceLeft {
     pub id: Id,
 }
 
+/// A place that was asked about: it is told of as long as the visitor stays where he was told of it.
+#[derive(Resource, Debug, Clone, PartialEq, Default)]
+pub struct Pin(Option<Pinned>);
+
+#[derive(Debug, Clone, PartialEq)]
+struct Pinned {
+    place: Place,
+    /// Where it is told of, plan metres.
+    stand: DVec2,
+    /// Whether the visitor has been there.
+    is_there: bool,
+}
+
+/// Who goes farther from where something was told of, metres, has left it.
+const STAYS_M: f64 = 12.0;
+
+impl Pin {
+    /// A place that was pointed at from a spot.
+    #[must_use]
+    pub fn here(place: Place, stand: DVec2) -> Self {
+        Self(Some(Pinned { place, stand, is_there: true }))
+    }
+
+    /// A place that is to be told of once the visitor comes to a stand.
+    #[must_use]
+    pub fn there(place: Place, stand: DVec2) -> Self {
+        Self(Some(Pinned { place, stand, is_there: false }))
+    }
+
+    /// The place to tell of to who stands somewhere; it is let go when he leaves.
+    fn at(&mut self, plan_pos: DVec2) -> Option<&Place> {
+        let pinned = self.0.as_mut()?;
+        let is_near = pinned.stand.distance(plan_pos) < STAYS_M;
+        if is_near {
+            pinned.is_there = true;
+        } else if pinned.is_there {
+            self.0 = None;
+            return None;
+        }
+        self.0.as_ref().filter(|pinned| pinned.is_there).map(|pinned| &pinned.place)
+    }
+}
+
 /// Widths of the Gaussians: in multiples of a place's radius, and in degrees off the middle of the view.
 const NEAR: f64 = 0.85;
-const VIEW_DEG: f64 = 55.0;
+const VIEW_DEG: f64 = 60.0;
 /// Within this share of the radius the visitor stands in the place, wherever he looks; from twice as far on he looks at it or does not.
 const WITHIN: f64 = 0.3;
 /// A place is told of from this relevance on, until it has fallen below that; another takes over when it is so many times as relevant.
 const ENTERS: f64 = 0.5;
-const LEAVES: f64 = 0.22;
+const LEAVES: f64 = 0.2;
 const LEAD: f64 = 1.25;
 /// It must be so for as long as this, seconds: who turns round is not told of all that passes by.
 const SETTLES_S: f64 = 0.35;
@@ -69,12 +112,16 @@ pub(crate) fn find_near(
     city: Option<Res<City>>,
     viewers: Query<&Eye, With<Viewer>>,
     mut coming: Local<Coming>,
+    mut pin: ResMut<Pin>,
     mut near: ResMut<NearPlace>,
     mut entered: MessageWriter<PlaceEntered>,
     mut left: MessageWriter<PlaceLeft>,
 ) {
     let eye = viewers.iter().next();
+    let pinned = eye.and_then(|eye| pin.bypass_change_detection().at(eye.plan_pos));
+    let is_pinned = pinned.is_some();
     let now = match (&city, eye) {
+        _ if is_pinned => pinned,
         (Some(city), Some(eye)) if eye.eye_m < ALOFT_M => most_relevant(city.overviews.places(), eye, near.0.as_ref()),
         _ => None,
     };
@@ -87,7 +134,7 @@ pub(crate) fn find_near(
         *coming = Coming { id: now_id, for_s: 0.0 };
     }
     coming.for_s += time.delta_secs_f64();
-    if coming.for_s < SETTLES_S {
+    if coming.for_s < SETTLES_S && !is_pinned {
         return;
     }
     if let Some(before) = &near.0 {
@@ -109,7 +156,9 @@ fn most_relevant<'a>(places: impl Iterator<Item = &'a Place>, eye: &Eye, present
         }
         let (relevance, is_present) = (relevance(place, eye), is_present(place));
         let least = if is_present { LEAVES } else { ENTERS };
-        (relevance >= least).then(|| (relevance * if is_present { LEAD } else { 1.0 }, place))
+        // A spot with a view gives way to what is seen from it.
+        let weight = if place.kind == PlaceKind::Viewpoint { 0.5 } else { 1.0 };
+        (relevance >= least).then(|| (relevance * weight * if is_present { LEAD } else { 1.0 }, place))
     };
     let told = places.filter(|p| !matches!(p.kind, PlaceKind::Street) || !p.text.is_empty());
     told.filter_map(weighed).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
@@ -171,11 +220,31 @@ mod tests {
     }
 
     #[test]
+    fn a_spot_with_a_view_gives_way_to_what_is_seen_from_it() {
+        let spot = Place { kind: PlaceKind::Viewpoint, ..place(1, 0.0) };
+        let sight = Place { kind: PlaceKind::Monument, ..place(2, 9.0) };
+        let eye = Eye { plan_pos: DVec2::new(1.0, 0.0), heading_deg: 90.0, ..Eye::default() };
+        let told = |places: &[Place]| most_relevant(places.iter(), &eye, None).map(|place| place.id.0);
+        assert_eq!(told(&[spot.clone(), sight]), Some(2));
+        assert_eq!(told(&[spot]), Some(1));
+    }
+
+    #[test]
     fn turning_by_does_not_flicker() {
         let mut at = visit();
         assert_eq!(at(9.0, 270.0, 2), None, "a glance");
         assert_eq!(at(9.0, 90.0, 2), None);
         assert_eq!(at(9.0, 270.0, 5), Some(1));
+    }
+
+    #[test]
+    fn what_was_asked_about_is_told_of_until_it_is_left() {
+        let asked = place(7, 0.0);
+        let mut pin = Pin::there(asked.clone(), DVec2::new(50.0, 0.0));
+        let mut at = |x: f64| pin.at(DVec2::new(x, 0.0)).map(|place| place.id.0);
+        assert_eq!([at(0.0), at(45.0), at(60.0), at(80.0), at(50.0)], [None, Some(7), Some(7), None, None]);
+        let mut pin = Pin::here(asked, DVec2::ZERO);
+        assert!(pin.at(DVec2::new(1.0, 0.0)).is_some());
     }
 
     #[test]

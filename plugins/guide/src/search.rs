@@ -6,6 +6,7 @@ use veduta_city::{PlaceKind, Viewpoint};
 use veduta_ecs::{Around, City, Eye, Interface, JumpTo, OverviewWants, ShowOnMap, Viewer, WalkTo, Words};
 use veduta_ui::{Look, Surface, Symbol, symbol_button};
 
+use crate::near::Pin;
 use crate::{CityGuide, Directory, Found, OfferTaken};
 
 /// The search box. Live: set `open` to open it.
@@ -109,7 +110,7 @@ pub(crate) fn draw(
     (city, directory, guide): (Option<Res<City>>, Res<Directory>, Res<CityGuide>),
     (words, interface): (Res<Words>, Res<Interface>),
     viewers: Query<&Eye, With<Viewer>>,
-    mut search: ResMut<SearchBox>,
+    (mut search, mut pin): (ResMut<SearchBox>, ResMut<Pin>),
     mut wants: ResMut<OverviewWants>,
     mut walks: MessageWriter<WalkTo>,
     mut jumps: MessageWriter<JumpTo>,
@@ -139,6 +140,9 @@ pub(crate) fn draw(
                 return Ok(());
             }
             let Some(stand) = stand(&found, &eye) else { return Ok(()) };
+            if let (Found::Place(place), SearchAction::Walk | SearchAction::Jump) = (&found, action) {
+                *pin = Pin::there(place.clone(), stand.pos);
+            }
             let towards = found.plan_pos(eye.plan_pos).unwrap_or(stand.pos);
             match action {
                 SearchAction::Jump => drop(jumps.write(JumpTo(stand))),
@@ -206,6 +210,10 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, search: &mut SearchBox) -> Answ
         let hint = look.words(words.say("search-hint"), 1.1, look.faint(surface));
         let field = TextEdit::singleline(&mut search.typed).font(look.font(1.1)).hint_text(hint).desired_width(room);
         let field = ui.add(field);
+        // The key that opened the box is not meant as a letter.
+        while search.typed.starts_with('/') {
+            search.typed.remove(0);
+        }
         field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, words.say("search-name")));
         if !search.is_focused || enter.is_some() {
             field.request_focus();
@@ -217,7 +225,8 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, search: &mut SearchBox) -> Answ
     });
     let last = search.hits.len().saturating_sub(1);
     search.chosen = (search.chosen + down).saturating_sub(up).min(last);
-    ScrollArea::vertical().max_height(ui.ctx().content_rect().height() * 0.6).show(ui, |ui| {
+    let room = ui.ctx().content_rect().height() * 0.6;
+    ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| {
         for (n, row) in search.hits.iter().enumerate() {
             match show_row(ui, look, words, row, n == search.chosen) {
                 RowAnswer::Nothing => {}
@@ -341,6 +350,14 @@ mod tests {
             },
             Shown { search, answers: Vec::new() },
         )
+    }
+
+    #[test]
+    fn the_key_that_opens_the_box_is_no_letter() {
+        let bench = bench("en");
+        let mut harness = harness(&bench);
+        type_in(&mut harness, "//old");
+        assert_eq!(harness.state().search.typed, "old");
     }
 
     fn type_in(harness: &mut Harness<'_, Shown>, text: &str) {

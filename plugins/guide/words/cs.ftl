@@ -31,6 +31,7 @@ kind-other = místo
 
 # Na cestě
 lead-to = Cíl: { $name }
+lead-to-spot = Tam, kam jste klikli
 lead-left = { $metres } m, { $minutes ->
     [0] méně než minuta
     [one] asi minuta

@@ -31,6 +31,7 @@ kind-other = place
 
 # On the way
 lead-to = To { $name }
+lead-to-spot = To where you clicked
 lead-left = { $metres } m, { $minutes ->
     [0] less than a minute
     [one] about a minute

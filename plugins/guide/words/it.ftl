@@ -31,6 +31,7 @@ kind-other = luogo
 
 # In cammino
 lead-to = Verso { $name }
+lead-to-spot = Dove hai fatto clic
 lead-left = { $metres } m, { $minutes ->
     [0] meno di un minuto
     [one] circa un minuto

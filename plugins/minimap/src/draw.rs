@@ -6,7 +6,7 @@ use bevy_egui::egui::{
     WidgetType,
 };
 use veduta_city::Viewpoint;
-use veduta_ecs::{City, Eye, Interface, JumpTo, Route, Viewer, WalkTo, Words};
+use veduta_ecs::{City, Eye, Interface, JumpTo, PlaceNames, Route, Viewer, WalkTo, Words};
 use veduta_ui::Look;
 
 use crate::MinimapSettings;
@@ -22,6 +22,7 @@ struct Shown<'a> {
     route: &'a Route,
     marked: Option<DVec2>,
     words: &'a Words,
+    names: &'a PlaceNames,
 }
 
 /// Draws the map in the corner, or the large one.
@@ -30,7 +31,7 @@ pub(crate) fn draw_map(
     city: Option<Res<City>>,
     tiles: Res<MapTiles>,
     viewers: Query<&Eye, With<Viewer>>,
-    (route, words, interface): (Res<Route>, Res<Words>, Res<Interface>),
+    (route, words, interface, names): (Res<Route>, Res<Words>, Res<Interface>, Res<PlaceNames>),
     mut settings: ResMut<MinimapSettings>,
     mut view: ResMut<MapView>,
     mut jumps: MessageWriter<JumpTo>,
@@ -42,7 +43,7 @@ pub(crate) fn draw_map(
     }
     let context = contexts.ctx_mut()?;
     let look = Look::of(&interface, context);
-    let shown = Shown { city: &city, tiles: &tiles, eye, route: &route, marked: view.marked, words: &words };
+    let shown = Shown { city: &city, tiles: &tiles, eye, route: &route, marked: view.marked, words: &words, names: &names };
     if view.open {
         match large_map(context, &look, &shown, &mut view) {
             Some(Click { to, walks: false }) => drop(jumps.write(JumpTo(to))),
@@ -161,7 +162,9 @@ fn nearest_name(city: &City, at: DVec2) -> Option<String> {
 fn title(painter: &Painter, rect: Rect, look: &Look, shown: &Shown<'_>) {
     let ink = Color32::from_rgb(0x4A, 0x40, 0x35);
     let (inset, text) = (look.text * 0.9, look.text);
-    painter.text(rect.left_top() + EguiVec2::splat(inset), Align2::LEFT_TOP, &shown.city.name, FontId::proportional(text * 1.7), ink);
+    // Beside the compass.
+    let at = rect.left_top() + EguiVec2::new(inset * 3.6, inset);
+    painter.text(at, Align2::LEFT_TOP, &shown.city.name, FontId::proportional(text * 1.7), ink);
     let at = rect.left_bottom() + EguiVec2::new(inset, -inset);
     painter.text(at, Align2::LEFT_BOTTOM, shown.words.say("map-hint"), FontId::proportional(text), ink);
     let at = rect.right_bottom() - EguiVec2::splat(inset);
@@ -180,7 +183,7 @@ fn paint(painter: &Painter, map: &Projection, shown: &Shown<'_>, text: f32) {
         painter.add(Shape::mesh(mesh));
     }
     route(painter, map, shown.route, text);
-    label::write(painter, map, &shown.city.overviews, text);
+    label::write(painter, map, &shown.city.overviews, shown.names, text);
     if let Some(spot) = shown.marked {
         pin(painter, map.screen(spot), text);
     }

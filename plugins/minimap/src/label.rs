@@ -4,7 +4,7 @@ use bevy::math::DVec2;
 use bevy_egui::egui::epaint::TextShape;
 use bevy_egui::egui::{Color32, FontId, Painter, Pos2, Rect, Vec2};
 use veduta_city::{Place, PlaceKind};
-use veduta_ecs::Overviews;
+use veduta_ecs::{Overviews, PlaceNames};
 
 use crate::view::Projection;
 
@@ -21,11 +21,11 @@ struct Label {
 }
 
 const INK: Color32 = Color32::from_rgb(0x4A, 0x40, 0x35);
-const HALO: Color32 = Color32::from_rgba_premultiplied(0xE6, 0xE2, 0xDA, 0xE6);
+const HALO: Color32 = Color32::from_rgba_premultiplied(0xF2, 0xEE, 0xE6, 0xF2);
 
 /// Writes the names of streets along them, and of places beside them, without overlap.
-pub(crate) fn write(painter: &Painter, map: &Projection, overviews: &Overviews, size: f32) {
-    let mut labels = place_labels(map, overviews, size);
+pub(crate) fn write(painter: &Painter, map: &Projection, overviews: &Overviews, names: &PlaceNames, size: f32) {
+    let mut labels = place_labels(map, overviews, names, size);
     labels.extend(street_labels(map, overviews, size));
     labels.sort_by(|a, b| a.rank.cmp(&b.rank).then_with(|| a.text.cmp(&b.text)));
     let mut taken: Vec<Rect> = Vec::new();
@@ -43,7 +43,8 @@ pub(crate) fn write(painter: &Painter, map: &Projection, overviews: &Overviews, 
         }
         taken.push(rect);
         let corner = label.at - Vec2::new(half.x * cos - half.y * sin, half.x * sin + half.y * cos);
-        for offset in [Vec2::new(1.0, 0.0), Vec2::new(-1.0, 0.0), Vec2::new(0.0, 1.0), Vec2::new(0.0, -1.0)] {
+        for n in 0..12 {
+            let offset = Vec2::angled(n as f32 * core::f32::consts::TAU / 12.0) * (size * 0.14).max(1.2);
             let halo = TextShape::new(corner + offset, galley.clone(), HALO).with_angle(label.angle).with_override_text_color(HALO);
             painter.add(halo);
         }
@@ -51,7 +52,7 @@ pub(crate) fn write(painter: &Painter, map: &Projection, overviews: &Overviews, 
     }
 }
 
-fn place_labels(map: &Projection, overviews: &Overviews, size: f32) -> Vec<Label> {
+fn place_labels(map: &Projection, overviews: &Overviews, names: &PlaceNames, size: f32) -> Vec<Label> {
     let shown = |place: &&Place| !matches!(place.kind, PlaceKind::Street | PlaceKind::Viewpoint);
     let near = |place: &&Place| map.rect.contains(map.screen(DVec2::new(place.pos.x, place.pos.y)));
     overviews
@@ -66,7 +67,7 @@ fn place_labels(map: &Projection, overviews: &Overviews, size: f32) -> Vec<Label
             };
             let at = map.screen(DVec2::new(place.pos.x, place.pos.y));
             Label {
-                text: place.name.clone(),
+                text: names.of(&place.name).to_owned(),
                 at,
                 angle: 0.0,
                 size: size * if rank == 0 { 1.1 } else { 0.95 },

@@ -9,6 +9,7 @@ use crate::{
     pace::{Haste, Pace},
     plot::{Act, Leg, Plotter, within},
     pose::{Facing, smoothstep},
+    script::{Caption, Chapter, Mark, Script, Spoken},
     timeline::{Draft, Gaze, Run, Timeline},
 };
 
@@ -30,21 +31,16 @@ pub struct StepSpan {
 /// A tour as poses over time.
 #[derive(Debug, Clone)]
 pub struct CompiledTour {
-    title: String,
+    title: Spoken,
     timeline: Timeline,
     fov: Dial,
     hour: Dial,
+    /// How wet it is, if the tour says so at all.
+    wet: Option<Dial>,
     day: u16,
     fades: Vec<Fade>,
-    captions: Vec<Caption>,
+    script: Script,
     spans: Vec<StepSpan>,
-}
-
-#[derive(Debug, Clone)]
-struct Caption {
-    start_s: f64,
-    end_s: f64,
-    text: String,
 }
 
 /// A number that is set, and turned from one value to another.
@@ -124,8 +120,9 @@ fn compile_plotter(plotter: &Plotter<'_>) -> Result<CompiledTour, TourError> {
         draft: Draft::new(at, facing, terrain),
         fov: Dial { first: tour.fov_deg, turns: Vec::new() },
         hour: Dial { first: tour.hour, turns: Vec::new() },
+        wet: None,
         fades: Vec::new(),
-        captions: Vec::new(),
+        script: Script::default(),
         spans: Vec::new(),
         end_s: 0.0,
         has_started: false,
@@ -181,8 +178,9 @@ struct Score<'a> {
     draft: Draft<'a>,
     fov: Dial,
     hour: Dial,
+    wet: Option<Dial>,
     fades: Vec<Fade>,
-    captions: Vec<Caption>,
+    script: Script,
     spans: Vec<StepSpan>,
     /// When everything that overlaps has ended.
     end_s: f64,
@@ -321,9 +319,25 @@ impl Score<'_> {
         let ranged = |what, value, least, most| within(what, value, least, most).map_err(StepProblem::Range);
         let time = |seconds| ranged("the time in seconds", seconds, 0.0, LONGEST_TOUR_S);
         let seconds = match self.tour.steps.get(step) {
-            Some(Step::Say { text, seconds }) => {
-                let seconds = time(seconds.unwrap_or_else(|| reading_s(text))).map_err(|p| self.fail(step, p))?;
-                self.captions.push(Caption { start_s, end_s: start_s + seconds, text: text.clone() });
+            Some(Step::Say { text, translations, seconds }) => {
+                let longest = translations.values().chain([text]).map(|text| reading_s(text)).fold(0.0, f64::max);
+                let seconds = time(seconds.unwrap_or(longest)).map_err(|p| self.fail(step, p))?;
+                let text = Spoken::new(text, translations);
+                self.script.captions.push(Caption { start_s, end_s: start_s + seconds, text });
+                seconds
+            }
+            Some(Step::Chapter { title, translations }) => {
+                self.script.chapters.push(Chapter { start_s, title: Spoken::new(title, translations) });
+                0.0
+            }
+            Some(Step::Mark { name }) => {
+                self.script.marks.push(Mark { at_s: start_s, name: name.clone() });
+                0.0
+            }
+            Some(Step::Rain { wet, seconds }) => {
+                let wet = ranged("how wet it is", *wet, 0.0, 1.0).map_err(|p| self.fail(step, p))?;
+                let seconds = time(*seconds).map_err(|p| self.fail(step, p))?;
+                self.wet.get_or_insert(Dial { first: 0.0, turns: Vec::new() }).turn(start_s, seconds, wet);
                 seconds
             }
             Some(Step::Fov { deg, seconds }) => {
@@ -346,13 +360,14 @@ impl Score<'_> {
 
     fn finish(self) -> CompiledTour {
         CompiledTour {
-            title: self.tour.title.clone(),
+            title: Spoken::new(&self.tour.title, &self.tour.translations),
             timeline: self.draft.finish(self.end_s),
             fov: self.fov,
             hour: self.hour,
+            wet: self.wet,
             day: self.tour.day,
             fades: self.fades,
-            captions: self.captions,
+            script: self.script,
             spans: self.spans,
         }
     }
@@ -399,10 +414,40 @@ impl CompiledTour {
         self.timeline.end_s()
     }
 
-    /// The tour's title.
+    /// The tour's title, in its own language.
     #[must_use]
     pub fn title(&self) -> &str {
-        &self.title
+        self.title.own()
+    }
+
+    /// The tour's title in a language, told by its code.
+    #[must_use]
+    pub fn title_in(&self, language: &str) -> &str {
+        self.title.within(language)
+    }
+
+    /// Its chapters, in order.
+    #[must_use]
+    pub fn chapters(&self) -> &[Chapter] {
+        &self.script.chapters
+    }
+
+    /// The chapter of a moment, by its index; `None` before the first.
+    #[must_use]
+    pub fn chapter(&self, t_s: f64) -> Option<usize> {
+        self.script.chapters.partition_point(|chapter| chapter.start_s <= t_s).checked_sub(1)
+    }
+
+    /// The moments to tell a game of, after one time and up to another; seconds.
+    #[must_use]
+    pub fn marks(&self, after_s: f64, until_s: f64) -> &[Mark] {
+        self.script.marks(after_s, until_s)
+    }
+
+    /// How wet the streets are, 0 to 1; `None` where the tour leaves the weather as it is.
+    #[must_use]
+    pub fn wet(&self, t_s: f64) -> Option<f64> {
+        self.wet.as_ref().map(|wet| wet.at(self.clamped(t_s)))
     }
 
     /// Day of the year, 1 to 366.
@@ -445,12 +490,16 @@ impl CompiledTour {
         if fade.is_dark_after { share } else { 1.0 - share }
     }
 
-    /// The caption at a moment; `None` outside the tour.
+    /// The caption at a moment, in the tour's own language; `None` outside the tour.
     #[must_use]
     pub fn caption(&self, t_s: f64) -> Option<&str> {
-        let begun = self.captions.partition_point(|c| c.start_s <= t_s);
-        let latest = self.captions.get(begun.checked_sub(1)?)?;
-        (t_s < latest.end_s && !latest.text.is_empty()).then_some(latest.text.as_str())
+        self.script.caption(t_s).map(Spoken::own)
+    }
+
+    /// The caption at a moment in a language, told by its code; `None` outside the tour.
+    #[must_use]
+    pub fn caption_in(&self, t_s: f64, language: &str) -> Option<&str> {
+        self.script.caption(t_s).map(|text| text.within(language))
     }
 
     /// The ways gone over ground, plan metres: one for each part of the tour between cuts.

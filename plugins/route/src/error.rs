@@ -28,6 +28,12 @@ pub enum StepKind {
     Wait,
     /// Shows a caption.
     Say,
+    /// Begins a chapter.
+    Chapter,
+    /// Tells the game of a moment.
+    Mark,
+    /// Changes the weather.
+    Rain,
     /// Changes the field of view.
     Fov,
     /// Changes the hour.
@@ -47,6 +53,9 @@ impl StepKind {
             Step::Look { .. } => Self::Look,
             Step::Wait { .. } => Self::Wait,
             Step::Say { .. } => Self::Say,
+            Step::Chapter { .. } => Self::Chapter,
+            Step::Mark { .. } => Self::Mark,
+            Step::Rain { .. } => Self::Rain,
             Step::Fov { .. } => Self::Fov,
             Step::Time { .. } => Self::Time,
             Step::Cut { .. } => Self::Cut,

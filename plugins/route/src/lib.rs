@@ -44,7 +44,8 @@
 //! | `Look` | its seconds, or as many as 60° a second demand | `Ahead`: where the next movement sets off |
 //! | `Wait` | its seconds | |
 //! | `Cut` | its seconds, at least 0.4 | dark for a tenth of a second about the jump |
-//! | `Say`, `Fov`, `Time` | none | they go on beside what follows; the tour ends when they have. The clock goes forward, or back by less than half a day |
+//! | `Say`, `Fov`, `Time`, `Rain` | none | they go on beside what follows; the tour ends when they have. The clock goes forward, or back by less than half a day |
+//! | `Chapter`, `Mark` | none | a chapter is what a visitor can go to; a mark tells the game that its moment has come |
 //!
 //! `Ease` speaks of a movement's two ends, where gently is 1.2 m/s² for walkers and otherwise 3 (flights: with their speed);
 //! no movement begins or ends with a jolt. A place is reached at the stand chosen for it ([`veduta_city::Place::view`]), else at its
@@ -74,6 +75,7 @@ mod pose;
 mod resume;
 #[cfg(test)]
 mod samples;
+mod script;
 mod search;
 mod timeline;
 #[cfg(test)]
@@ -88,6 +90,7 @@ pub use net::{Foot, JOIN_M, StreetNet};
 pub use path::CORNER_M;
 pub use pose::Pose;
 pub use resume::{ResumeLeg, WALK_BACK_M, resume, resume_with};
+pub use script::{Chapter, Mark, Spoken};
 pub use search::{Finder, Hit, Named};
 pub use timeline::TURN_DEG_S;
 pub use walk::Walk;

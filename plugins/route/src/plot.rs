@@ -129,7 +129,9 @@ impl<'a> Plotter<'a> {
                 stands()?;
                 Act::Wait { step, seconds: checked("the time in seconds", *seconds, 0.0, 21_600.0).map_err(fails)? }
             }
-            Step::Say { .. } | Step::Fov { .. } | Step::Time { .. } => Act::Aside { step },
+            Step::Say { .. } | Step::Chapter { .. } | Step::Mark { .. } | Step::Rain { .. } | Step::Fov { .. } | Step::Time { .. } => {
+                Act::Aside { step }
+            }
         };
         Ok((act, step + 1))
     }
@@ -209,7 +211,9 @@ impl<'a> Plotter<'a> {
         let mut next = first;
         for (step, s) in self.tour.steps.iter().enumerate().skip(first) {
             match s {
-                Step::Say { .. } | Step::Fov { .. } | Step::Time { .. } => asides.push(step),
+                Step::Say { .. } | Step::Chapter { .. } | Step::Mark { .. } | Step::Rain { .. } | Step::Fov { .. } | Step::Time { .. } => {
+                    asides.push(step);
+                }
                 s if StepKind::of(s) == kind => {
                     let mut leg = self.leg(step, legs.len() as u32, &mut marks).map_err(self.fails(step))?;
                     leg.asides = core::mem::take(&mut asides);

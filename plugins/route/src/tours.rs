@@ -204,6 +204,34 @@ fn who_turns_back_turns_round_before_walking_off() {
 }
 
 #[test]
+fn chapters_marks_rain_and_translations_come_in_time() {
+    let tour = read(
+        r#"(title: "A", translations: {"cs": "Á"}, city: "", steps: [
+            Start(at: At(0, 0)),
+            Chapter(title: "First", translations: {"cs": "První"}),
+            Say(text: "Hello", translations: {"cs": "Dobrý den a vítejte u nás ve městě"}),
+            Mark(name: "bells"),
+            Wait(seconds: 4),
+            Rain(wet: 1, seconds: 2),
+            Chapter(title: "Second"),
+            Wait(seconds: 4),
+            Mark(name: "end"),
+        ])"#,
+    );
+    let tour = compiled(&tour);
+    assert_eq!([tour.title(), tour.title_in("cs"), tour.title_in("it")], ["A", "Á", "A"]);
+    let chapters: Vec<(f64, &str)> = tour.chapters().iter().map(|c| (c.start_s, c.title.within("cs"))).collect();
+    assert_eq!(chapters, [(0.8, "První"), (4.8, "Second")]);
+    assert_eq!([tour.chapter(0.5), tour.chapter(1.0), tour.chapter(8.0)], [None, Some(0), Some(1)]);
+    assert_eq!([tour.caption(1.0), tour.caption_in(1.0, "cs")], [Some("Hello"), Some("Dobrý den a vítejte u nás ve městě")]);
+    assert!(tour.caption(3.0).is_some(), "there is time to read the longest of its texts");
+    let marks = |after, until| tour.marks(after, until).iter().map(|mark| mark.name.as_str()).collect::<Vec<_>>();
+    assert_eq!((marks(0.0, 0.8), marks(0.8, 8.0), marks(0.0, 9.0)), (vec!["bells"], vec![], vec!["bells", "end"]));
+    assert_eq!([tour.wet(1.0), tour.wet(5.8), tour.wet(9.0)], [Some(0.0), Some(0.5), Some(1.0)]);
+    assert_eq!(compiled(&with_steps(vec![start(0.0, 0.0)])).wet(1.0), None, "a tour that says nothing of it leaves the weather as it is");
+}
+
+#[test]
 fn captions_hours_and_fields_of_view_go_on_beside() {
     let tour = compiled(&read(SAMPLE));
     assert_eq!(tour.caption(0.0), Some("Welcome"));
@@ -384,7 +412,7 @@ fn any_step() -> impl Strategy<Value = Step> {
         1 => (0.0..3.0f64).prop_map(|seconds| Step::Wait { seconds }),
         1 => (spot(), any_look(), 0.0..3.0f64)
             .prop_map(|(to, look, seconds)| Step::Cut { to, eye_m: None, look, seconds }),
-        1 => Just(Step::Say { text: "Words".to_owned(), seconds: None }),
+        1 => Just(Step::Say { text: "Words".to_owned(), translations: Default::default(), seconds: None }),
         1 => (20.0..90.0, 0.0..4.0f64).prop_map(|(deg, seconds)| Step::Fov { deg, seconds }),
     ]
 }
@@ -424,7 +452,7 @@ proptest! {
                 1 => Step::Fly { through: vec![(n[5], n[6], n[7]), (n[7], n[5], 3.0)], speed: n[8], look: look.clone(), ease: Ease::InOut },
                 2 => Step::Look { at: look.clone(), seconds: n[6] },
                 3 => Step::Wait { seconds: n[7] },
-                4 => Step::Say { text: "x".to_owned(), seconds: Some(n[3]) },
+                4 => Step::Say { text: "x".to_owned(), translations: Default::default(), seconds: Some(n[3]) },
                 5 => Step::Fov { deg: n[2], seconds: n[5] },
                 6 => Step::Time { hour: n[8], seconds: n[4] },
                 _ => Step::Cut { to: Where::At(n[8], n[9]), eye_m: Some(n[2]), look: LookAt::Heading { deg: n[3], pitch_deg: n[4] }, seconds: n[5] },

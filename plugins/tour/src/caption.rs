@@ -32,7 +32,7 @@ pub(crate) fn draw_caption(
     if !settings.visible {
         return Ok(());
     }
-    let text = match (player.error(), player.caption(), player.state()) {
+    let text = match (player.error(), player.caption(words.language()), player.state()) {
         (Some(error), ..) => error.to_owned(),
         (None, Some(caption), _) => caption.to_owned(),
         (None, None, TourState::Waiting) => words.say("tour-waiting"),

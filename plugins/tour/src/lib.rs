@@ -13,12 +13,14 @@
 //!         Start(at: Place("Powder Tower")),
 //!         Say(text: "Kings began their way here."),
 //!         Walk(to: Place("Old Town Square")),
+//!         Chapter(title: "The square", translations: {"cs": "Náměstí"}),
+//!         Mark(name: "bells"),
 //!         Look(at: Spot(at: Place("Old Town Hall"), height_m: 40), seconds: 3),
 //!         Wait(seconds: 2),
 //!     ],
 //! )"#;
 //! let tour: veduta_city::Tour = veduta_city::file::parse(text, "square.tour.ron")?;
-//! assert_eq!(tour.steps.len(), 5);
+//! assert_eq!(tour.steps.len(), 7);
 //! # Ok::<(), veduta_city::file::SyntaxError>(())
 //! ```
 //! A mistake shows file, line, column and the offending line; the last good version of a reloaded tour stays. A tour is
@@ -34,6 +36,8 @@
 //!     })
 //!     .run();
 //! ```
+//!
+//! A [`TourMark`] tells a game that a moment has come which the tour marks: to ring bells, to open a door.
 //!
 //! | key | |
 //! |---|---|
@@ -53,6 +57,7 @@ mod asset;
 mod caption;
 mod keys;
 mod play;
+mod strip;
 
 use bevy::prelude::*;
 use bevy_egui::EguiPrimaryContextPass;
@@ -61,7 +66,8 @@ use veduta_ui::UiSystems;
 
 pub use asset::{TourAsset, TourLoadError};
 pub use caption::CaptionSettings;
-pub use play::{TourCommand, TourEnded, TourPlayer, TourState};
+pub use play::{TourCommand, TourEnded, TourMark, TourPlayer, TourState};
+pub use strip::StripSettings;
 
 /// Plays guided tours.
 #[derive(Debug, Clone, Copy)]
@@ -92,6 +98,7 @@ impl Plugin for TourPlugin {
             .init_resource::<CaptionSettings>()
             .add_message::<TourCommand>()
             .add_message::<TourEnded>()
+            .add_message::<TourMark>()
             .add_systems(
                 Update,
                 (play::obey, play::tell_failures, play::compile_tour, play::play).chain().in_set(VedutaSystems::Steer),
@@ -99,8 +106,9 @@ impl Plugin for TourPlugin {
         if self.interface {
             veduta_ui::ensure(app);
             Words::bring(app, &WORDS);
-            app.add_systems(Update, keys::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>).run_if(keys_are_free))
-                .add_systems(EguiPrimaryContextPass, caption::draw_caption.in_set(UiSystems::Draw));
+            app.init_resource::<StripSettings>()
+                .add_systems(Update, keys::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>).run_if(keys_are_free))
+                .add_systems(EguiPrimaryContextPass, (caption::draw_caption, strip::draw).chain().in_set(UiSystems::Draw));
         }
     }
 }

@@ -2,7 +2,7 @@ use bevy::asset::{AssetLoadError, AssetLoadFailedEvent};
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::Tour;
-use veduta_ecs::{Around, Awaited, City, CityClock, Eye, Itinerary, OverviewWants, Steering, Stop, Viewer};
+use veduta_ecs::{Around, Awaited, City, CityClock, Eye, Itinerary, OverviewWants, Steering, Stop, Viewer, Weather};
 use veduta_route::{CompiledTour, Gazetteer, Pose, ResumeLeg, StreetNet, compile, resume};
 
 use crate::TourAsset;
@@ -36,6 +36,13 @@ pub struct TourEnded {
     pub title: String,
     /// Whether its end was reached.
     pub finished: bool,
+}
+
+/// A moment that the tour marks has come while it played; what is passed over by going elsewhere in time is not told.
+#[derive(Message, Debug, Clone, PartialEq, Eq)]
+pub struct TourMark {
+    /// What the tour calls it.
+    pub name: String,
 }
 
 /// How the tour stands.
@@ -140,11 +147,11 @@ impl TourPlayer {
         self.compiled.as_ref()
     }
 
-    /// Caption of this moment.
+    /// Caption of this moment in a language, told by its code; in the tour's own where there is none in it.
     #[must_use]
-    pub fn caption(&self) -> Option<&str> {
+    pub fn caption(&self, language: &str) -> Option<&str> {
         let shown = matches!(self.state, TourState::Playing | TourState::Paused);
-        self.compiled.as_ref().filter(|_| shown)?.caption(self.t_s)
+        self.compiled.as_ref().filter(|_| shown)?.caption_in(self.t_s, language)
     }
 
     /// What is wrong with the tour, if anything is.
@@ -364,6 +371,9 @@ fn tell_ahead(player: &TourPlayer, has_told: &mut bool, itineraries: &mut Query<
     }
 }
 
+/// Share of the sky that clouds cover when it rains.
+const RAIN_CLOUDS: f32 = 0.85;
+
 /// Moves the eye along the tour.
 pub(crate) fn play(
     time: Res<Time>,
@@ -374,7 +384,9 @@ pub(crate) fn play(
     mut viewers: Query<&mut Eye, With<Viewer>>,
     mut itineraries: Query<&mut Itinerary, With<Viewer>>,
     mut has_told: Local<bool>,
+    mut weather: ResMut<Weather>,
     mut ended: MessageWriter<TourEnded>,
+    mut marks: MessageWriter<TourMark>,
 ) {
     tell_ahead(&player, &mut has_told, &mut itineraries);
     let guided = *steering == Steering::Guided;
@@ -395,7 +407,11 @@ pub(crate) fn play(
     let pose = match player.state {
         TourState::Playing => {
             let Some((end, title)) = player.compiled.as_ref().map(|t| (t.duration_s(), t.title().to_owned())) else { return };
-            player.t_s = (player.t_s + dt).min(end);
+            let before_s = player.t_s;
+            player.t_s = (before_s + dt).min(end);
+            if let Some(tour) = &player.compiled {
+                marks.write_batch(tour.marks(before_s, player.t_s).iter().map(|mark| TourMark { name: mark.name.clone() }));
+            }
             if player.t_s >= end {
                 ended.write(TourEnded { title, finished: true });
                 player.state = TourState::Paused;
@@ -422,6 +438,11 @@ pub(crate) fn play(
     }
     if clock.hour != pose.hour {
         clock.hour = pose.hour;
+    }
+    if let Some(wet) = player.compiled.as_ref().and_then(|tour| tour.wet(player.t_s)) {
+        let wet = wet as f32;
+        let usual = Weather::default().clouds;
+        weather.set_if_neq(Weather { wet, clouds: usual + (RAIN_CLOUDS - usual) * wet });
     }
     for mut eye in &mut viewers {
         let ground_m = eye.ground_m;
@@ -479,6 +500,25 @@ mod tests {
             hold = next;
         }
         assert_eq!(hold, Hold::None);
+    }
+
+    #[test]
+    fn marks_are_told_once_as_their_moments_come() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default(), crate::TourPlugin { interface: false }))
+            .insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(std::time::Duration::from_millis(100)))
+            .insert_resource(City::default());
+        app.world_mut().spawn(Viewer);
+        let text = r#"(title: "t", city: "", steps: [Start(at: At(0, 0)), Mark(name: "a"), Rain(wet: 1), Wait(seconds: 3), Mark(name: "b")])"#;
+        let tour: Tour = veduta_city::file::parse(text, "t.tour.ron").expect("no mistakes");
+        app.world_mut().write_message(TourCommand::Give(Box::new(tour)));
+        let mut told = Vec::new();
+        for _ in 0..80 {
+            app.update();
+            told.extend(app.world_mut().resource_mut::<Messages<TourMark>>().drain().map(|mark| mark.name));
+        }
+        assert_eq!(told, ["a", "b"]);
+        assert_eq!(app.world().resource::<Weather>().wet, 1.0);
     }
 
     #[test]

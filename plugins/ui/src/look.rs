@@ -71,7 +71,7 @@ impl Look {
         match (surface, self.high_contrast) {
             (Surface::Paper, false) => Color32::from_rgb(0xF4, 0xEE, 0xE1),
             (Surface::Paper, true) => Color32::WHITE,
-            (Surface::Dusk, false) => Color32::from_rgba_premultiplied(0x15, 0x11, 0x0E, 0xD2),
+            (Surface::Dusk, false) => Color32::from_rgba_premultiplied(0x16, 0x12, 0x0F, 0xE8),
             (Surface::Dusk, true) => Color32::BLACK,
         }
     }

@@ -160,7 +160,8 @@ pub(crate) fn stride(
     mut walkers: Query<(Entity, &mut Eye, &mut Gait), With<Walker>>,
     mut bodies: Query<(&WalkerBody, &mut KinematicCharacterController)>,
 ) {
-    let dt = time.delta_secs_f64().min(0.1);
+    // Where frames are slow, strides are long: walls stop them all the same.
+    let dt = time.delta_secs_f64().min(0.25);
     for (viewer, mut eye, mut gait) in &mut walkers {
         if *steering != Steering::Visitor {
             gait.velocity = DVec3::ZERO;
