@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use anstream::println;
 use bevy::asset::AssetPlugin;
-use bevy::ecs::schedule::SingleThreadedExecutor;
+use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -26,6 +26,7 @@ use crate::{Failure, cities};
 mod entities;
 mod frames;
 mod stream;
+mod visitor;
 
 /// What to measure.
 #[derive(clap::ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +40,9 @@ pub enum Bench {
     Stream,
     /// What a frame costs the processor before it is drawn, beside a city of the same houses with an entity for each of their parts.
     Entities,
+    /// What the visitor's interface (panels, map, guide, tour) costs the main thread in a frame, along the sample tour and on a run through a
+    /// town of 50,000 houses; and what search and ways cost in towns of that size.
+    Visitor,
     /// How many frames of the sample tour are drawn in a second, for each profile.
     Frames,
 }
@@ -64,6 +68,7 @@ pub fn bench(what: Bench, city: Option<&str>, json: bool, size: Size) -> Result<
         Bench::Walk => bench_walk(&scene),
         Bench::Stream => stream::stream(&scene, json),
         Bench::Entities => entities::entities(&scene),
+        Bench::Visitor => visitor::visitor(&scene),
         Bench::Frames => frames::frames(&scene, size),
     }
 }
@@ -163,6 +168,8 @@ const SETS: [VedutaSystems; 4] = [VedutaSystems::Steer, VedutaSystems::Stream, V
 enum Way {
     /// As streaming does it.
     Streamed,
+    /// As streaming does it, with all that a visitor sees over the picture.
+    Visited,
     /// All that is so near, in metres, whatever stands between; read and built on the main thread, as soon as it is wanted.
     Naive { around_m: f64 },
 }
@@ -188,7 +195,10 @@ impl Walk {
     /// Plays the tour without drawing, on one thread, and measures its CPU time.
     fn run(city: &Path, tour: &Tour, way: Way) -> Result<Self, Failure> {
         let mut app = quiet_app(city, way);
-        app.world_mut().spawn((Viewer, Transform::default(), Projection::default()));
+        let viewer = app.world_mut().spawn((Viewer, Transform::default(), Projection::default())).id();
+        if way == Way::Visited {
+            visitor::open_window(&mut app, viewer);
+        }
         let began = Instant::now();
         while app.world().get_resource::<City>().is_none_or(|c| c.overviews.iter().next().is_none()) {
             if began.elapsed() > PATIENCE {
@@ -284,7 +294,7 @@ impl Walk {
 fn quiet_app(city: &Path, way: Way) -> App {
     let mut app = App::new();
     let (fetching, building) = match way {
-        Way::Streamed => (Fetching::Threads(2), Building::Pool),
+        Way::Streamed | Way::Visited => (Fetching::Threads(2), Building::Pool),
         Way::Naive { .. } => (Fetching::Inline, Building::Inline),
     };
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), bevy::transform::TransformPlugin))
@@ -295,8 +305,6 @@ fn quiet_app(city: &Path, way: Way) -> App {
             BuildingsPlugin { building },
             FacadePlugin::default(),
             SkyPlugin,
-            TourPlugin { interface: false },
-            GuidePlugin { interface: false },
         ))
         .insert_resource(OpenCity(city.display().to_string()))
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(1)))
@@ -310,6 +318,16 @@ fn quiet_app(city: &Path, way: Way) -> App {
         .edit_schedule(Update, |schedule| {
             schedule.set_executor(SingleThreadedExecutor::new());
         });
+    for schedule in [PreUpdate.intern(), PostUpdate.intern()] {
+        app.edit_schedule(schedule, |schedule| {
+            schedule.set_executor(SingleThreadedExecutor::new());
+        });
+    }
+    if way == Way::Visited {
+        visitor::add_interface(&mut app);
+    } else {
+        app.add_plugins((TourPlugin { interface: false }, GuidePlugin { interface: false }));
+    }
     if let Way::Naive { around_m } = way {
         let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
         (settings.flying_from_m, settings.flying_m, settings.level_2_m) = (0.0, around_m, around_m);

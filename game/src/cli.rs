@@ -10,6 +10,7 @@ use veduta_store::INDEX_NAME;
 
 use crate::film::FilmOrder;
 use crate::gallery::{GalleryOrder, Sheet};
+use crate::hud::TourFiles;
 use crate::profile::Profile;
 use crate::shot::{At, ShotOrder};
 use crate::studio::Size;
@@ -159,7 +160,10 @@ fn walk(city: Option<&str>, tour: Option<PathBuf>, order: WalkOrder) -> Result<(
     let first = match (city, tour) {
         (_, Some(path)) => Some(FirstTour { path, at_once: true }),
         (None, None) => Some(FirstTour { path: cities::sample_scene().join("royal_route.tour.ron"), at_once: false }),
-        (Some(_), None) => None,
+        (Some(_), None) => {
+            let tours = TourFiles::in_folder(&scene).0.into_iter();
+            tours.map(|(path, _)| FirstTour { path, at_once: false }).next()
+        }
     };
     let city = match (city, &first) {
         (None, Some(FirstTour { path, at_once: true })) => cities::of_tour(&file::read::<Tour>(path)?, path)?,

@@ -58,8 +58,18 @@ impl Plugin for HudPlugin {
 /// A quarter of a year, days.
 const DAYS_A_SEASON: u16 = 92;
 
-/// F1, F3, Escape, and the hour and season of the city.
-fn read_keys(time: Res<Time>, keys: Res<ButtonInput<KeyCode>>, mut open: ResMut<Open>, mut clock: ResMut<CityClock>) {
+/// F1, F3, Escape, Ctrl+Q, and the hour and season of the city.
+fn read_keys(
+    time: Res<Time>,
+    keys: Res<ButtonInput<KeyCode>>,
+    mut open: ResMut<Open>,
+    mut clock: ResMut<CityClock>,
+    mut exits: MessageWriter<AppExit>,
+) {
+    let command = [KeyCode::ControlLeft, KeyCode::ControlRight, KeyCode::SuperLeft, KeyCode::SuperRight];
+    if keys.any_pressed(command) && keys.just_pressed(KeyCode::KeyQ) {
+        exits.write(AppExit::Success);
+    }
     if keys.just_pressed(KeyCode::F1) {
         open.help = !open.help;
     }

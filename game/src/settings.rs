@@ -109,7 +109,8 @@ impl Settings {
         Self::read_from(config_dir().map(|dir| dir.join("settings.ron")), orders)
     }
 
-    fn read_from(path: Option<PathBuf>, orders: Orders) -> (Self, SettingsFile) {
+    /// What was kept in a file; without one, as at first.
+    pub fn read_from(path: Option<PathBuf>, orders: Orders) -> (Self, SettingsFile) {
         let found = path.as_ref().filter(|path| path.is_file());
         let kept = found.map_or_else(Self::default, |path| {
             file::read::<Self>(path).unwrap_or_else(|error| {

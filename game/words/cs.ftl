@@ -34,6 +34,7 @@ help-still = uložit snímek
 help-settings = nastavení
 help-help = tato stránka
 help-expert = jak město přichází: buňky, linka, deník
+help-quit = konec
 help-again = Znovu ukázat první minutu
 key-mouse = pravé tlačítko myši, ⬅ ➡
 key-space = mezerník, C

@@ -34,6 +34,7 @@ help-still = take a still
 help-settings = settings
 help-help = this page
 help-expert = how the city streams: cells, line, journal
+help-quit = quit
 help-again = Show the first minute again
 key-mouse = right mouse button, ⬅ ➡
 key-space = Space, C

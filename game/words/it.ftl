@@ -34,6 +34,7 @@ help-still = salva un'immagine
 help-settings = impostazioni
 help-help = questa pagina
 help-expert = come arriva la città: celle, linea, diario
+help-quit = esci
 help-again = Mostra di nuovo il primo minuto
 key-mouse = tasto destro del mouse, ⬅ ➡
 key-space = Spazio, C

@@ -50,7 +50,7 @@ fn program() -> PathBuf {
 
 impl Visit {
     fn new() -> Self {
-        let told = std::env::var("VEDUTA_VISIT_SIZE").unwrap_or_else(|_| "1280x720".to_owned());
+        let told = std::env::var("VEDUTA_VISIT_SIZE").unwrap_or_else(|_| "960x540".to_owned());
         let size = told.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?))).expect("WIDTHxHEIGHT");
         let home = veduta_tests::workplace("visit");
         let stills = program().with_file_name("visit").join(&told);
@@ -166,7 +166,7 @@ impl Visit {
     }
 
     fn quit(&mut self) {
-        self.xdotool(&["search", "--name", "Veduta", "windowquit"]);
+        self.press("ctrl+q");
         let mut game = self.game.take().expect("it runs");
         let began = Instant::now();
         while game.0.try_wait().expect("a child").is_none() {

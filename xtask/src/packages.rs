@@ -23,11 +23,13 @@ pub enum Need {
     VulkanDriver,
     /// A C++ compiler: tests build FLIP, which measures what is seen of a difference. Nothing else needs one.
     Cxx,
+    /// A display that is none, and hands for it: a test visits the city in a real window.
+    TestDisplay,
 }
 
 impl Need {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::PkgConfig,
         Self::Udev,
         Self::Wayland,
@@ -37,11 +39,12 @@ impl Need {
         Self::VulkanLoader,
         Self::VulkanDriver,
         Self::Cxx,
+        Self::TestDisplay,
     ];
 
     /// Whether only tests need it.
     pub const fn is_for_tests(self) -> bool {
-        matches!(self, Self::Cxx)
+        matches!(self, Self::Cxx | Self::TestDisplay)
     }
 
     /// What to tell people who must find the package themselves.
@@ -56,6 +59,7 @@ impl Need {
             Self::VulkanLoader => "the Vulkan loader (libvulkan.so.1)",
             Self::VulkanDriver => "a Vulkan driver (Mesa's software driver will do)",
             Self::Cxx => "a C++ compiler",
+            Self::TestDisplay => "Xvfb, xdotool, libX11, libX11-xcb, libXcursor, libXi, libXrandr",
         }
     }
 }
@@ -84,6 +88,9 @@ impl Manager {
             (Self::Apt, Need::VulkanLoader) => &["libvulkan1"],
             (Self::Apt, Need::VulkanDriver) => &["mesa-vulkan-drivers"],
             (Self::Apt, Need::Cxx) => &["g++"],
+            (Self::Apt, Need::TestDisplay) => {
+                &["xvfb", "xdotool", "libx11-6", "libx11-xcb1", "libxcursor1", "libxi6", "libxrandr2"]
+            }
             (Self::Dnf, Need::PkgConfig) => &["pkgconf-pkg-config"],
             (Self::Dnf, Need::Udev) => &["systemd-devel"],
             (Self::Dnf, Need::Wayland) => &["wayland-devel"],
@@ -93,6 +100,9 @@ impl Manager {
             (Self::Dnf, Need::VulkanLoader) => &["vulkan-loader"],
             (Self::Dnf, Need::VulkanDriver) => &["mesa-vulkan-drivers"],
             (Self::Dnf, Need::Cxx) => &["gcc-c++"],
+            (Self::Dnf, Need::TestDisplay) => {
+                &["xorg-x11-server-Xvfb", "xdotool", "libX11", "libX11-xcb", "libXcursor", "libXi", "libXrandr"]
+            }
             (Self::Pacman, Need::PkgConfig) => &["pkgconf"],
             (Self::Pacman, Need::Udev) => &["systemd-libs"],
             (Self::Pacman, Need::Wayland) => &["wayland"],
@@ -102,6 +112,7 @@ impl Manager {
             (Self::Pacman, Need::VulkanLoader) => &["vulkan-icd-loader"],
             (Self::Pacman, Need::VulkanDriver) => &["vulkan-swrast"],
             (Self::Pacman, Need::Cxx) => &["gcc"],
+            (Self::Pacman, Need::TestDisplay) => &["xorg-server-xvfb", "xdotool", "libx11", "libxcursor", "libxi", "libxrandr"],
         }
     }
 
@@ -247,7 +258,8 @@ mod tests {
             [
                 "apt-get update",
                 "env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 install -y --no-install-recommends \
-                 pkg-config libudev-dev libwayland-dev libxkbcommon-dev libxkbcommon-x11-0 libvulkan1 mesa-vulkan-drivers g++",
+                 pkg-config libudev-dev libwayland-dev libxkbcommon-dev libxkbcommon-x11-0 libvulkan1 mesa-vulkan-drivers g++ \
+                 xvfb xdotool libx11-6 libx11-xcb1 libxcursor1 libxi6 libxrandr2",
             ]
         );
     }

@@ -26,6 +26,9 @@ fn missing(for_tests: bool) -> Vec<Need> {
     needs.filter(|&need| !is_there(need, pkg_config.as_ref(), &libraries)).collect()
 }
 
+/// What windows under X11 load.
+const X11: [&str; 5] = ["libX11.so.6", "libX11-xcb.so.1", "libXcursor.so.1", "libXi.so.6", "libXrandr.so.2"];
+
 fn is_there(need: Need, pkg_config: Option<&OsString>, libraries: &Libraries) -> bool {
     // Without pkg-config no build script finds its headers, whether they are there or not.
     let headers = |module: &str| pkg_config.is_some_and(|program| quietly(program, &["--exists", module]));
@@ -36,13 +39,13 @@ fn is_there(need: Need, pkg_config: Option<&OsString>, libraries: &Libraries) ->
         Need::Xkbcommon => headers("xkbcommon"),
         Need::XkbcommonX11 => libraries.have("libxkbcommon-x11.so.0"),
         Need::X11 => {
-            let names = ["libX11.so.6", "libX11-xcb.so.1", "libXcursor.so.1", "libXi.so.6", "libXrandr.so.2"];
-            !is_set("DISPLAY") || names.iter().all(|name| libraries.have(name))
+            !is_set("DISPLAY") || X11.iter().all(|name| libraries.have(name))
         }
         Need::VulkanLoader => libraries.have("libvulkan.so.1"),
         Need::VulkanDriver => is_set("VK_ICD_FILENAMES") || is_set("VK_DRIVER_FILES") || has_driver(&driver_dirs()),
         // As the build script finds it.
         Need::Cxx => is_set("CXX") || quietly("c++", &["--version"]),
+        Need::TestDisplay => ["Xvfb", "xdotool"].iter().all(|program| in_path(program)) && X11.iter().all(|name| libraries.have(name)),
     }
 }
 
@@ -55,6 +58,11 @@ fn pkg_config() -> Option<OsString> {
     let named = std::env::var_os("PKG_CONFIG").filter(|name| !name.is_empty());
     let names = named.into_iter().chain(["pkg-config".into(), "pkgconf".into()]);
     names.into_iter().find(|name| quietly(name, &["--version"]))
+}
+
+/// Whether there is a program of a name.
+fn in_path(program: &str) -> bool {
+    std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default()).any(|dir| dir.join(program).is_file())
 }
 
 /// Whether a program starts and ends well.

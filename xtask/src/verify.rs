@@ -21,8 +21,9 @@ pub const CORE: [&str; 10] = [
 
 /// The crates that need the engine. They are checked apart from the core: the core's test libraries turn on features of
 /// small crates under the engine, and together with them the engine would be built a second time for `cargo play`.
-pub const ENGINE: [&str; 12] = [
+pub const ENGINE: [&str; 13] = [
     "veduta-ecs",
+    "veduta-ui",
     "veduta-streaming",
     "veduta-buildings",
     "veduta-facade",

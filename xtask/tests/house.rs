@@ -19,6 +19,9 @@ const PLUGINS: [&str; 8] = [
     "veduta-sky",
 ];
 
+/// Plugins that draw windows.
+const WITH_WINDOWS: [&str; 3] = ["veduta-tour", "veduta-minimap", "veduta-guide"];
+
 /// What a crate may import among ours: in its code, and in its tests besides.
 struct Imports {
     code: Vec<&'static str>,
@@ -38,10 +41,12 @@ fn table() -> BTreeMap<&'static str, Imports> {
     }
     enter("veduta-bake", with(&[&["veduta-city"], &CORE]), vec![]);
     enter("veduta-ecs", vec!["veduta-city"], vec![]);
+    enter("veduta-ui", vec!["veduta-ecs"], vec![]);
     for name in PLUGINS {
-        enter(name, with(&[&["veduta-city", "veduta-ecs"], &CORE]), vec!["veduta-bake"]);
+        let ui: &[&str] = if WITH_WINDOWS.contains(&name) { &["veduta-ui"] } else { &[] };
+        enter(name, with(&[&["veduta-city", "veduta-ecs"], ui, &CORE]), vec!["veduta-bake"]);
     }
-    enter("veduta", with(&[&["veduta-city", "veduta-ecs"], &PLUGINS]), with(&[&["veduta-bake"], &CORE]));
+    enter("veduta", with(&[&["veduta-city", "veduta-ecs", "veduta-ui"], &PLUGINS]), with(&[&["veduta-bake"], &CORE]));
     enter("veduta-game", with(&[&["veduta", "veduta-city", "veduta-bake"], &CORE]), vec![]);
     enter("veduta-tests", with(&[&["veduta", "veduta-game", "veduta-city", "veduta-bake", "veduta-ecs"], &CORE, &PLUGINS]), vec![]);
     enter("veduta-digests", vec!["veduta-city", "veduta-growth"], vec![]);
@@ -100,6 +105,8 @@ fn the_table_forbids_what_it_should() {
         ("veduta-tour", "veduta-minimap", false),
         ("veduta-tour", "veduta-minimap", true),
         ("veduta-streaming", "veduta-bake", false),
+        ("veduta-streaming", "veduta-ui", false),
+        ("veduta-ui", "veduta-city", false),
         ("veduta", "veduta-game", false),
         ("stranger", "veduta-city", false),
     ];

@@ -97,7 +97,7 @@ fn quantile(ascending: &[f64], share: f64) -> f64 {
 }
 
 /// A run through a town of more than 50,000 houses, along its streets, and a leap back; where it lies, and how many it has.
-fn fast_run(dir: &Path, sample: &Tour) -> Result<(PathBuf, Tour, u64), Failure> {
+pub(super) fn fast_run(dir: &Path, sample: &Tour) -> Result<(PathBuf, Tour, u64), Failure> {
     let words = dir.join("town.words.ron");
     std::fs::write(&words, TOWN)?;
     let (city, stats) = large(&words, dir, (1, 1), "town")?;

@@ -12,6 +12,7 @@ use veduta::walker::Intent;
 
 use super::Open;
 use crate::settings::Settings;
+use crate::walk::FirstTour;
 
 /// The bar of symbols along the lower edge.
 #[derive(Resource, Debug, Clone, Copy, PartialEq)]
@@ -44,6 +45,8 @@ struct State {
     map: bool,
     search: bool,
     open: Open,
+    /// Whether there is a tour to take.
+    has_tour: bool,
     /// Whether the city comes over the web.
     is_remote: bool,
 }
@@ -74,7 +77,7 @@ pub(super) fn draw(
     mut contexts: EguiContexts,
     time: Res<Time<Real>>,
     (words, interface, settings): (Res<Words>, Res<Interface>, Res<Settings>),
-    (city, walker, player): (Option<Res<OpenCity>>, Res<WalkerSettings>, Res<TourPlayer>),
+    (city, walker, player, first): (Option<Res<OpenCity>>, Res<WalkerSettings>, Res<TourPlayer>, Option<Res<FirstTour>>),
     viewers: Query<&Eye, With<Viewer>>,
     (mut open, mut map, mut search): (ResMut<Open>, ResMut<MapView>, ResMut<SearchBox>),
     mut bar: ResMut<Bar>,
@@ -110,6 +113,7 @@ pub(super) fn draw(
         map: map.open,
         search: search.open,
         open: *open,
+        has_tour: first.is_some() || player.state() != TourState::Idle,
         is_remote: city.is_some_and(|city| city.0.contains("://")),
     };
     let area = Area::new(Id::new("veduta bar")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -screen.height() * 0.02));
@@ -158,7 +162,9 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, state: &State) -> Option<Press>
             TourState::Paused | TourState::Wandering => (Symbol::Play, "bar-resume"),
             TourState::Idle | TourState::Waiting => (Symbol::Tour, "bar-tour"),
         };
-        button(ui, symbol, state.tour != TourState::Idle, name, "T", Press::Tour);
+        if state.has_tour {
+            button(ui, symbol, state.tour != TourState::Idle, name, "T", Press::Tour);
+        }
         button(ui, Symbol::Map, state.map, "bar-map", "M", Press::Map);
         button(ui, Symbol::Search, state.search, "bar-search", "/", Press::Search);
         ui.add_space(look.text * 0.6);
@@ -194,7 +200,7 @@ mod tests {
         super::super::WORDS.iter().for_each(|(code, file)| words.add(code, file).expect("no mistakes"));
         for language in ["en", "cs", "it"] {
             words.speak(language);
-            let state = State { is_remote: true, ..State::default() };
+            let state = State { is_remote: true, has_tour: true, ..State::default() };
             let mut harness = Harness::builder().with_size(Vec2::new(900.0, 100.0)).build_ui_state(
                 |ui, pressed: &mut Vec<Press>| pressed.extend(show(ui, &look, &words, &state)),
                 Vec::new(),

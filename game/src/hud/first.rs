@@ -96,11 +96,13 @@ pub(super) fn watch(
 pub(super) fn draw(
     mut contexts: EguiContexts,
     (words, interface, open): (Res<Words>, Res<Interface>, Res<Open>),
-    (search, map): (Res<SearchBox>, Res<MapView>),
+    (search, map, player): (Res<SearchBox>, Res<MapView>, Res<TourPlayer>),
     first: Res<FirstMinute>,
     mut settings: ResMut<Settings>,
 ) -> Result {
-    if settings.knows_the_way || open.help || open.settings || search.open || map.open {
+    // What a tour shows lies where the card does.
+    let tours = !matches!(player.state(), TourState::Idle | TourState::Wandering);
+    if settings.knows_the_way || tours || open.help || open.settings || search.open || map.open {
         return Ok(());
     }
     let context = contexts.ctx_mut()?;

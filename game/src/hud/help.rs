@@ -9,7 +9,7 @@ use super::first::FirstMinute;
 use crate::settings::Settings;
 
 /// Keys, by their names or by a message that tells them, and what they do.
-const CONTROLS: [(&str, &str); 18] = [
+const CONTROLS: [(&str, &str); 19] = [
     ("W A S D", "help-walk"),
     ("key-mouse", "help-look"),
     ("Shift", "help-run"),
@@ -28,6 +28,7 @@ const CONTROLS: [(&str, &str); 18] = [
     ("F3", "help-settings"),
     ("F1", "help-help"),
     ("F2", "help-expert"),
+    ("Ctrl Q", "help-quit"),
 ];
 
 /// What was pressed on the page.

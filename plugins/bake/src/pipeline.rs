@@ -5,6 +5,7 @@ use std::path::Path;
 use veduta_cells::{Contents, PartitionSettings, ground_from_afar, partition};
 use veduta_city::{Cells, CityGraph, CityPlan, Finding, GraphOverrides, Id, Severity, file};
 use veduta_growth::plan::Stock;
+use veduta_route::{StreetNet, Unreached, unreached};
 use veduta_store::{CellParts, CityStats, CityWriter};
 
 use crate::{BakeError, Heights, Input, InputKind, lay_on_ground, overrides_beside, read_facades, read_models};
@@ -166,6 +167,17 @@ pub fn plan(input: &Input, settings: &BakeSettings, progress: &mut dyn FnMut(Sta
     Ok(Planned { plan: growth.plan, findings })
 }
 
+/// Places that nobody can walk to from most others, with the reason.
+fn places_apart(plan: &CityPlan) -> Vec<Finding> {
+    let net = StreetNet::new(&plan.streets);
+    let told = |Unreached { place, why }: Unreached<'_>| {
+        let why = why.map_or_else(|| "the streets there are not joined to those of other places".to_owned(), |why| why.to_string());
+        let message = format!("no way on foot leads to “{}” from most other places: {why}", place.name);
+        Finding::new(Severity::Note, place.id, Some(place.pos), message)
+    };
+    unreached(&net, &plan.places).into_iter().map(told).collect()
+}
+
 /// Cuts a plan into cells.
 #[must_use]
 pub fn cut(plan: &CityPlan, settings: &BakeSettings) -> (Cells, Vec<Finding>) {
@@ -187,6 +199,7 @@ pub fn bake(input: &Path, out: &Path, settings: &BakeSettings, progress: &mut dy
 /// As [`bake`].
 pub fn bake_input(input: &Input, out: &Path, settings: &BakeSettings, progress: &mut dyn FnMut(Stage)) -> Result<Baked, BakeError> {
     let Planned { plan, mut findings } = plan(input, settings, progress)?;
+    findings.extend(places_apart(&plan));
     let mut writer = CityWriter::new(out, &plan)?;
     progress(Stage::Cut);
     let (cells, more) = cut(&plan, settings);

@@ -77,7 +77,7 @@ pub(crate) fn draw(
     let context = contexts.ctx_mut()?;
     let look = Look::of(&interface, context);
     let step = if look.reduced_motion { 1.0 } else { time.delta_secs() / FADE_S };
-    state.shown = if goal > state.shown { (state.shown + step).min(1.0) } else { (state.shown - step).max(0.0) };
+    state.shown = glide(state.shown, goal, step);
     if let Some(place) = &near.0
         && state.last.as_ref().is_none_or(|last| last.id != place.id)
     {
@@ -98,6 +98,11 @@ pub(crate) fn draw(
         },
     );
     Ok(())
+}
+
+/// A value after a step towards its goal.
+fn glide(value: f32, goal: f32, step: f32) -> f32 {
+    value + (goal - value).clamp(-step, step)
 }
 
 /// The sheet of a place.
@@ -176,6 +181,15 @@ mod tests {
             ..GuidePlace::default()
         };
         (place, told)
+    }
+
+    #[test]
+    fn what_is_shown_stays_shown_however_slow_the_frames() {
+        for step in [0.01, 0.3, 1.0, 40.0] {
+            let shown = (0..200).fold(0.0, |shown, _| glide(shown, 1.0, step));
+            assert_eq!((shown, glide(shown, 1.0, step)), (1.0, 1.0));
+            assert_eq!((0..200).fold(shown, |shown, _| glide(shown, 0.0, step)), 0.0);
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
 use bevy_egui::EguiContexts;
-use bevy_egui::egui::{Area, Id as EguiId, Order, pos2};
+use bevy_egui::egui::{Area, Id as EguiId, Label, Order, TextWrapMode, pos2};
 use veduta_city::{GridPos, Massing, Place, PlaceKind, metres};
 use veduta_ecs::{Around, City, Eye, Ground, Interface, Steering, Viewer, WalkTo, Words, WorldOrigin};
 use veduta_ui::{Look, Surface};
@@ -233,7 +233,8 @@ pub(crate) fn draw(
     let corner = pos2(at.x + look.text, at.y + look.text * 0.6);
     Area::new(EguiId::new("veduta pointed")).fixed_pos(corner).order(Order::Tooltip).interactable(false).show(context, |ui| {
         look.frame(Surface::Dusk).show(ui, |ui| {
-            ui.label(look.words(guide.name(&place.name, &words), 0.95, look.ink(Surface::Dusk)));
+            let name = look.words(guide.name(&place.name, &words), 0.95, look.ink(Surface::Dusk));
+            ui.add(Label::new(name).wrap_mode(TextWrapMode::Extend));
         });
     });
     Ok(())

@@ -72,6 +72,7 @@ mod pace;
 mod path;
 mod plot;
 mod pose;
+mod reach;
 mod resume;
 #[cfg(test)]
 mod samples;
@@ -89,6 +90,7 @@ pub use gazetteer::Gazetteer;
 pub use net::{Foot, JOIN_M, StreetNet};
 pub use path::CORNER_M;
 pub use pose::Pose;
+pub use reach::{Unreached, unreached};
 pub use resume::{ResumeLeg, WALK_BACK_M, resume, resume_with};
 pub use script::{Chapter, Mark, Spoken};
 pub use search::{Finder, Hit, Named};

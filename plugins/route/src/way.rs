@@ -104,6 +104,14 @@ impl StreetNet {
         }
     }
 
+    /// The connected pieces of the network that somebody at a position may step onto.
+    pub(crate) fn pieces_at(&self, plan_pos: DVec2) -> Result<Vec<u32>, RouteError> {
+        if self.is_empty() {
+            return Err(RouteError::NoStreets);
+        }
+        Ok(self.feet(plan_pos, None)?.into_iter().map(|access| access.piece).collect())
+    }
+
     fn along_streets(&self, from: DVec2, to: DVec2, free: Option<FreeLine<'_>>) -> Result<Vec<DVec2>, RouteError> {
         if self.is_empty() {
             return Err(RouteError::NoStreets);
