@@ -37,6 +37,9 @@ pub(crate) struct Settings {
     pub minimap_share: f32,
     pub minimap_radius_m: f32,
     pub north_up: bool,
+    pub map_symbols: bool,
+    pub map_trail: bool,
+    pub map_tour: bool,
     pub place_panel: bool,
     pub captions: bool,
     /// Whether the bar stays; else it hides itself.
@@ -61,6 +64,9 @@ impl Default for Settings {
             minimap_share: map.share,
             minimap_radius_m: map.radius_m,
             north_up: map.north_up,
+            map_symbols: map.symbols,
+            map_trail: map.trail,
+            map_tour: map.tour,
             place_panel: true,
             captions: true,
             bar_stays: false,
@@ -199,6 +205,7 @@ fn gather(map: Res<MinimapSettings>, panel: Res<PanelSettings>, captions: Res<Ca
     let mut next = settings.clone();
     (next.minimap, next.minimap_share) = (map.visible, map.share);
     (next.minimap_radius_m, next.north_up) = (map.radius_m, map.north_up);
+    (next.map_symbols, next.map_trail, next.map_tour) = (map.symbols, map.trail, map.tour);
     (next.place_panel, next.captions) = (panel.visible, captions.visible);
     settings.set_if_neq(next);
 }
@@ -231,6 +238,9 @@ fn dress(
         share: settings.minimap_share,
         radius_m: settings.minimap_radius_m,
         north_up: settings.north_up,
+        symbols: settings.map_symbols,
+        trail: settings.map_trail,
+        tour: settings.map_tour,
     });
     panel.set_if_neq(PanelSettings { visible: settings.place_panel, ..*panel });
     captions.set_if_neq(CaptionSettings { visible: settings.captions, ..*captions });

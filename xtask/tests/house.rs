@@ -256,6 +256,13 @@ const HOSTS: [&str; 23] = [
     "geojson.org",
     "www2.census.gov",
     "www.esri.com",
+    // What visitors may read on.
+    "en.wikipedia.org",
+    "cs.wikipedia.org",
+    "de.wikipedia.org",
+    "prague.eu",
+    "www.mlp.cz",
+    "projectfluent.org",
 ];
 
 /// Whether a host is made for examples, or is this machine.

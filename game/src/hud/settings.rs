@@ -71,6 +71,9 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) -> boo
             check(ui, &words.say("settings-minimap"), &mut settings.minimap);
             slider(ui, &words.say("settings-minimap-size"), &mut settings.minimap_share, MINIMAP_SHARE);
             check(ui, &words.say("settings-north"), &mut settings.north_up);
+            check(ui, &words.say("settings-map-symbols"), &mut settings.map_symbols);
+            check(ui, &words.say("settings-map-trail"), &mut settings.map_trail);
+            check(ui, &words.say("settings-map-tour"), &mut settings.map_tour);
             check(ui, &words.say("settings-panel"), &mut settings.place_panel);
             check(ui, &words.say("settings-captions"), &mut settings.captions);
             check(ui, &words.say("settings-bar"), &mut settings.bar_stays);
@@ -174,7 +177,7 @@ mod tests {
         choose(&mut harness, "Language", "Čeština");
         choose(&mut harness, "Quality", "high");
         choose(&mut harness, "Façades, highest level of detail", "2, windows and doors");
-        for name in ["High contrast", "Less motion", "Minimap", "North up", "What stands near", "Captions of tours", "The bar stays"] {
+        for name in ["High contrast", "Less motion", "Minimap", "North up", "Map: sights and views", "Map: where you have been", "Map: where the tour leads", "What stands near", "Captions of tours", "The bar stays"] {
             harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, name).click();
             harness.run();
         }
@@ -192,6 +195,9 @@ mod tests {
             reduced_motion: true,
             minimap: false,
             north_up: true,
+            map_symbols: false,
+            map_trail: false,
+            map_tour: false,
             place_panel: false,
             captions: false,
             bar_stays: true,

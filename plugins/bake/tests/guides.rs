@@ -21,7 +21,10 @@ fn check(file: &Path) -> (bool, String) {
 fn every_place_of_the_sample_city_is_told_of_in_three_languages() {
     let guide: Guide = file::read(Path::new("../../scenes/old_prague/old_prague.guide.ron")).unwrap_or_else(|e| panic!("{e}"));
     let plan = sample();
-    for place in &plan.places {
+    // Houses that the map only names have nothing to tell.
+    let told_of = plan.places.iter().filter(|place| !place.text.is_empty());
+    assert!(told_of.clone().count() >= 40);
+    for place in told_of {
         let told = guide.of(&place.name).unwrap_or_else(|| panic!("nothing is told of {}", place.name));
         for language in ["en", "cs", "it"] {
             let text = told.text.get(language).unwrap_or_else(|| panic!("{} is not told of in {language}", place.name));
@@ -29,7 +32,7 @@ fn every_place_of_the_sample_city_is_told_of_in_three_languages() {
         }
     }
     let (is_good, told) = check(Path::new("../../scenes/old_prague/old_prague.guide.ron"));
-    assert!(is_good && told.contains("102 places in 3 languages"), "{told}");
+    assert!(is_good && told.contains("103 places in 3 languages"), "{told}");
 }
 
 #[test]

@@ -156,7 +156,7 @@ mod tests {
                 place(" "),
                 GuidePlace {
                     names: [("CZ".to_owned(), "Bé".to_owned())].into(),
-                    links: ["javascript:alert(1)", "file:///etc/passwd", "https://", "https:///x", "https://a b", "https://a.org"]
+                    links: ["javascript:alert(1)", "file:///etc/passwd", "https://", "https:///x", "https://a b", "https://example.org"]
                         .map(str::to_owned)
                         .into(),
                     ..place("B")

@@ -57,6 +57,13 @@ impl PlaceNames {
     }
 }
 
+/// Where the tour leads that is open, plan metres: a line for each part between cuts. Kept by whoever plays it; maps draw it.
+#[derive(Resource, Debug, Clone, PartialEq, Default)]
+pub struct TourPath(
+    /// In the order in which they are gone.
+    pub Vec<Vec<DVec2>>,
+);
+
 /// Asks maps to show a spot.
 #[derive(Message, Debug, Clone, PartialEq)]
 pub struct ShowOnMap {

@@ -36,7 +36,7 @@ pub use clock::CityClock;
 pub use daylight::{Daylight, Weather};
 pub use eye::{Eye, Itinerary, Steering, Stop, Viewer};
 pub use ground::{Footing, Ground};
-pub use interface::{Interface, PlaceNames, Route, ShowOnMap, WalkTo, keys_are_free};
+pub use interface::{Interface, PlaceNames, Route, ShowOnMap, TourPath, WalkTo, keys_are_free};
 pub use overview::{Around, OverviewWants, Overviews};
 pub use place::{City, CityFailed, CityOpened, JumpTo, OpenCity};
 pub use sets::VedutaSystems;
@@ -59,6 +59,7 @@ impl Plugin for EcsPlugin {
             .init_resource::<Interface>()
             .init_resource::<Route>()
             .init_resource::<PlaceNames>()
+            .init_resource::<TourPath>()
             .init_resource::<Words>()
             .init_resource::<Weather>()
             .init_resource::<Daylight>()

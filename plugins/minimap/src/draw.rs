@@ -6,10 +6,10 @@ use bevy_egui::egui::{
     WidgetType,
 };
 use veduta_city::Viewpoint;
-use veduta_ecs::{City, Eye, Interface, JumpTo, PlaceNames, Route, Viewer, WalkTo, Words};
+use veduta_ecs::{City, Eye, Interface, JumpTo, PlaceNames, Route, TourPath, Viewer, WalkTo, Words};
 use veduta_ui::Look;
 
-use crate::MinimapSettings;
+use crate::{MinimapSettings, Trail};
 use crate::label;
 use crate::tiles::{MapTiles, PAPER};
 use crate::view::{MapView, Projection, zoomed};
@@ -23,6 +23,9 @@ struct Shown<'a> {
     marked: Option<DVec2>,
     words: &'a Words,
     names: &'a PlaceNames,
+    trail: &'a Trail,
+    tour: &'a TourPath,
+    settings: MinimapSettings,
 }
 
 /// Draws the map in the corner, or the large one.
@@ -32,6 +35,7 @@ pub(crate) fn draw_map(
     tiles: Res<MapTiles>,
     viewers: Query<&Eye, With<Viewer>>,
     (route, words, interface, names): (Res<Route>, Res<Words>, Res<Interface>, Res<PlaceNames>),
+    (trail, tour): (Res<Trail>, Res<TourPath>),
     mut settings: ResMut<MinimapSettings>,
     mut view: ResMut<MapView>,
     mut jumps: MessageWriter<JumpTo>,
@@ -43,7 +47,18 @@ pub(crate) fn draw_map(
     }
     let context = contexts.ctx_mut()?;
     let look = Look::of(&interface, context);
-    let shown = Shown { city: &city, tiles: &tiles, eye, route: &route, marked: view.marked, words: &words, names: &names };
+    let shown = Shown {
+        city: &city,
+        tiles: &tiles,
+        eye,
+        route: &route,
+        marked: view.marked,
+        words: &words,
+        names: &names,
+        trail: &trail,
+        tour: &tour,
+        settings: *settings,
+    };
     if view.open {
         match large_map(context, &look, &shown, &mut view) {
             Some(Click { to, walks: false }) => drop(jumps.write(JumpTo(to))),
@@ -182,8 +197,15 @@ fn paint(painter: &Painter, map: &Projection, shown: &Shown<'_>, text: f32) {
         let mesh = egui::Mesh { vertices: vertices.collect(), indices: tile.indices.clone(), ..egui::Mesh::default() };
         painter.add(Shape::mesh(mesh));
     }
+    let Shown { settings, .. } = shown;
+    if settings.tour {
+        shown.tour.0.iter().for_each(|line| dashed(painter, map, line, TOUR, text * 0.22, text * 0.9));
+    }
+    if settings.trail {
+        shown.trail.0.iter().for_each(|line| dashed(painter, map, line, TRAIL, text * 0.2, text * 0.35));
+    }
     route(painter, map, shown.route, text);
-    label::write(painter, map, &shown.city.overviews, shown.names, text);
+    label::write(painter, map, &shown.city.overviews, shown.names, text, settings.symbols);
     if let Some(spot) = shown.marked {
         pin(painter, map.screen(spot), text);
     }
@@ -193,6 +215,20 @@ fn paint(painter: &Painter, map: &Projection, shown: &Shown<'_>, text: f32) {
 
 /// Colour of where the visitor is led, and of what he asked to see.
 const LED: Color32 = Color32::from_rgb(0x2F, 0x6D, 0x9E);
+
+/// Colours of where the tour leads, and of where the visitor has been.
+const TOUR: Color32 = Color32::from_rgb(0xB8, 0x82, 0x2A);
+const TRAIL: Color32 = Color32::from_rgb(0xB0, 0x3A, 0x2E);
+
+/// A line of dashes.
+fn dashed(painter: &Painter, map: &Projection, line: &[DVec2], colour: Color32, width: f32, dash: f32) {
+    let near = map.rect.expand(map.rect.width());
+    // What lies far off the map is not cut into dashes.
+    for part in line.split(|&p| !near.contains(map.screen(p))).filter(|part| part.len() > 1) {
+        let points: Vec<Pos2> = part.iter().map(|&p| map.screen(p)).collect();
+        painter.extend(Shape::dashed_line(&points, Stroke::new(width, colour), dash, dash * 0.8));
+    }
+}
 
 /// The way that the visitor is led, with its end.
 fn route(painter: &Painter, map: &Projection, route: &Route, size: f32) {

@@ -24,11 +24,14 @@ const INK: Color32 = Color32::from_rgb(0x4A, 0x40, 0x35);
 const HALO: Color32 = Color32::from_rgba_premultiplied(0xF2, 0xEE, 0xE6, 0xF2);
 
 /// Writes the names of streets along them, and of places beside them, without overlap.
-pub(crate) fn write(painter: &Painter, map: &Projection, overviews: &Overviews, names: &PlaceNames, size: f32) {
-    let mut labels = place_labels(map, overviews, names, size);
+pub(crate) fn write(painter: &Painter, map: &Projection, overviews: &Overviews, names: &PlaceNames, size: f32, symbols: bool) {
+    let mut labels = place_labels(map, overviews, names, size, symbols);
     labels.extend(street_labels(map, overviews, size));
     labels.sort_by(|a, b| a.rank.cmp(&b.rank).then_with(|| a.text.cmp(&b.text)));
     let mut taken: Vec<Rect> = Vec::new();
+    if symbols {
+        taken.extend(crate::symbol::draw_all(painter, map, overviews, size));
+    }
     for label in labels.into_iter().take(60) {
         let galley = painter.layout_no_wrap(label.text, FontId::proportional(label.size), INK);
         let half = galley.size() / 2.0;
@@ -52,7 +55,7 @@ pub(crate) fn write(painter: &Painter, map: &Projection, overviews: &Overviews, 
     }
 }
 
-fn place_labels(map: &Projection, overviews: &Overviews, names: &PlaceNames, size: f32) -> Vec<Label> {
+fn place_labels(map: &Projection, overviews: &Overviews, names: &PlaceNames, size: f32, symbols: bool) -> Vec<Label> {
     let shown = |place: &&Place| !matches!(place.kind, PlaceKind::Street | PlaceKind::Viewpoint);
     let near = |place: &&Place| map.rect.contains(map.screen(DVec2::new(place.pos.x, place.pos.y)));
     overviews
@@ -65,7 +68,9 @@ fn place_labels(map: &Projection, overviews: &Overviews, names: &PlaceNames, siz
                 PlaceKind::Monument => 1,
                 _ => 3,
             };
-            let at = map.screen(DVec2::new(place.pos.x, place.pos.y));
+            // A name stands below the mark of its place.
+            let below = if symbols && rank > 0 { size * 1.3 } else { 0.0 };
+            let at = map.screen(DVec2::new(place.pos.x, place.pos.y)) + Vec2::new(0.0, below);
             Label {
                 text: names.of(&place.name).to_owned(),
                 at,

@@ -32,7 +32,9 @@
 
 mod draw;
 mod label;
+mod symbol;
 mod tiles;
+mod trail;
 mod view;
 
 use bevy::prelude::*;
@@ -41,6 +43,7 @@ use veduta_ecs::{Words, keys_are_free};
 use veduta_ui::UiSystems;
 
 pub use tiles::MapTiles;
+pub use trail::Trail;
 pub use view::MapView;
 
 /// Draws the map.
@@ -59,11 +62,17 @@ pub struct MinimapSettings {
     pub radius_m: f32,
     /// Whether north stays up; else the walker's heading does.
     pub north_up: bool,
+    /// Whether sights, houses with a name and views are marked.
+    pub symbols: bool,
+    /// Whether it is shown where the visitor has been.
+    pub trail: bool,
+    /// Whether it is shown where the open tour leads.
+    pub tour: bool,
 }
 
 impl Default for MinimapSettings {
     fn default() -> Self {
-        Self { visible: true, share: 0.3, radius_m: 110.0, north_up: false }
+        Self { visible: true, share: 0.3, radius_m: 110.0, north_up: false, symbols: true, trail: true, tour: true }
     }
 }
 
@@ -82,6 +91,7 @@ impl Plugin for MinimapPlugin {
         app.init_resource::<MinimapSettings>()
             .init_resource::<MapTiles>()
             .init_resource::<MapView>()
+            .init_resource::<Trail>()
             .register_type::<MinimapSettings>()
             .add_systems(
                 Update,
@@ -90,6 +100,7 @@ impl Plugin for MinimapPlugin {
                     tiles::cut_tiles,
                     view::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>).run_if(keys_are_free),
                     view::show_asked,
+                    trail::note,
                 ),
             )
             .add_systems(EguiPrimaryContextPass, draw::draw_map.in_set(UiSystems::Draw));

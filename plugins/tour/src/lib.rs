@@ -101,7 +101,7 @@ impl Plugin for TourPlugin {
             .add_message::<TourMark>()
             .add_systems(
                 Update,
-                (play::obey, play::tell_failures, play::compile_tour, play::play).chain().in_set(VedutaSystems::Steer),
+                (play::obey, play::tell_failures, play::compile_tour, play::play, play::tell_path).chain().in_set(VedutaSystems::Steer),
             );
         if self.interface {
             veduta_ui::ensure(app);

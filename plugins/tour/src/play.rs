@@ -2,7 +2,7 @@ use bevy::asset::{AssetLoadError, AssetLoadFailedEvent};
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::Tour;
-use veduta_ecs::{Around, Awaited, City, CityClock, Eye, Itinerary, OverviewWants, Steering, Stop, Viewer, Weather};
+use veduta_ecs::{Around, Awaited, City, CityClock, Eye, Itinerary, OverviewWants, Steering, Stop, TourPath, Viewer, Weather};
 use veduta_route::{CompiledTour, Gazetteer, Pose, ResumeLeg, StreetNet, compile, resume};
 
 use crate::TourAsset;
@@ -374,6 +374,18 @@ fn tell_ahead(player: &TourPlayer, has_told: &mut bool, itineraries: &mut Query<
 /// Share of the sky that clouds cover when it rains.
 const RAIN_CLOUDS: f32 = 0.85;
 
+/// Tells others where the tour leads.
+pub(crate) fn tell_path(player: Res<TourPlayer>, mut path: ResMut<TourPath>, mut told: Local<Option<(String, f64)>>) {
+    if !player.is_changed() {
+        return;
+    }
+    let now = player.compiled.as_ref().map(|tour| (tour.title().to_owned(), tour.duration_s()));
+    if *told != now {
+        path.set_if_neq(TourPath(player.compiled.as_ref().map_or_else(Vec::new, CompiledTour::paths)));
+        *told = now;
+    }
+}
+
 /// Moves the eye along the tour.
 pub(crate) fn play(
     time: Res<Time>,
@@ -518,6 +530,10 @@ mod tests {
             told.extend(app.world_mut().resource_mut::<Messages<TourMark>>().drain().map(|mark| mark.name));
         }
         assert_eq!(told, ["a", "b"]);
+        assert_eq!(app.world().resource::<TourPath>().0.len(), 1, "one part without cuts");
+        app.world_mut().write_message(TourCommand::Stop);
+        app.update();
+        assert!(app.world().resource::<TourPath>().0.is_empty());
         assert_eq!(app.world().resource::<Weather>().wet, 1.0);
     }
 

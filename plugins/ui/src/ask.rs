@@ -80,10 +80,10 @@ mod tests {
 
     #[test]
     fn only_the_web_is_asked_about() {
-        for address in ["https://a.org", "http://a.org/x?y=1"] {
+        for address in ["https://example.org", "http://example.org/x?y=1"] {
             assert!(is_of_the_web(address), "{address}");
         }
-        for address in ["file:///etc/passwd", "javascript:alert(1)", "https://", "mailto:a@b.c", "https://a b", "HTTPS://a.org", ""] {
+        for address in ["file:///etc/passwd", "javascript:alert(1)", "https://", "mailto:a@b.c", "https://a b", "HTTPS://example.org", ""] {
             assert!(!is_of_the_web(address), "{address}");
         }
     }
@@ -94,7 +94,7 @@ mod tests {
         let mut words = Words::default();
         words.add("en", include_str!("../words/en.ftl")).expect("no mistakes");
         let mut harness = Harness::new_ui_state(
-            |ui, answer: &mut Option<bool>| *answer = ask_panel(ui, &look, &words, "https://a.org").or(*answer),
+            |ui, answer: &mut Option<bool>| *answer = ask_panel(ui, &look, &words, "https://example.org").or(*answer),
             None,
         );
         harness.run();
