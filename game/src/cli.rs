@@ -148,7 +148,8 @@ enum Command {
 /// Walks in the city that is named, else in the tour's, else in the sample with the sample tour on T. Tours and the guide are those
 /// beside the tour, else beside the city.
 fn walk(city: Option<&str>, tour: Option<PathBuf>, order: WalkOrder) -> Result<(), Failure> {
-    let folder = |path: &Path| path.parent().filter(|p| !p.as_os_str().is_empty()).map_or_else(|| PathBuf::from("."), Path::to_owned);
+    let folder =
+        |path: &Path| path.parent().filter(|p| !p.as_os_str().is_empty()).map_or_else(|| PathBuf::from("."), Path::to_owned);
     let scene = match (city, &tour) {
         (_, Some(tour)) => folder(tour),
         (Some(city), None) if city.contains("://") => PathBuf::from("."),
@@ -203,7 +204,11 @@ fn command(command: Option<Command>) -> Result<(), Failure> {
             if !walk::has_display() {
                 return Err("no display to walk on; `veduta film TOUR --out film.mp4` needs none".into());
             }
-            walk(city.as_deref(), tour, WalkOrder { profile, hold_fps, language, size: Some(size), stills, journal, ..WalkOrder::default() })
+            walk(
+                city.as_deref(),
+                tour,
+                WalkOrder { profile, hold_fps, language, size: Some(size), stills, journal, ..WalkOrder::default() },
+            )
         }
         Some(Command::Film { tour, out, size, fps, profile, from, to, json }) => {
             let out = out.unwrap_or_else(|| film::default_out(&tour));

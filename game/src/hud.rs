@@ -29,11 +29,8 @@ pub(crate) struct Open {
 }
 
 /// What the interface says, by language.
-const WORDS: [(&str, &str); 3] = [
-    ("en", include_str!("../words/en.ftl")),
-    ("cs", include_str!("../words/cs.ftl")),
-    ("it", include_str!("../words/it.ftl")),
-];
+const WORDS: [(&str, &str); 3] =
+    [("en", include_str!("../words/en.ftl")), ("cs", include_str!("../words/cs.ftl")), ("it", include_str!("../words/it.ftl"))];
 
 impl Plugin for HudPlugin {
     fn build(&self, app: &mut App) {
@@ -45,7 +42,10 @@ impl Plugin for HudPlugin {
             .init_resource::<first::FirstMinute>()
             .init_resource::<notes::Notes>()
             .init_resource::<TourFiles>()
-            .add_systems(Update, (read_keys.run_if(keys_are_free), notes::gather, notes::watch, first::watch, offers::offer, offers::take))
+            .add_systems(
+                Update,
+                (read_keys.run_if(keys_are_free), notes::gather, notes::watch, first::watch, offers::offer, offers::take),
+            )
             .add_systems(Update, (diary::take_still, diary::tell))
             .add_systems(Update, bar::press.after(WalkerSystems::Input).before(WalkerSystems::Move))
             .add_systems(

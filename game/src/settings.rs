@@ -344,7 +344,9 @@ mod tests {
     fn a_file_with_a_mistake_or_odd_numbers_does_no_harm() {
         let path = place("odd");
         std::fs::create_dir_all(path.parent().expect("a folder")).expect("room");
-        for (text, size) in [("(text_size: 900)", TEXT_SIZE.1), ("(text_size: NaN)", 1.0), ("(text_siz", 1.0), ("(finest: 200)", 1.0)] {
+        for (text, size) in
+            [("(text_size: 900)", TEXT_SIZE.1), ("(text_size: NaN)", 1.0), ("(text_siz", 1.0), ("(finest: 200)", 1.0)]
+        {
             std::fs::write(&path, text).expect("room");
             let (settings, _) = Settings::read_from(Some(path.clone()), Orders::default());
             assert_eq!((settings.text_size, settings.finest), (size, 4), "{text}");

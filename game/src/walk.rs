@@ -11,8 +11,8 @@ use veduta::streaming::{Journal, StreamingCache};
 
 use crate::camera::camera;
 use crate::profile::Profile;
-use crate::studio::Size;
 use crate::settings::{Orders, Settings, SettingsPlugin};
+use crate::studio::Size;
 use crate::{Failure, cities, expert, hud, profile};
 
 /// Whether there is a display to open a window on.
@@ -117,7 +117,8 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
 
 /// The guide that lies in a folder: the first by name.
 fn guide_in(folder: &Path) -> Option<String> {
-    let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let files =
+        std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
     files.filter(|name| name.ends_with(".guide.ron")).min()
 }
 

@@ -259,7 +259,10 @@ fn a_visitor_finds_reads_jumps_tours_chooses_and_comes_back() {
     let told = visit.told();
     assert!(told.contains("visit: language cs") && told.contains("visit: quality Medium"), "{told}");
     let kept = fs::read_to_string(visit.home.join("veduta/settings.ron")).expect("settings were kept");
-    assert!(kept.contains("knows_the_way:true") || kept.contains("knows_the_way: true"), "the first minute was gone through: {kept}");
+    assert!(
+        kept.contains("knows_the_way:true") || kept.contains("knows_the_way: true"),
+        "the first minute was gone through: {kept}"
+    );
     assert!(kept.contains("north_up:true") || kept.contains("north_up: true"), "{kept}");
     visit.still("13_the_next_start");
     visit.quit();

@@ -38,14 +38,14 @@ fn is_there(need: Need, pkg_config: Option<&OsString>, libraries: &Libraries) ->
         Need::Wayland => headers("wayland-client"),
         Need::Xkbcommon => headers("xkbcommon"),
         Need::XkbcommonX11 => libraries.have("libxkbcommon-x11.so.0"),
-        Need::X11 => {
-            !is_set("DISPLAY") || X11.iter().all(|name| libraries.have(name))
-        }
+        Need::X11 => !is_set("DISPLAY") || X11.iter().all(|name| libraries.have(name)),
         Need::VulkanLoader => libraries.have("libvulkan.so.1"),
         Need::VulkanDriver => is_set("VK_ICD_FILENAMES") || is_set("VK_DRIVER_FILES") || has_driver(&driver_dirs()),
         // As the build script finds it.
         Need::Cxx => is_set("CXX") || quietly("c++", &["--version"]),
-        Need::TestDisplay => ["Xvfb", "xdotool"].iter().all(|program| in_path(program)) && X11.iter().all(|name| libraries.have(name)),
+        Need::TestDisplay => {
+            ["Xvfb", "xdotool"].iter().all(|program| in_path(program)) && X11.iter().all(|name| libraries.have(name))
+        }
     }
 }
 

@@ -7,10 +7,11 @@ use bevy::input::InputPlugin;
 use bevy::prelude::*;
 use bevy::window::{PrimaryWindow, WindowPlugin};
 use cpu_time::ThreadTime;
-use veduta::city::{Guide, Overview, Tour, draw::Draw, Id, file};
+use veduta::city::{Guide, Id, Overview, Tour, draw::Draw, file};
 use veduta::guide::{CityGuide, Directory, Offers};
 use veduta::prelude::*;
 use veduta::streaming::Link;
+use veduta::walker::{Intent, Jump};
 use veduta_route::StreetNet;
 use veduta_store::{DirReader, read_index, read_overview};
 
@@ -59,23 +60,32 @@ pub(super) fn visitor(scene: &Path) -> Result<(), Failure> {
 /// Everything that is drawn over the picture, and the keys.
 pub(super) fn add_interface(app: &mut App) {
     let (settings, file) = Settings::read_from(None, Orders::default());
-    app.add_plugins((WindowPlugin { exit_condition: bevy::window::ExitCondition::DontExit, ..default() }, InputPlugin, CameraPlugin))
-        .init_asset::<Image>()
-        .init_resource::<Link>()
-        .insert_resource(Profile::Medium)
-        .insert_resource(Fitting(Profile::Medium))
-        .insert_resource(Settings { knows_the_way: true, bar_stays: true, ..settings })
-        .insert_resource(file)
-        .insert_resource(StillsFolder::usual())
-        .add_plugins((
-            WalkerPlugin::default(),
-            TourPlugin::default(),
-            MinimapPlugin,
-            GuidePlugin::default(),
-            SettingsPlugin,
-            HudPlugin,
-            expert::ExpertPlugin,
-        ));
+    app.add_plugins((
+        WindowPlugin { exit_condition: bevy::window::ExitCondition::DontExit, ..default() },
+        InputPlugin,
+        CameraPlugin,
+    ))
+    .init_asset::<Image>()
+    .init_asset::<bevy::shader::Shader>()
+    .init_asset::<bevy::mesh::skinning::SkinnedMeshInverseBindposes>()
+    // What walking costs is not the interface's.
+    .init_resource::<Intent>()
+    .init_resource::<Jump>()
+    .init_resource::<WalkerSettings>()
+    .init_resource::<Link>()
+    .insert_resource(Profile::Medium)
+    .insert_resource(Fitting(Profile::Medium))
+    .insert_resource(Settings { knows_the_way: true, bar_stays: true, ..settings })
+    .insert_resource(file)
+    .insert_resource(StillsFolder::usual())
+    .add_plugins((
+        TourPlugin::default(),
+        MinimapPlugin,
+        GuidePlugin::default(),
+        SettingsPlugin,
+        HudPlugin,
+        expert::ExpertPlugin,
+    ));
     let guide: Result<Guide, _> = file::read(&cities::sample_scene().join("old_prague.guide.ron"));
     app.insert_resource(guide.map_or_else(|_| CityGuide::default(), CityGuide::of));
 }
@@ -91,8 +101,10 @@ pub(super) fn open_window(app: &mut App, viewer: Entity) {
 
 /// A word of some syllables.
 fn word(draw: &Draw, n: usize) -> String {
-    const SYLLABLES: [&str; 20] =
-        ["ka", "ro", "vi", "te", "mo", "lu", "na", "pe", "sta", "dra", "hor", "bil", "cer", "zel", "kra", "pod", "nad", "ry", "ta", "nov"];
+    const SYLLABLES: [&str; 20] = [
+        "ka", "ro", "vi", "te", "mo", "lu", "na", "pe", "sta", "dra", "hor", "bil", "cer", "zel", "kra", "pod", "nad", "ry", "ta",
+        "nov",
+    ];
     let count = 2 + (draw.unit(&format!("length {n}")) * 3.0) as usize;
     (0..count).map(|k| SYLLABLES[(draw.unit(&format!("{n} {k}")) * 20.0) as usize % 20]).collect()
 }
@@ -105,7 +117,8 @@ fn search() {
         (0..words).map(|k| word(&draw, k)).collect::<Vec<_>>().join(" ")
     };
     let names: Vec<String> = (0..NAMES).map(name).collect();
-    let places = names.iter().enumerate().map(|(n, name)| veduta::city::Place { id: Id(n as u64), name: name.clone(), ..default() });
+    let places =
+        names.iter().enumerate().map(|(n, name)| veduta::city::Place { id: Id(n as u64), name: name.clone(), ..default() });
     let overview = Overview { places: places.collect(), ..default() };
     let directory = Directory::of([&overview], &Guide::default(), &Offers::default());
     let mut times: Vec<f64> = (0..QUESTIONS)

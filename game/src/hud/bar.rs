@@ -201,10 +201,9 @@ mod tests {
         for language in ["en", "cs", "it"] {
             words.speak(language);
             let state = State { is_remote: true, has_tour: true, ..State::default() };
-            let mut harness = Harness::builder().with_size(Vec2::new(900.0, 100.0)).build_ui_state(
-                |ui, pressed: &mut Vec<Press>| pressed.extend(show(ui, &look, &words, &state)),
-                Vec::new(),
-            );
+            let mut harness = Harness::builder()
+                .with_size(Vec2::new(900.0, 100.0))
+                .build_ui_state(|ui, pressed: &mut Vec<Press>| pressed.extend(show(ui, &look, &words, &state)), Vec::new());
             for (name, press) in [
                 ("bar-narrow", Press::Fov(0)),
                 ("bar-normal", Press::Fov(1)),

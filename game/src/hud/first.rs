@@ -134,7 +134,8 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, first: &FirstMinute) -> bool {
     ui.label(look.words(words.say(step), 1.15, look.ink(surface)));
     ui.horizontal(|ui| {
         let share = (first.step as f32 + first.done.clamp(0.0, 1.0) as f32) / all as f32;
-        let bar = ProgressBar::new(share).desired_width(look.text * 20.0).desired_height(look.text * 0.5).fill(look.accent(surface));
+        let bar =
+            ProgressBar::new(share).desired_width(look.text * 20.0).desired_height(look.text * 0.5).fill(look.accent(surface));
         ui.add(bar);
         ui.button(words.say("first-skip")).clicked()
     })

@@ -63,7 +63,10 @@ pub(super) fn draw(
 
 /// Keys as they are written, in the visitor's language where they have names.
 fn keys(words: &Words, keys: &str) -> String {
-    keys.split(" · ").map(|part| if part.starts_with("key-") { words.say(part) } else { part.to_owned() }).collect::<Vec<_>>().join(" · ")
+    keys.split(" · ")
+        .map(|part| if part.starts_with("key-") { words.say(part) } else { part.to_owned() })
+        .collect::<Vec<_>>()
+        .join(" · ")
 }
 
 /// The page of all controls.
@@ -103,10 +106,9 @@ mod tests {
         let mut words = Words::default();
         super::super::WORDS.iter().for_each(|(code, file)| words.add(code, file).expect("no mistakes"));
         words.speak("cs");
-        let mut harness = Harness::builder().with_size(Vec2::new(900.0, 700.0)).build_ui_state(
-            |ui, again: &mut bool| *again |= matches!(show(ui, &look, &words), Some(Press::Again)),
-            false,
-        );
+        let mut harness = Harness::builder()
+            .with_size(Vec2::new(900.0, 700.0))
+            .build_ui_state(|ui, again: &mut bool| *again |= matches!(show(ui, &look, &words), Some(Press::Again)), false);
         harness.run();
         for (of, what) in CONTROLS {
             harness.get_by_label(&words.say(what));

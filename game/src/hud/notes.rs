@@ -168,10 +168,12 @@ mod tests {
         let mut stuck = Stuck::default();
         let (mut eye, walks) = (Eye::default(), Intent { go: DVec3::Y, ..Intent::default() });
         let hints = |stuck: &mut Stuck, eye: &mut Eye, step_m: f64| {
-            (0..100).filter_map(|_| {
-                eye.plan_pos.y += step_m;
-                stuck.pass(eye, &walks, 0.05, true)
-            }).count()
+            (0..100)
+                .filter_map(|_| {
+                    eye.plan_pos.y += step_m;
+                    stuck.pass(eye, &walks, 0.05, true)
+                })
+                .count()
         };
         assert_eq!(hints(&mut stuck, &mut eye, 0.05), 0, "a metre a second");
         assert_eq!(hints(&mut stuck, &mut eye, 0.0), 1, "five seconds at a wall");
@@ -183,7 +185,10 @@ mod tests {
         let hints = (0..4_000).filter_map(|_| stuck.pass(&eye, &Intent::default(), 0.05, true));
         assert_eq!(hints.collect::<Vec<_>>(), ["hint-idle"]);
         let mut stuck = Stuck::default();
-        assert!((0..4_000).all(|_| stuck.pass(&eye, &Intent::default(), 0.05, false).is_none()), "the first minute tells it already");
+        assert!(
+            (0..4_000).all(|_| stuck.pass(&eye, &Intent::default(), 0.05, false).is_none()),
+            "the first minute tells it already"
+        );
     }
 
     #[test]

@@ -50,7 +50,8 @@ const COMMANDS: [(&str, &str); 16] = [
 ];
 
 /// Languages: their codes, and their names in themselves and in English.
-const LANGUAGES: [(&str, &str, &str); 3] = [("en", "English", "English"), ("cs", "Čeština", "Czech"), ("it", "Italiano", "Italian")];
+const LANGUAGES: [(&str, &str, &str); 3] =
+    [("en", "English", "English"), ("cs", "Čeština", "Czech"), ("it", "Italiano", "Italian")];
 
 /// Keeps what is offered in the visitor's language.
 pub(super) fn offer(words: Res<Words>, tours: Res<TourFiles>, mut offers: ResMut<Offers>) {
@@ -138,7 +139,9 @@ mod tests {
         let offers = app.world().resource::<Offers>().0.clone();
         assert_eq!(offers.len(), COMMANDS.len() + LANGUAGES.len() + 1);
         let named = |name: &str| offers.iter().find(|offer| offer.names.iter().any(|n| n == name)).map(|offer| offer.key.clone());
-        for name in ["Prohlídka: A walk", "Noc", "Night", "Déšť", "Zima", "Italiano", "Kvalita: vysoká", "Mapa", "Nastavení", "Nápověda"] {
+        for name in
+            ["Prohlídka: A walk", "Noc", "Night", "Déšť", "Zima", "Italiano", "Kvalita: vysoká", "Mapa", "Nastavení", "Nápověda"]
+        {
             let key = named(name).unwrap_or_else(|| panic!("{name} is not offered"));
             app.world_mut().write_message(OfferTaken { key });
         }

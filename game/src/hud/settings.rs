@@ -103,13 +103,15 @@ fn language(ui: &mut Ui, words: &Words, settings: &mut Settings) {
 fn quality(ui: &mut Ui, words: &Words, settings: &mut Settings) {
     let label = ui.label(words.say("settings-quality"));
     let fitting = words.say("settings-quality-fitting");
-    let name = |profile: Profile| PROFILES.iter().find(|(p, _)| *p == profile).map_or_else(String::new, |(_, name)| words.say(name));
-    let chosen = ComboBox::from_id_salt("quality").selected_text(settings.profile.map_or(fitting.clone(), name)).show_ui(ui, |ui| {
-        ui.selectable_value(&mut settings.profile, None, &fitting);
-        for (profile, name) in PROFILES {
-            ui.selectable_value(&mut settings.profile, Some(profile), words.say(name));
-        }
-    });
+    let name =
+        |profile: Profile| PROFILES.iter().find(|(p, _)| *p == profile).map_or_else(String::new, |(_, name)| words.say(name));
+    let chosen =
+        ComboBox::from_id_salt("quality").selected_text(settings.profile.map_or(fitting.clone(), name)).show_ui(ui, |ui| {
+            ui.selectable_value(&mut settings.profile, None, &fitting);
+            for (profile, name) in PROFILES {
+                ui.selectable_value(&mut settings.profile, Some(profile), words.say(name));
+            }
+        });
     chosen.response.labelled_by(label.id);
     ui.end_row();
     let label = ui.label(words.say("settings-level"));
@@ -135,7 +137,13 @@ fn slider(ui: &mut Ui, name: &str, value: &mut f32, (least, most): (f32, f32)) {
 }
 
 /// A number that may be left open.
-fn optional<N: egui::emath::Numeric>(ui: &mut Ui, name: &str, value: &mut Option<N>, usual: N, range: core::ops::RangeInclusive<N>) {
+fn optional<N: egui::emath::Numeric>(
+    ui: &mut Ui,
+    name: &str,
+    value: &mut Option<N>,
+    usual: N,
+    range: core::ops::RangeInclusive<N>,
+) {
     let mut is_set = value.is_some();
     let checkbox = ui.checkbox(&mut is_set, name);
     if checkbox.changed() {
@@ -163,10 +171,9 @@ mod tests {
     #[test]
     fn every_setting_has_a_name_and_does_what_it_says() {
         let (look, words) = (Look { text: 14.0, high_contrast: false, reduced_motion: true }, words());
-        let mut harness = Harness::builder().with_size(Vec2::new(900.0, 900.0)).build_ui_state(
-            |ui, settings: &mut Settings| _ = show(ui, &look, &words, settings),
-            Settings::default(),
-        );
+        let mut harness = Harness::builder()
+            .with_size(Vec2::new(900.0, 900.0))
+            .build_ui_state(|ui, settings: &mut Settings| _ = show(ui, &look, &words, settings), Settings::default());
         harness.run();
         let choose = |harness: &mut Harness<'_, Settings>, box_name: &str, choice: &str| {
             harness.get_by_role_and_label(egui::accesskit::Role::ComboBox, box_name).click();
@@ -177,7 +184,18 @@ mod tests {
         choose(&mut harness, "Language", "Čeština");
         choose(&mut harness, "Quality", "high");
         choose(&mut harness, "Façades, highest level of detail", "2, windows and doors");
-        for name in ["High contrast", "Less motion", "Minimap", "North up", "Map: sights and views", "Map: where you have been", "Map: where the tour leads", "What stands near", "Captions of tours", "The bar stays"] {
+        for name in [
+            "High contrast",
+            "Less motion",
+            "Minimap",
+            "North up",
+            "Map: sights and views",
+            "Map: where you have been",
+            "Map: where the tour leads",
+            "What stands near",
+            "Captions of tours",
+            "The bar stays",
+        ] {
             harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, name).click();
             harness.run();
         }

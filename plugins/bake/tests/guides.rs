@@ -41,10 +41,16 @@ fn a_guides_mistakes_are_told_with_what_may_be_meant() {
     std::fs::create_dir_all(&folder).expect("room");
     let guide = folder.join("town.guide.ron");
     let city = std::path::absolute(PathBuf::from("../../scenes/old_prague/old_prague.graph.ron")).expect("a path");
-    let text = format!("(city: {:?}, places: [(name: \"Powder Towr\"), (name: \"Celetná\", links: [\"javascript:x\"])])", city.display().to_string());
+    let text = format!(
+        "(city: {:?}, places: [(name: \"Powder Towr\"), (name: \"Celetná\", links: [\"javascript:x\"])])",
+        city.display().to_string()
+    );
     std::fs::write(&guide, text).expect("room");
     let (is_good, told) = check(&guide);
-    assert!(!is_good && told.contains("no place “Powder Towr”: is it “Powder Tower”") && told.contains("must begin with https://"), "{told}");
+    assert!(
+        !is_good && told.contains("no place “Powder Towr”: is it “Powder Tower”") && told.contains("must begin with https://"),
+        "{told}"
+    );
     std::fs::write(&guide, "(\n  places: [\n    (nam: \"x\"),\n  ],\n)").expect("room");
     let (is_good, told) = check(&guide);
     assert!(!is_good && told.contains("town.guide.ron:3:"), "{told}");

@@ -106,7 +106,10 @@ impl Guide {
                 wrong.push(format!("place “{}” is told twice: keep one", place.name));
             }
             for link in place.links.iter().filter(|link| !is_web_address(link)) {
-                wrong.push(format!("place “{}”: the link `{link}` must begin with https:// or http:// and have no spaces", place.name));
+                wrong.push(format!(
+                    "place “{}”: the link `{link}` must begin with https:// or http:// and have no spaces",
+                    place.name
+                ));
             }
         }
         wrong
@@ -156,9 +159,16 @@ mod tests {
                 place(" "),
                 GuidePlace {
                     names: [("CZ".to_owned(), "Bé".to_owned())].into(),
-                    links: ["javascript:alert(1)", "file:///etc/passwd", "https://", "https:///x", "https://a b", "https://example.org"]
-                        .map(str::to_owned)
-                        .into(),
+                    links: [
+                        "javascript:alert(1)",
+                        "file:///etc/passwd",
+                        "https://",
+                        "https:///x",
+                        "https://a b",
+                        "https://example.org",
+                    ]
+                    .map(str::to_owned)
+                    .into(),
                     ..place("B")
                 },
             ],
@@ -166,7 +176,11 @@ mod tests {
         let wrong = guide.validate();
         let tells = |what: &str| wrong.iter().filter(|w| w.contains(what)).count();
         assert_eq!(tells("two or three small letters"), 2, "{wrong:?}");
-        assert_eq!((tells("told twice"), tells("place 3: it has no name"), tells("must begin with https://")), (1, 1, 5), "{wrong:?}");
+        assert_eq!(
+            (tells("told twice"), tells("place 3: it has no name"), tells("must begin with https://")),
+            (1, 1, 5),
+            "{wrong:?}"
+        );
         assert_eq!(wrong.len(), 9, "{wrong:?}");
     }
 

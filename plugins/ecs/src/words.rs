@@ -172,7 +172,9 @@ mod tests {
     #[test]
     fn czech_numbers_have_their_three_forms() {
         let mut words = Words::default();
-        words.add("cs", "minutes = { $n ->\n    [one] { $n } minuta\n    [few] { $n } minuty\n   *[other] { $n } minut\n}").expect("no mistakes");
+        words
+            .add("cs", "minutes = { $n ->\n    [one] { $n } minuta\n    [few] { $n } minuty\n   *[other] { $n } minut\n}")
+            .expect("no mistakes");
         words.speak("cs");
         let say = |n: u32| words.say_with("minutes", &[("n", n.into())]);
         assert_eq!([say(1), say(3), say(7)], ["1 minuta", "3 minuty", "7 minut"]);

@@ -61,7 +61,9 @@ impl Found {
     pub fn plan_pos(&self, near: DVec2) -> Option<DVec2> {
         match self {
             Self::Place(place) => Some(place.pos),
-            Self::Street(_, pieces) => pieces.iter().copied().min_by(|a, b| a.distance_squared(near).total_cmp(&b.distance_squared(near))),
+            Self::Street(_, pieces) => {
+                pieces.iter().copied().min_by(|a, b| a.distance_squared(near).total_cmp(&b.distance_squared(near)))
+            }
             Self::Offer(_) => None,
         }
     }
@@ -169,10 +171,16 @@ impl Index {
                 let Some(outline) = part.houses.get(house.house as usize).map(|massing| &massing.outline) else { continue };
                 let pos = outline.centroid();
                 let foot = net.nearest(pos).filter(|foot| foot.distance_m < BESIDE_M);
-                let Some(street) = foot.and_then(|foot| part.streets.get(foot.street)).filter(|s| !s.name.is_empty()) else { continue };
+                let Some(street) = foot.and_then(|foot| part.streets.get(foot.street)).filter(|s| !s.name.is_empty()) else {
+                    continue;
+                };
                 let name = format!("{} {}", street.name, house.number);
                 named.push(Named { names: vec![name.clone()], plan_pos: Some(pos), renown: 0.1 });
-                let view = foot.map(|foot| Viewpoint { pos: foot.plan_pos, heading_deg: heading_to(foot.plan_pos, pos), ..Viewpoint::default() });
+                let view = foot.map(|foot| Viewpoint {
+                    pos: foot.plan_pos,
+                    heading_deg: heading_to(foot.plan_pos, pos),
+                    ..Viewpoint::default()
+                });
                 self.found.push(Found::Place(Place { name, kind: PlaceKind::House, pos, view, ..Place::default() }));
             }
         }
@@ -214,7 +222,8 @@ mod tests {
 
     fn town() -> Overview {
         let line = [(0, 0), (50, 0), (100, 0)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec();
-        let street = |name: &str| PlanStreet { id: Id(7), name: name.into(), line: line.clone(), width: 6 * 1024, walkable: true, layer: 0 };
+        let street =
+            |name: &str| PlanStreet { id: Id(7), name: name.into(), line: line.clone(), width: 6 * 1024, walkable: true, layer: 0 };
         let place = |id, name: &str, kind| Place { id: Id(id), name: name.into(), kind, ..Place::default() };
         Overview {
             streets: vec![street("Celetná"), street("Karlova")],
@@ -234,7 +243,9 @@ mod tests {
         let directory = Directory::of([&town(), &town()], &guide(), &offers);
         assert_eq!(directory.len(), 4, "a street that is a place is told once, and so is a place in two parts");
         let first = |typed: &str| directory.find(typed, DVec2::ZERO, 5).into_iter().next();
-        assert!(matches!(first("prasna"), Some((Found::Place(place), name)) if place.name == "Powder Tower" && name == "Prašná brána"));
+        assert!(
+            matches!(first("prasna"), Some((Found::Place(place), name)) if place.name == "Powder Tower" && name == "Prašná brána")
+        );
         assert!(matches!(first("karlov"), Some((Found::Street(name, _), _)) if name == "Karlova"));
         assert!(matches!(first("night"), Some((Found::Offer(offer), _)) if offer.key == "night"));
     }
@@ -257,7 +268,10 @@ mod tests {
     fn it_is_made_anew_when_the_city_comes() {
         AsyncComputeTaskPool::get_or_init(Default::default);
         let mut app = App::new();
-        app.init_resource::<Directory>().init_resource::<Offers>().insert_resource(CityGuide::of(guide())).add_systems(Update, keep);
+        app.init_resource::<Directory>()
+            .init_resource::<Offers>()
+            .insert_resource(CityGuide::of(guide()))
+            .add_systems(Update, keep);
         app.update();
         app.insert_resource(City { overviews: Overviews::whole(town()), ..City::default() });
         for _ in 0..2_000 {

@@ -7,8 +7,8 @@ use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id as EguiId, Order, Ui, Vec2 as EguiVec2};
 use veduta_city::Overview;
 use veduta_ecs::{
-    Around, Awaited, City, CityClock, CityFailed, Eye, Interface, Itinerary, JumpTo, OverviewWants, Route, Steering, Stop, Viewer, WalkTo,
-    Words,
+    Around, Awaited, City, CityClock, CityFailed, Eye, Interface, Itinerary, JumpTo, OverviewWants, Route, Steering, Stop, Viewer,
+    WalkTo, Words,
 };
 use veduta_route::{Pose, RouteError, StreetNet, WALK_EYE_M, Walk};
 use veduta_ui::{Look, Surface, Symbol, symbol_button};
@@ -319,7 +319,12 @@ mod tests {
 
     fn ask(app: &mut App, x: f64) {
         let plan_pos = DVec2::new(x, 0.0);
-        app.world_mut().write_message(WalkTo { name: "There".into(), plan_pos, facing_deg: Some((180.0, 10.0)), towards: plan_pos });
+        app.world_mut().write_message(WalkTo {
+            name: "There".into(),
+            plan_pos,
+            facing_deg: Some((180.0, 10.0)),
+            towards: plan_pos,
+        });
     }
 
     fn until(app: &mut App, what: &str, holds: impl Fn(&World) -> bool) {
@@ -358,7 +363,9 @@ mod tests {
     fn who_touches_the_controls_walks_on_by_himself() {
         let (mut app, viewer) = led();
         ask(&mut app, 150.0);
-        until(&mut app, "on the way", |world| world.resource::<Route>().left_m.clamp(1.0, 120.0) == world.resource::<Route>().left_m);
+        until(&mut app, "on the way", |world| {
+            world.resource::<Route>().left_m.clamp(1.0, 120.0) == world.resource::<Route>().left_m
+        });
         app.insert_resource(Steering::Visitor);
         app.update();
         assert_eq!(ended(&mut app), [WalkEnded { name: "There".into(), arrived: false }]);
@@ -371,7 +378,9 @@ mod tests {
     fn it_waits_for_the_street_ahead() {
         let (mut app, viewer) = led();
         ask(&mut app, 150.0);
-        until(&mut app, "on the way", |world| world.resource::<Route>().left_m.clamp(1.0, 130.0) == world.resource::<Route>().left_m);
+        until(&mut app, "on the way", |world| {
+            world.resource::<Route>().left_m.clamp(1.0, 130.0) == world.resource::<Route>().left_m
+        });
         app.world_mut().resource_mut::<Awaited>().cells = 2;
         let here = app.world().get::<Eye>(viewer).expect("spawned above").plan_pos;
         (0..10).for_each(|_| app.update());
@@ -397,7 +406,8 @@ mod tests {
         crate::WORDS.iter().for_each(|(code, messages)| words.add(code, messages).expect("no mistakes"));
         let look = Look { text: 16.0, high_contrast: false, reduced_motion: false };
         let route = Route { name: "Powder Tower".into(), left_m: 413.0, left_s: 187.0, ..Route::default() };
-        let mut harness = Harness::new_ui_state(|ui, stops: &mut bool| *stops |= show(ui, &look, &words, &route.name, &route, false), false);
+        let mut harness =
+            Harness::new_ui_state(|ui, stops: &mut bool| *stops |= show(ui, &look, &words, &route.name, &route, false), false);
         harness.get_by_label("To Powder Tower");
         harness.get_by_label("415 m, about 3 minutes");
         harness.get_by_label("Stop here").click();

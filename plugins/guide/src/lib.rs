@@ -43,8 +43,8 @@
 mod asset;
 mod directory;
 mod lead;
-mod near;
 mod names;
+mod near;
 mod panel;
 mod pick;
 mod search;
@@ -60,8 +60,8 @@ pub use asset::{CityGuide, GuideAsset, GuideLoadError, OpenGuide};
 pub use directory::{Directory, Found, Offer, OfferTaken, Offers};
 pub use lead::{Lead, LeadSettings, WalkEnded};
 pub use near::{NearPlace, Pin, PlaceEntered, PlaceLeft, relevance};
-pub use pick::{PickSettings, Pointed};
 pub use panel::PanelSettings;
+pub use pick::{PickSettings, Pointed};
 pub use search::{SearchAction, SearchBox};
 
 /// Tells what stands near the visitor, finds things and leads there.
@@ -78,11 +78,8 @@ impl Default for GuidePlugin {
 }
 
 /// What the interface says, by language.
-const WORDS: [(&str, &str); 3] = [
-    ("en", include_str!("../words/en.ftl")),
-    ("cs", include_str!("../words/cs.ftl")),
-    ("it", include_str!("../words/it.ftl")),
-];
+const WORDS: [(&str, &str); 3] =
+    [("en", include_str!("../words/en.ftl")), ("cs", include_str!("../words/cs.ftl")), ("it", include_str!("../words/it.ftl"))];
 
 impl Plugin for GuidePlugin {
     fn build(&self, app: &mut App) {
@@ -114,11 +111,11 @@ impl Plugin for GuidePlugin {
                 .init_resource::<Pointed>()
                 .add_systems(Update, (pick::point, pick::click).chain().run_if(resource_exists::<Messages<MouseButtonInput>>))
                 .add_systems(Update, directory::keep)
+                .add_systems(Update, search::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>).run_if(keys_are_free))
                 .add_systems(
-                    Update,
-                    search::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>).run_if(keys_are_free),
-                )
-                .add_systems(EguiPrimaryContextPass, (panel::draw, lead::draw, pick::draw, search::draw).chain().in_set(UiSystems::Draw));
+                    EguiPrimaryContextPass,
+                    (panel::draw, lead::draw, pick::draw, search::draw).chain().in_set(UiSystems::Draw),
+                );
         }
     }
 }

@@ -196,12 +196,16 @@ mod tests {
     fn the_sheet_speaks_the_visitors_language() {
         let (place, told) = tower();
         let look = Look { text: 16.0, high_contrast: false, reduced_motion: true };
-        for (language, name, text) in [("en", "Powder Tower", "A gate of "), ("cs", "Prašná brána", "Brána z roku 1475."), ("it", "Powder Tower", "A gate of ")]
-        {
+        for (language, name, text) in [
+            ("en", "Powder Tower", "A gate of "),
+            ("cs", "Prašná brána", "Brána z roku 1475."),
+            ("it", "Powder Tower", "A gate of "),
+        ] {
             let words = words(language);
             let mut cache = CommonMarkCache::default();
             let mut unfolded = true;
-            let harness = Harness::new_ui(|ui| show(ui, &look, &words, &Told::of(&place, Some(&told), &words), &mut unfolded, &mut cache));
+            let harness =
+                Harness::new_ui(|ui| show(ui, &look, &words, &Told::of(&place, Some(&told), &words), &mut unfolded, &mut cache));
             harness.get_by_label(name);
             harness.get_by_label_contains(text);
         }

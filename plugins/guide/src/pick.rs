@@ -172,7 +172,9 @@ pub(crate) fn point(
     };
     let houses = city.overviews.near(around).flat_map(|part| &part.houses).filter(is_near);
     let next = match meet(houses, from, way, reach_m, |pos| ground.at(pos, eye.ground_m)) {
-        Some(Met::House(house, at)) => place_of(city.overviews.places(), house, at).map_or(Pointed::Nothing, |place| Pointed::Place(place.clone())),
+        Some(Met::House(house, at)) => {
+            place_of(city.overviews.places(), house, at).map_or(Pointed::Nothing, |place| Pointed::Place(place.clone()))
+        }
         Some(Met::Ground(at)) => Pointed::Ground(at),
         None => Pointed::Nothing,
     };
@@ -258,7 +260,10 @@ mod tests {
         let town = [house(20, 0, 5, 10), house(40, 0, 5, 30)];
         let look = |way: DVec3| meet(town.iter(), EYE, way, 200.0, |_| 0.0);
         assert_eq!(look(DVec3::X), Some(Met::House(&town[0], DVec2::new(15.0, 0.0))));
-        assert!(matches!(look(DVec3::new(1.0, 0.0, 0.6)), Some(Met::House(found, _)) if *found == town[1]), "over the first one's roof");
+        assert!(
+            matches!(look(DVec3::new(1.0, 0.0, 0.6)), Some(Met::House(found, _)) if *found == town[1]),
+            "over the first one's roof"
+        );
         assert_eq!(look(DVec3::new(1.0, 0.0, 3.0)), None, "the sky");
         assert_eq!(look(DVec3::NEG_X), None, "nothing as far as it reaches");
         let Some(Met::Ground(at)) = look(DVec3::new(0.0, 1.0, -0.165)) else { panic!("the ground") };
@@ -280,8 +285,13 @@ mod tests {
     #[test]
     fn a_house_tells_of_what_stands_in_it_or_close_by() {
         let place = |name: &str, x: f64, kind| Place { name: name.into(), pos: DVec2::new(x, 0.0), kind, ..Place::default() };
-        let places = [place("Tower", 21.0, PlaceKind::Monument), place("Street", 20.0, PlaceKind::Street), place("Inn", 60.0, PlaceKind::House)];
-        let told = |x: i32| place_of(places.iter(), &house(x, 0, 5, 10), DVec2::new(f64::from(x) - 5.0, 0.0)).map(|p| p.name.as_str());
+        let places = [
+            place("Tower", 21.0, PlaceKind::Monument),
+            place("Street", 20.0, PlaceKind::Street),
+            place("Inn", 60.0, PlaceKind::House),
+        ];
+        let told =
+            |x: i32| place_of(places.iter(), &house(x, 0, 5, 10), DVec2::new(f64::from(x) - 5.0, 0.0)).map(|p| p.name.as_str());
         assert_eq!(told(20), Some("Tower"));
         assert_eq!(told(66), Some("Inn"), "its sign stands a metre before the wall");
         assert_eq!(told(120), None);

@@ -1,7 +1,9 @@
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
-use bevy_egui::egui::{self, Align2, Area, Id as EguiId, Key, Order, ScrollArea, Sense, TextEdit, Ui, Vec2 as EguiVec2, WidgetInfo, WidgetType};
+use bevy_egui::egui::{
+    self, Align2, Area, Id as EguiId, Key, Order, ScrollArea, Sense, TextEdit, Ui, Vec2 as EguiVec2, WidgetInfo, WidgetType,
+};
 use veduta_city::{PlaceKind, Viewpoint};
 use veduta_ecs::{Around, City, Eye, Interface, JumpTo, OverviewWants, ShowOnMap, Viewer, WalkTo, Words};
 use veduta_ui::{Look, Surface, Symbol, symbol_button};
@@ -69,7 +71,11 @@ impl SearchBox {
         }
         self.found_for = Some(key);
         self.chosen = 0;
-        self.hits = directory.find(&self.typed, here, MOST).into_iter().map(|(found, matched)| row(found, matched, guide, words, here)).collect();
+        self.hits = directory
+            .find(&self.typed, here, MOST)
+            .into_iter()
+            .map(|(found, matched)| row(found, matched, guide, words, here))
+            .collect();
     }
 }
 
@@ -96,9 +102,15 @@ fn row(found: Found, matched: String, guide: &CityGuide, words: &Words, here: DV
 }
 
 /// `/` opens the box.
-pub(crate) fn read_keys(keys: Res<ButtonInput<KeyCode>>, mut typed: MessageReader<bevy::input::keyboard::KeyboardInput>, mut search: ResMut<SearchBox>) {
+pub(crate) fn read_keys(
+    keys: Res<ButtonInput<KeyCode>>,
+    mut typed: MessageReader<bevy::input::keyboard::KeyboardInput>,
+    mut search: ResMut<SearchBox>,
+) {
     // By what is written on the key, wherever the layout has it; by its place where there is no such letter.
-    let slash = typed.read().any(|key| key.state.is_pressed() && matches!(&key.logical_key, bevy::input::keyboard::Key::Character(c) if c == "/"));
+    let slash = typed
+        .read()
+        .any(|key| key.state.is_pressed() && matches!(&key.logical_key, bevy::input::keyboard::Key::Character(c) if c == "/"));
     if !search.open && (slash || keys.any_just_pressed([KeyCode::Slash, KeyCode::NumpadDivide])) {
         search.start();
     }
@@ -128,7 +140,8 @@ pub(crate) fn draw(
     search.find(&directory, &guide, &words, eye.plan_pos);
     let offset = EguiVec2::new(0.0, context.content_rect().height() * 0.1);
     let area = Area::new(EguiId::new("veduta search")).anchor(Align2::CENTER_TOP, offset).order(Order::Foreground);
-    let answer = area.show(context, |ui| look.frame(Surface::Paper).show(ui, |ui| show(ui, &look, &words, &mut search)).inner).inner;
+    let answer =
+        area.show(context, |ui| look.frame(Surface::Paper).show(ui, |ui| show(ui, &look, &words, &mut search)).inner).inner;
     match answer {
         Answer::Nothing => {}
         Answer::Close => search.open = false,
@@ -261,14 +274,16 @@ fn show_row(ui: &mut Ui, look: &Look, words: &Words, row: &Row, is_chosen: bool)
         ui.horizontal(|ui| {
             ui.vertical(|ui| {
                 ui.set_width(ui.available_width() - look.text * 8.5);
-                let name = ui.add(egui::Label::new(look.words(&row.name, 1.05, look.ink(surface))).sense(Sense::click()).selectable(false));
+                let name = ui
+                    .add(egui::Label::new(look.words(&row.name, 1.05, look.ink(surface))).sense(Sense::click()).selectable(false));
                 name.widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, is_chosen, &row.name));
                 if name.double_clicked() {
                     answer = RowAnswer::Do(SearchAction::Walk);
                 } else if name.clicked() {
                     answer = RowAnswer::Choose;
                 }
-                let about = [row.kind.clone(), row.also.clone(), away(words, row.away_m)].into_iter().filter(|part| !part.is_empty());
+                let about =
+                    [row.kind.clone(), row.also.clone(), away(words, row.away_m)].into_iter().filter(|part| !part.is_empty());
                 ui.label(look.words(about.collect::<Vec<_>>().join(" · "), 0.85, look.faint(surface)));
             });
             if is_chosen {
@@ -321,9 +336,11 @@ mod tests {
 
     fn bench(language: &str) -> Bench {
         let place = |id, name: &str, x: f64| Place { id: Id(id), name: name.into(), pos: DVec2::new(x, 0.0), ..Place::default() };
-        let overview = Overview { places: vec![place(1, "Old Town Hall", 40.0), place(2, "Old Town Square", 2_000.0)], ..Overview::default() };
+        let overview =
+            Overview { places: vec![place(1, "Old Town Hall", 40.0), place(2, "Old Town Square", 2_000.0)], ..Overview::default() };
         let names = [("cs".to_owned(), "Staroměstská radnice".to_owned())].into();
-        let guide = Guide { places: vec![GuidePlace { name: "Old Town Hall".into(), names, ..GuidePlace::default() }], ..Guide::default() };
+        let guide =
+            Guide { places: vec![GuidePlace { name: "Old Town Hall".into(), names, ..GuidePlace::default() }], ..Guide::default() };
         let offers = Offers(vec![Offer { key: "night".into(), names: vec!["Old lamps".into()] }]);
         let mut words = Words::default();
         crate::WORDS.iter().for_each(|(code, messages)| words.add(code, messages).expect("no mistakes"));
@@ -394,7 +411,9 @@ mod tests {
         let bench = bench("en");
         let mut harness = harness(&bench);
         type_in(&mut harness, "town hall");
-        for (name, action) in [("Walk there", SearchAction::Walk), ("Be there", SearchAction::Jump), ("Show on the map", SearchAction::Show)] {
+        for (name, action) in
+            [("Walk there", SearchAction::Walk), ("Be there", SearchAction::Jump), ("Show on the map", SearchAction::Show)]
+        {
             harness.get_by_label(name).click();
             harness.run();
             assert_eq!(harness.state_mut().answers.pop(), Some(Answer::Do(0, action)), "{name}");

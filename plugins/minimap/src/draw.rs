@@ -2,17 +2,17 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{
-    self, Align2, Color32, Context, FontId, Id, Order, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Vec2 as EguiVec2, WidgetInfo,
-    WidgetType,
+    self, Align2, Color32, Context, FontId, Id, Order, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Vec2 as EguiVec2,
+    WidgetInfo, WidgetType,
 };
 use veduta_city::Viewpoint;
 use veduta_ecs::{City, Eye, Interface, JumpTo, PlaceNames, Route, TourPath, Viewer, WalkTo, Words};
 use veduta_ui::Look;
 
-use crate::{MinimapSettings, Trail};
 use crate::label;
 use crate::tiles::{MapTiles, PAPER};
 use crate::view::{MapView, Projection, zoomed};
+use crate::{MinimapSettings, Trail};
 
 /// What is drawn besides the plan.
 struct Shown<'a> {

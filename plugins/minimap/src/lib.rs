@@ -77,11 +77,8 @@ impl Default for MinimapSettings {
 }
 
 /// What the interface says, by language.
-const WORDS: [(&str, &str); 3] = [
-    ("en", include_str!("../words/en.ftl")),
-    ("cs", include_str!("../words/cs.ftl")),
-    ("it", include_str!("../words/it.ftl")),
-];
+const WORDS: [(&str, &str); 3] =
+    [("en", include_str!("../words/en.ftl")), ("cs", include_str!("../words/cs.ftl")), ("it", include_str!("../words/it.ftl"))];
 
 impl Plugin for MinimapPlugin {
     fn build(&self, app: &mut App) {

@@ -49,7 +49,11 @@ fn draw(painter: &Painter, at: Pos2, kind: PlaceKind, size: f32) {
         }
         // A gable.
         _ => {
-            painter.add(Shape::convex_polygon(vec![p(0.0, -0.9), p(0.8, -0.1), p(0.8, 0.8), p(-0.8, 0.8), p(-0.8, -0.1)], HOUSE, edge));
+            painter.add(Shape::convex_polygon(
+                vec![p(0.0, -0.9), p(0.8, -0.1), p(0.8, 0.8), p(-0.8, 0.8), p(-0.8, -0.1)],
+                HOUSE,
+                edge,
+            ));
         }
     }
 }

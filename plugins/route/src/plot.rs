@@ -129,9 +129,12 @@ impl<'a> Plotter<'a> {
                 stands()?;
                 Act::Wait { step, seconds: checked("the time in seconds", *seconds, 0.0, 21_600.0).map_err(fails)? }
             }
-            Step::Say { .. } | Step::Chapter { .. } | Step::Mark { .. } | Step::Rain { .. } | Step::Fov { .. } | Step::Time { .. } => {
-                Act::Aside { step }
-            }
+            Step::Say { .. }
+            | Step::Chapter { .. }
+            | Step::Mark { .. }
+            | Step::Rain { .. }
+            | Step::Fov { .. }
+            | Step::Time { .. } => Act::Aside { step },
         };
         Ok((act, step + 1))
     }
@@ -211,7 +214,12 @@ impl<'a> Plotter<'a> {
         let mut next = first;
         for (step, s) in self.tour.steps.iter().enumerate().skip(first) {
             match s {
-                Step::Say { .. } | Step::Chapter { .. } | Step::Mark { .. } | Step::Rain { .. } | Step::Fov { .. } | Step::Time { .. } => {
+                Step::Say { .. }
+                | Step::Chapter { .. }
+                | Step::Mark { .. }
+                | Step::Rain { .. }
+                | Step::Fov { .. }
+                | Step::Time { .. } => {
                     asides.push(step);
                 }
                 s if StepKind::of(s) == kind => {

@@ -277,7 +277,9 @@ impl Finder {
         let begins = if taken[0] { 0.03 } else { 0.0 };
         let order = if in_order { 0.01 } else { 0.0 };
         let by_name = if number > 0 { BY_NAME } else { 0.0 };
-        score * (1.0 - COVERED + COVERED * covers) + begins + order - by_name + RENOWN * one.renown.clamp(0.0, 1.0) + NEARNESS * nearness
+        score * (1.0 - COVERED + COVERED * covers) + begins + order - by_name
+            + RENOWN * one.renown.clamp(0.0, 1.0)
+            + NEARNESS * nearness
     }
 }
 
@@ -335,7 +337,15 @@ mod tests {
 
     #[test]
     fn what_was_typed_fits_in_many_ways() {
-        let finder = finder(&["Powder Tower", "Old Town Hall", "Old Town Square", "Na Příkopě", "Church of St James", "Týnská", "Týn Church"]);
+        let finder = finder(&[
+            "Powder Tower",
+            "Old Town Hall",
+            "Old Town Square",
+            "Na Příkopě",
+            "Church of St James",
+            "Týnská",
+            "Týn Church",
+        ]);
         for (typed, name) in [
             ("tyn", "Týn Church"),
             ("tynska", "Týnská"),
@@ -366,7 +376,8 @@ mod tests {
 
     #[test]
     fn a_thing_of_many_names_is_found_by_each_and_told_once() {
-        let clock = Named { names: ["Astronomical Clock", "Orloj", "Orologio astronomico"].map(str::to_owned).into(), ..Named::default() };
+        let clock =
+            Named { names: ["Astronomical Clock", "Orloj", "Orologio astronomico"].map(str::to_owned).into(), ..Named::default() };
         let finder = Finder::new(vec![clock]);
         let hits = finder.find("or", None, 9);
         assert_eq!((hits.len(), hits[0].name), (1, 1), "{hits:?}");

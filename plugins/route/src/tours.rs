@@ -228,7 +228,11 @@ fn chapters_marks_rain_and_translations_come_in_time() {
     let marks = |after, until| tour.marks(after, until).iter().map(|mark| mark.name.as_str()).collect::<Vec<_>>();
     assert_eq!((marks(0.0, 0.8), marks(0.8, 8.0), marks(0.0, 9.0)), (vec!["bells"], vec![], vec!["bells", "end"]));
     assert_eq!([tour.wet(1.0), tour.wet(5.8), tour.wet(9.0)], [Some(0.0), Some(0.5), Some(1.0)]);
-    assert_eq!(compiled(&with_steps(vec![start(0.0, 0.0)])).wet(1.0), None, "a tour that says nothing of it leaves the weather as it is");
+    assert_eq!(
+        compiled(&with_steps(vec![start(0.0, 0.0)])).wet(1.0),
+        None,
+        "a tour that says nothing of it leaves the weather as it is"
+    );
 }
 
 #[test]

@@ -83,11 +83,8 @@ impl Default for TourPlugin {
 }
 
 /// What the interface says, by language.
-const WORDS: [(&str, &str); 3] = [
-    ("en", include_str!("../words/en.ftl")),
-    ("cs", include_str!("../words/cs.ftl")),
-    ("it", include_str!("../words/it.ftl")),
-];
+const WORDS: [(&str, &str); 3] =
+    [("en", include_str!("../words/en.ftl")), ("cs", include_str!("../words/cs.ftl")), ("it", include_str!("../words/it.ftl"))];
 
 impl Plugin for TourPlugin {
     fn build(&self, app: &mut App) {
@@ -101,7 +98,9 @@ impl Plugin for TourPlugin {
             .add_message::<TourMark>()
             .add_systems(
                 Update,
-                (play::obey, play::tell_failures, play::compile_tour, play::play, play::tell_path).chain().in_set(VedutaSystems::Steer),
+                (play::obey, play::tell_failures, play::compile_tour, play::play, play::tell_path)
+                    .chain()
+                    .in_set(VedutaSystems::Steer),
             );
         if self.interface {
             veduta_ui::ensure(app);

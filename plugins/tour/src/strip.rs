@@ -80,7 +80,9 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, tour: &CompiledTour, state: Tou
     look.dress(ui, surface);
     let mut press = None;
     let now = tour.chapter(t_s);
-    let title = now.and_then(|n| tour.chapters().get(n)).map_or_else(|| tour.title_in(words.language()), |c| c.title.within(words.language()));
+    let title = now
+        .and_then(|n| tour.chapters().get(n))
+        .map_or_else(|| tour.title_in(words.language()), |c| c.title.within(words.language()));
     ui.horizontal(|ui| {
         ui.label(look.words(title, 1.0, look.ink(surface)));
         ui.label(look.words(format!("{} / {}", clock(t_s), clock(tour.duration_s())), 0.85, look.faint(surface)));
@@ -127,7 +129,8 @@ fn line(ui: &mut Ui, look: &Look, words: &Words, tour: &CompiledTour, t_s: f64) 
     let mut press = None;
     if let Some(t_s) = pointed.filter(|_| response.clicked() || response.drag_stopped()) {
         // A click near a chapter's beginning means that.
-        let near = tour.chapters().iter().map(|chapter| chapter.start_s).find(|start_s| (x(*start_s) - x(t_s)).abs() < look.text * 0.4);
+        let near =
+            tour.chapters().iter().map(|chapter| chapter.start_s).find(|start_s| (x(*start_s) - x(t_s)).abs() < look.text * 0.4);
         press = Some(Press::Seek(near.unwrap_or(t_s)));
     }
     if response.has_focus() {

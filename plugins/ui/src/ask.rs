@@ -36,10 +36,10 @@ pub(crate) fn ask(mut contexts: EguiContexts, interface: Res<Interface>, words: 
     }
     let Some(address) = asked.0.clone() else { return Ok(()) };
     let look = Look::of(&interface, context);
-    let answer = Area::new(Id::new("veduta ask link")).anchor(Align2::CENTER_CENTER, Vec2::ZERO).order(Order::Foreground).show(
-        context,
-        |ui| look.frame(Surface::Paper).show(ui, |ui| ask_panel(ui, &look, &words, &address)).inner,
-    );
+    let answer = Area::new(Id::new("veduta ask link"))
+        .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
+        .order(Order::Foreground)
+        .show(context, |ui| look.frame(Surface::Paper).show(ui, |ui| ask_panel(ui, &look, &words, &address)).inner);
     match answer.inner {
         Some(true) if is_of_the_web(&address) => {
             context.open_url(egui::OpenUrl::new_tab(address));
@@ -83,7 +83,9 @@ mod tests {
         for address in ["https://example.org", "http://example.org/x?y=1"] {
             assert!(is_of_the_web(address), "{address}");
         }
-        for address in ["file:///etc/passwd", "javascript:alert(1)", "https://", "mailto:a@b.c", "https://a b", "HTTPS://example.org", ""] {
+        for address in
+            ["file:///etc/passwd", "javascript:alert(1)", "https://", "mailto:a@b.c", "https://a b", "HTTPS://example.org", ""]
+        {
             assert!(!is_of_the_web(address), "{address}");
         }
     }

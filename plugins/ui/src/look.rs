@@ -124,7 +124,8 @@ impl Look {
         visuals.hyperlink_color = accent;
         visuals.window_fill = ground;
         visuals.panel_fill = ground;
-        visuals.extreme_bg_color = ground.lerp_to_gamma(if surface == Surface::Paper { Color32::WHITE } else { Color32::BLACK }, 0.6);
+        visuals.extreme_bg_color =
+            ground.lerp_to_gamma(if surface == Surface::Paper { Color32::WHITE } else { Color32::BLACK }, 0.6);
         visuals.selection.bg_fill = accent.gamma_multiply(0.45);
         visuals.selection.stroke = Stroke::new(1.5, ink);
         let between = |share: f32| ground.to_opaque().lerp_to_gamma(ink, share);

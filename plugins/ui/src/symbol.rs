@@ -1,4 +1,6 @@
-use bevy_egui::egui::{self, Color32, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, WidgetType};
+use bevy_egui::egui::{
+    self, Color32, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, WidgetType,
+};
 
 use crate::{Look, Surface};
 
@@ -92,7 +94,17 @@ fn draw(painter: &Painter, square: Rect, symbol: Symbol, ink: Color32) {
             solid(&[(0.6, 0.08), (0.82, 0.08), (0.82, 0.92), (0.6, 0.92)]);
         }
         Symbol::Map => {
-            line(&[(0.0, 0.2), (0.33, 0.05), (0.67, 0.2), (1.0, 0.05), (1.0, 0.8), (0.67, 0.95), (0.33, 0.8), (0.0, 0.95), (0.0, 0.2)]);
+            line(&[
+                (0.0, 0.2),
+                (0.33, 0.05),
+                (0.67, 0.2),
+                (1.0, 0.05),
+                (1.0, 0.8),
+                (0.67, 0.95),
+                (0.33, 0.8),
+                (0.0, 0.95),
+                (0.0, 0.2),
+            ]);
             line(&[(0.33, 0.05), (0.33, 0.8)]);
             line(&[(0.67, 0.2), (0.67, 0.95)]);
         }
@@ -137,7 +149,10 @@ fn draw(painter: &Painter, square: Rect, symbol: Symbol, ink: Color32) {
 fn eye(painter: &Painter, rect: Rect, ink: Color32, stroke: Stroke) {
     let (left, right, middle) = (rect.left_center(), rect.right_center(), rect.center());
     let lid = |y: f32| -> Vec<Pos2> {
-        (0..=8).map(|n| n as f32 / 8.0).map(|t| left.lerp(right, t) + Vec2::new(0.0, (y - middle.y) * 4.0 * t * (1.0 - t))).collect()
+        (0..=8)
+            .map(|n| n as f32 / 8.0)
+            .map(|t| left.lerp(right, t) + Vec2::new(0.0, (y - middle.y) * 4.0 * t * (1.0 - t)))
+            .collect()
     };
     painter.add(Shape::line(lid(rect.top()), stroke));
     painter.add(Shape::line(lid(rect.bottom()), stroke));
