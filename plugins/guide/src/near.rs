@@ -158,7 +158,7 @@ fn most_relevant<'a>(places: impl Iterator<Item = &'a Place>, eye: &Eye, present
         let least = if is_present { LEAVES } else { ENTERS };
         // A spot with a view gives way to what is seen from it.
         let weight = if place.kind == PlaceKind::Viewpoint { 0.5 } else { 1.0 };
-        (relevance >= least).then(|| (relevance * weight * if is_present { LEAD } else { 1.0 }, place))
+        (relevance >= least).then_some((relevance * weight * if is_present { LEAD } else { 1.0 }, place))
     };
     let told = places.filter(|p| !matches!(p.kind, PlaceKind::Street) || !p.text.is_empty());
     told.filter_map(weighed).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)

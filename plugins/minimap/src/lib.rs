@@ -5,7 +5,8 @@
 //! ```
 //!
 //! The map is drawn from the city's own vectors: streets, squares, houses, parks, water, with names. The walker's place and
-//! heading are live. A click on the large map jumps to the place or street under it.
+//! heading are live, and so are the way that he is led, where he has been and where the open tour leads. A click on the large map jumps to the
+//! place or street under it, and with Shift asks for a walk there ([`WalkTo`](veduta_ecs::WalkTo)).
 //!
 //! # Use
 //! ```no_run

@@ -67,7 +67,7 @@ pub struct Hit {
 /// assert_eq!(finder.find("celetna street", None, 5)[0].index, 1);
 /// ```
 ///
-/// Typed words are looked up in a sorted dictionary of all names' words ([`Dictionary::like`]), so that the cost grows with the words that
+/// Typed words are looked up in a sorted dictionary of all names' words, so that the cost grows with the words that
 /// are alike, not with all there are; then the names in which most of what was typed stands are compared word by word.
 #[derive(Debug, Clone, Default)]
 pub struct Finder {

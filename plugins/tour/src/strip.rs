@@ -203,7 +203,7 @@ mod tests {
     #[test]
     fn before_its_first_chapter_the_tours_title_stands() {
         let (look, tour, words) = (Look { text: 16.0, high_contrast: false, reduced_motion: true }, tour(), words("en"));
-        let harness = Harness::new_ui(|ui| drop(show(ui, &look, &words, &tour, TourState::Paused, 1.0)));
+        let harness = Harness::new_ui(|ui| _ = show(ui, &look, &words, &tour, TourState::Paused, 1.0));
         harness.get_by_label("A walk");
         harness.get_by_label(&words.say("tour-play"));
     }

@@ -77,7 +77,6 @@ impl Look {
     }
 
     /// A sheet of a surface, with room about what stands on it.
-    #[must_use]
     pub fn frame(&self, surface: Surface) -> Frame {
         let margin = |share: f32| (self.text * share).round().clamp(0.0, 127.0) as i8;
         let edge = if self.high_contrast { Stroke::new(2.0, self.ink(surface)) } else { Stroke::NONE };

@@ -23,7 +23,8 @@
 //! | [`minimap`] | minimap and full map | of any plan |
 //! | [`walker`] | walking, flying, jumping | in any cells |
 //! | [`sky`] | sun, sky, fog, night | anywhere |
-//! | [`guide`] | places and their information | in any scene |
+//! | [`guide`] | places and their information, search, being led | in any scene |
+//! | [`ui`] | how windows look, for a game's own | anywhere |
 //!
 //! # Limits
 //! One open city at a time.

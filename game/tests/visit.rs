@@ -38,22 +38,23 @@ fn is_there(program: &str) -> bool {
     Command::new(program).arg("-help").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
-/// The program `veduta`, which cargo builds for this package's tests beside them.
-fn program() -> PathBuf {
-    let mut path = std::env::current_exe().expect("a test knows its program");
-    path.pop();
-    if path.ends_with("deps") {
-        path.pop();
-    }
-    path.join("veduta")
+/// The program, as cargo built it for this test.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_veduta");
+
+/// A folder of this test's own.
+fn workplace() -> PathBuf {
+    let dir = std::env::temp_dir().join(format!("veduta-visit-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&dir);
+    fs::create_dir_all(&dir).unwrap_or_else(|e| panic!("{}: {e}", dir.display()));
+    dir
 }
 
 impl Visit {
     fn new() -> Self {
         let told = std::env::var("VEDUTA_VISIT_SIZE").unwrap_or_else(|_| "960x540".to_owned());
         let size = told.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?))).expect("WIDTHxHEIGHT");
-        let home = veduta_tests::workplace("visit");
-        let stills = program().with_file_name("visit").join(&told);
+        let home = workplace();
+        let stills = Path::new(PROGRAM).with_file_name("visit").join(&told);
         let _ = fs::remove_dir_all(&stills);
         fs::create_dir_all(&stills).expect("room for stills");
         // The screen finds a number for itself and tells it.
@@ -71,7 +72,7 @@ impl Visit {
     fn start(&mut self, city: &Path) {
         let log = fs::OpenOptions::new().create(true).append(true).open(&self.log).expect("room for a log");
         let (width, height) = self.size;
-        let mut command = Command::new(program());
+        let mut command = Command::new(PROGRAM);
         command
             .args(["walk", &city.display().to_string(), "--size", &format!("{width}x{height}")])
             .arg("--stills")
@@ -182,7 +183,7 @@ fn a_visitor_finds_reads_jumps_tours_chooses_and_comes_back() {
         println!("the visit was not made: Xvfb and xdotool are not here");
         return;
     }
-    let scene = veduta_tests::scene();
+    let scene = std::path::absolute("../scenes/old_prague").expect("a path");
     let mut visit = Visit::new();
     visit.start(&scene);
     visit.still("01_first_minute");
