@@ -59,7 +59,7 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) -> boo
         }
     });
     let height = ui.ctx().content_rect().height() * 0.7;
-    ScrollArea::vertical().max_height(height).show(ui, |ui| {
+    ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
         Grid::new("settings").num_columns(2).spacing([look.text * 1.5, look.text * 0.35]).show(ui, |ui| {
             language(ui, words, settings);
             quality(ui, words, settings);

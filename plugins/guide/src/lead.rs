@@ -15,6 +15,7 @@ use veduta_ui::{Look, Surface, Symbol, symbol_button};
 
 use crate::CityGuide;
 use crate::near::heading_to;
+use crate::obstacles::Obstacles;
 
 /// How somebody is led. Live.
 #[derive(Resource, Debug, Clone, Copy, PartialEq)]
@@ -198,7 +199,9 @@ fn way(parts: &[Arc<Overview>], from: Pose, to: &WalkTo, speed: f64) -> Result<W
     };
     let net = StreetNet::new(&overview.streets).on(&overview.terrain);
     let (heading_deg, pitch_deg) = to.facing_deg.unwrap_or((heading_to(to.plan_pos, to.towards), 0.0));
-    Walk::new(&net, from, Pose { plan_pos: to.plan_pos, heading_deg, pitch_deg, ..from }, speed, None)
+    let obstacles = Obstacles::of(overview);
+    let free = |a: DVec2, b: DVec2| obstacles.leave_free(a, b);
+    Walk::new(&net, from, Pose { plan_pos: to.plan_pos, heading_deg, pitch_deg, ..from }, speed, Some(&free))
 }
 
 /// Carries the walk on.

@@ -45,6 +45,7 @@ mod directory;
 mod lead;
 mod names;
 mod near;
+mod obstacles;
 mod panel;
 mod pick;
 mod search;

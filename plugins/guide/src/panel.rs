@@ -131,7 +131,8 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, told: &Told<'_>, unfolded: &mut
     if !*unfolded {
         return;
     }
-    ScrollArea::vertical().max_height(ui.available_height()).show(ui, |ui| {
+    let room = ui.available_height();
+    ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| {
         CommonMarkViewer::new().show(ui, cache, told.text);
         if !told.hours.is_empty() {
             ui.label(words.say_with("place-hours", &[("hours", told.hours.to_owned().into())]));

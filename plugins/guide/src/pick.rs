@@ -151,8 +151,13 @@ pub(crate) fn point(
         return;
     }
     *since_s = 0.0;
-    let is_over_panel = contexts.ctx_mut().is_ok_and(|context| context.egui_is_using_pointer() || context.is_pointer_over_egui());
-    let ray = windows.single().ok().filter(|_| !is_over_panel).and_then(Window::cursor_position).and_then(|at| {
+    let cursor = windows.single().ok().and_then(Window::cursor_position);
+    // By where the pointer is, not by where it was last moved: a panel may have opened under it.
+    let is_over_panel = cursor.zip(contexts.ctx_mut().ok()).is_some_and(|(at, context)| {
+        let layer = context.layer_id_at(pos2(at.x, at.y));
+        context.egui_is_using_pointer() || layer.is_some_and(|layer| layer.order != Order::Background)
+    });
+    let ray = cursor.filter(|_| !is_over_panel).and_then(|at| {
         cameras.iter().find_map(|(camera, transform, eye)| Some((camera.viewport_to_world(transform, at).ok()?, eye)))
     });
     let (Some((ray, eye)), Some(city)) = (ray, city) else {

@@ -29,10 +29,13 @@ pub(crate) fn write(painter: &Painter, map: &Projection, overviews: &Overviews, 
     labels.extend(street_labels(map, overviews, size));
     labels.sort_by(|a, b| a.rank.cmp(&b.rank).then_with(|| a.text.cmp(&b.text)));
     let mut taken: Vec<Rect> = Vec::new();
-    if symbols {
-        taken.extend(crate::symbol::draw_all(painter, map, overviews, size));
-    }
+    let mut has_symbols = !symbols;
     for label in labels.into_iter().take(60) {
+        // Marks give way to the names of squares, and all other names to marks.
+        if label.rank > 0 && !has_symbols {
+            has_symbols = true;
+            crate::symbol::draw_all(painter, map, overviews, size, &mut taken);
+        }
         let galley = painter.layout_no_wrap(label.text, FontId::proportional(label.size), INK);
         let half = galley.size() / 2.0;
         if galley.size().x > label.room {
@@ -52,6 +55,9 @@ pub(crate) fn write(painter: &Painter, map: &Projection, overviews: &Overviews, 
             painter.add(halo);
         }
         painter.add(TextShape::new(corner, galley, INK).with_angle(label.angle));
+    }
+    if !has_symbols {
+        crate::symbol::draw_all(painter, map, overviews, size, &mut taken);
     }
 }
 

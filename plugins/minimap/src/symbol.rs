@@ -13,9 +13,8 @@ const PAPER: Color32 = Color32::from_rgb(0xFB, 0xF8, 0xF1);
 /// Points a metre from which on houses and views are marked too: further out there is no room.
 const NEAR: f32 = 1.2;
 
-/// Marks sights, houses with a name and views; where the marks stand.
-pub(crate) fn draw_all(painter: &Painter, map: &Projection, overviews: &Overviews, size: f32) -> Vec<Rect> {
-    let mut taken: Vec<Rect> = Vec::new();
+/// Marks sights, houses with a name and views, where nothing else stands; what they take up is taken then.
+pub(crate) fn draw_all(painter: &Painter, map: &Projection, overviews: &Overviews, size: f32, taken: &mut Vec<Rect>) {
     for place in overviews.places() {
         let is_shown = match place.kind {
             PlaceKind::Monument => true,
@@ -30,7 +29,6 @@ pub(crate) fn draw_all(painter: &Painter, map: &Projection, overviews: &Overview
         draw(painter, at, place.kind, size);
         taken.push(rect);
     }
-    taken
 }
 
 fn draw(painter: &Painter, at: Pos2, kind: PlaceKind, size: f32) {
