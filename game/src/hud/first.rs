@@ -96,13 +96,13 @@ pub(super) fn watch(
 pub(super) fn draw(
     mut contexts: EguiContexts,
     (words, interface, open): (Res<Words>, Res<Interface>, Res<Open>),
-    (search, map, player): (Res<SearchBox>, Res<MapView>, Res<TourPlayer>),
+    (search, map, player, steering): (Res<SearchBox>, Res<MapView>, Res<TourPlayer>, Res<Steering>),
     first: Res<FirstMinute>,
     mut settings: ResMut<Settings>,
 ) -> Result {
-    // What a tour shows lies where the card does.
-    let tours = !matches!(player.state(), TourState::Idle | TourState::Wandering);
-    if settings.knows_the_way || tours || open.help || open.settings || search.open || map.open {
+    // Who is led does not learn, and what a tour shows lies where the card does.
+    let is_led = *steering != Steering::Visitor || !matches!(player.state(), TourState::Idle | TourState::Wandering);
+    if settings.knows_the_way || is_led || open.help || open.settings || search.open || map.open {
         return Ok(());
     }
     let context = contexts.ctx_mut()?;
