@@ -81,6 +81,8 @@ impl Visit {
             .env_remove("WAYLAND_DISPLAY")
             .env("XDG_RUNTIME_DIR", &self.home)
             .env("XDG_CONFIG_HOME", &self.home)
+            .env_remove("LC_ALL")
+            .env_remove("LC_MESSAGES")
             .env("LANG", "C")
             .env("NO_COLOR", "1")
             .stdout(log.try_clone().expect("a second handle"))
