@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use veduta::buildings::BuildSettings;
 use veduta::city::file;
 use veduta::ecs::{Interface, Words};
-use veduta::facade::AutoLevels;
+use veduta::facade::{AutoLevels, LevelReach};
 use veduta::guide::PanelSettings;
 use veduta::prelude::*;
 use veduta::streaming::Link;
@@ -41,6 +41,7 @@ pub(crate) struct Settings {
     pub map_trail: bool,
     pub map_tour: bool,
     pub place_panel: bool,
+    pub place_unfolded: bool,
     pub captions: bool,
     /// Whether the bar stays; else it hides itself.
     pub bar_stays: bool,
@@ -68,6 +69,7 @@ impl Default for Settings {
             map_trail: map.trail,
             map_tour: map.tour,
             place_panel: true,
+            place_unfolded: true,
             captions: true,
             bar_stays: false,
             knows_the_way: false,
@@ -207,6 +209,7 @@ fn gather(map: Res<MinimapSettings>, panel: Res<PanelSettings>, captions: Res<Ca
     (next.minimap_radius_m, next.north_up) = (map.radius_m, map.north_up);
     (next.map_symbols, next.map_trail, next.map_tour) = (map.symbols, map.trail, map.tour);
     (next.place_panel, next.captions) = (panel.visible, captions.visible);
+    next.place_unfolded = panel.unfolded;
     settings.set_if_neq(next);
 }
 
@@ -242,7 +245,7 @@ fn dress(
         trail: settings.map_trail,
         tour: settings.map_tour,
     });
-    panel.set_if_neq(PanelSettings { visible: settings.place_panel, ..*panel });
+    panel.set_if_neq(PanelSettings { visible: settings.place_panel, unfolded: settings.place_unfolded });
     captions.set_if_neq(CaptionSettings { visible: settings.captions, ..*captions });
 }
 
@@ -273,7 +276,11 @@ fn reach(
     link.set_if_neq(Link { bytes_s, ..*link });
     match (settings.hold_fps, auto.is_some()) {
         (Some(frames), _) => commands.insert_resource(AutoLevels { frame_s: 1.0 / f64::from(frames.max(1)), ..default() }),
-        (None, true) => commands.remove_resource::<AutoLevels>(),
+        (None, true) => {
+            commands.remove_resource::<AutoLevels>();
+            // What was drawn in for the frames' sake reaches out again.
+            commands.insert_resource(LevelReach::default());
+        }
         (None, false) => {}
     }
 }

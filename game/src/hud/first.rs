@@ -12,6 +12,7 @@ use veduta::walker::Intent;
 
 use super::Open;
 use crate::settings::Settings;
+use crate::walk::FirstTour;
 
 /// The first minute: walking, looking, search, map and tour are learned by doing them.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Default)]
@@ -65,12 +66,18 @@ impl FirstMinute {
     }
 }
 
+/// Whether a tour is to be seen.
+fn is_busy(player: &TourPlayer) -> bool {
+    matches!(player.state(), TourState::Playing | TourState::Waiting | TourState::Returning)
+}
+
 /// Watches what the visitor does.
 pub(super) fn watch(
     time: Res<Time<Real>>,
     viewers: Query<&Eye, With<Viewer>>,
     intent: Res<Intent>,
     (search, map, player): (Res<SearchBox>, Res<MapView>, Res<TourPlayer>),
+    tours: Option<Res<FirstTour>>,
     mut first: ResMut<FirstMinute>,
     mut settings: ResMut<Settings>,
 ) {
@@ -78,12 +85,16 @@ pub(super) fn watch(
         return;
     }
     if first.is_over() {
-        first.ended_s += time.delta_secs_f64();
+        // Its end is there to be read.
+        if !is_busy(&player) {
+            first.ended_s += time.delta_secs_f64();
+        }
         if first.ended_s > ENDS_S {
             settings.knows_the_way = true;
         }
     } else if let Some(eye) = viewers.iter().next() {
-        let tour = matches!(player.state(), TourState::Playing | TourState::Waiting);
+        // Where there is no tour, none is to be taken.
+        let tour = is_busy(&player) || (tours.is_none() && player.state() == TourState::Idle);
         let next = {
             let mut next = *first;
             next.pass(eye, &intent, [search.open, map.open, tour]);
@@ -101,7 +112,7 @@ pub(super) fn draw(
     mut settings: ResMut<Settings>,
 ) -> Result {
     // Who is led does not learn, and what a tour shows lies where the card does.
-    let is_led = *steering != Steering::Visitor || !matches!(player.state(), TourState::Idle | TourState::Wandering);
+    let is_led = *steering == Steering::Led || is_busy(&player);
     if settings.knows_the_way || is_led || open.help || open.settings || search.open || map.open {
         return Ok(());
     }

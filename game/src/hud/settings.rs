@@ -150,7 +150,7 @@ fn optional<N: egui::emath::Numeric>(
         *value = is_set.then_some(usual);
     }
     if let Some(number) = value {
-        ui.add(DragValue::new(number).range(range)).labelled_by(checkbox.id);
+        ui.add(DragValue::new(number).range(range).clamp_existing_to_range(false)).labelled_by(checkbox.id);
     }
     ui.end_row();
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
-use veduta_city::{Guide, Overview, Place, PlaceKind, Viewpoint};
+use veduta_city::{Guide, Id, Overview, Place, PlaceKind, Viewpoint};
 use veduta_ecs::City;
 use veduta_route::{Finder, Named, StreetNet};
 
@@ -181,7 +181,10 @@ impl Index {
                     heading_deg: heading_to(foot.plan_pos, pos),
                     ..Viewpoint::default()
                 });
-                self.found.push(Found::Place(Place { name, kind: PlaceKind::House, pos, view, ..Place::default() }));
+                let id = Id(name
+                    .bytes()
+                    .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)));
+                self.found.push(Found::Place(Place { id, name, kind: PlaceKind::House, pos, view, ..Place::default() }));
             }
         }
     }
@@ -215,7 +218,7 @@ pub(crate) fn keep(city: Option<Res<City>>, guide: Res<CityGuide>, offers: Res<O
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::{GridPolygon, GridPos, GuidePlace, HouseName, Id, Massing, PlanStreet};
+    use veduta_city::{GridPolygon, GridPos, GuidePlace, HouseName, Massing, PlanStreet};
     use veduta_ecs::Overviews;
 
     use super::*;
@@ -260,6 +263,7 @@ mod tests {
         let (found, name) = directory.find("celetna 12a", DVec2::ZERO, 1).remove(0);
         let Found::Place(place) = found else { panic!("a house") };
         assert_eq!(name, "Celetná 12a");
+        assert_ne!(place.id, Id::NONE, "houses are told apart");
         let view = place.view.expect("a stand in the street");
         assert!(view.pos.distance(DVec2::new(40.0, 0.0)) < 0.1 && view.heading_deg.abs() < 0.1, "{view:?}");
     }

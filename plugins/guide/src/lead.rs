@@ -65,7 +65,7 @@ impl Lead {
     /// Whether the walk stands still because what lies ahead has not come.
     #[must_use]
     pub fn waits(&self) -> bool {
-        matches!(self.0, State::Walking { waited_s, .. } if waited_s > 0.0)
+        matches!(self.0, State::Walking { waited_s, .. } if waited_s > 0.0 && waited_s < Awaited::PATIENCE_S)
     }
 }
 
@@ -91,8 +91,12 @@ pub(crate) fn set_out(
     mut wants: ResMut<OverviewWants>,
 ) {
     let jumped = jumps.read().count() > 0;
-    let let_go = matches!(lead.0, State::Walking { .. }) && *steering != Steering::Led;
-    if let_go || (jumped && lead.is_under_way()) {
+    let let_go = match lead.0 {
+        State::Walking { .. } => *steering != Steering::Led,
+        // A tour that begins meanwhile leads elsewhere.
+        _ => *steering == Steering::Guided,
+    };
+    if (let_go || jumped) && lead.is_under_way() {
         stop(&mut lead, &mut route, &mut steering, &mut wants, &mut ended, false);
     }
     if let Some(to) = asked.read().last() {
@@ -214,8 +218,15 @@ pub(crate) fn go(
     mut wants: ResMut<OverviewWants>,
     mut viewers: Query<(&mut Eye, &mut Itinerary), With<Viewer>>,
     mut ended: MessageWriter<WalkEnded>,
+    mut has_told: Local<bool>,
 ) {
-    let State::Walking { walk, t_s, waited_s, .. } = &mut lead.0 else { return };
+    let State::Walking { walk, t_s, waited_s, .. } = &mut lead.0 else {
+        if core::mem::take(&mut *has_told) {
+            viewers.iter_mut().for_each(|(_, mut itinerary)| _ = itinerary.set_if_neq(Itinerary::default()));
+        }
+        return;
+    };
+    *has_told = true;
     let dt = time.delta_secs_f64();
     // The street ahead stands before it is walked into.
     let waits = awaited.cells > 0 && *waited_s < Awaited::PATIENCE_S;
@@ -375,6 +386,7 @@ mod tests {
         let here = app.world().get::<Eye>(viewer).expect("spawned above").plan_pos;
         (0..20).for_each(|_| app.update());
         assert_eq!(app.world().get::<Eye>(viewer).expect("spawned above").plan_pos, here);
+        assert!(app.world().get::<Itinerary>(viewer).is_some_and(|ahead| ahead.0.is_empty()), "nothing is read ahead any more");
     }
 
     #[test]

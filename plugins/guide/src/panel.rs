@@ -85,6 +85,7 @@ pub(crate) fn draw(
     }
     let Some(place) = state.last.clone() else { return Ok(()) };
     let told = Told::of(&place, guide.place(&place.name), &words);
+    let mut unfolded = settings.unfolded;
     let screen = context.content_rect();
     Area::new(EguiId::new("veduta place")).anchor(Align2::LEFT_TOP, Vec2::splat(screen.height() * 0.03)).order(Order::Middle).show(
         context,
@@ -93,10 +94,13 @@ pub(crate) fn draw(
             look.frame(Surface::Paper).show(ui, |ui| {
                 ui.set_max_width((look.text * 22.0).min(screen.width() * 0.4));
                 ui.set_max_height(screen.height() * 0.55);
-                show(ui, &look, &words, &told, &mut settings.unfolded, &mut state.cache);
+                show(ui, &look, &words, &told, &mut unfolded, &mut state.cache);
             });
         },
     );
+    if unfolded != settings.unfolded {
+        settings.unfolded = unfolded;
+    }
     Ok(())
 }
 

@@ -195,7 +195,7 @@ pub(crate) fn click(
     mut buttons: MessageReader<MouseButtonInput>,
     windows: Query<&Window, With<PrimaryWindow>>,
     viewers: Query<&Eye, With<Viewer>>,
-    (pointed, settings): (Res<Pointed>, Res<PickSettings>),
+    (pointed, settings, steering): (Res<Pointed>, Res<PickSettings>, Res<Steering>),
     mut pressed: Local<Option<(Vec2, f64, Pointed)>>,
     mut pin: ResMut<Pin>,
     mut walks: MessageWriter<WalkTo>,
@@ -214,7 +214,7 @@ pub(crate) fn click(
         let Some(eye) = viewers.iter().next() else { continue };
         match what {
             Pointed::Place(place) if settings.tells => *pin = Pin::here(place, eye.plan_pos),
-            Pointed::Ground(to) if settings.leads && eye.eye_m <= veduta_route::WALK_EYE_M => {
+            Pointed::Ground(to) if settings.leads && *steering != Steering::Guided && eye.eye_m <= veduta_route::WALK_EYE_M => {
                 let heading_deg = heading_to(eye.plan_pos, to);
                 walks.write(WalkTo { name: String::new(), plan_pos: to, facing_deg: Some((heading_deg, 0.0)), towards: to });
             }

@@ -107,11 +107,16 @@ pub(crate) fn read_keys(
     mut typed: MessageReader<bevy::input::keyboard::KeyboardInput>,
     mut search: ResMut<SearchBox>,
 ) {
-    // By what is written on the key, wherever the layout has it; by its place where there is no such letter.
-    let slash = typed
-        .read()
-        .any(|key| key.state.is_pressed() && matches!(&key.logical_key, bevy::input::keyboard::Key::Character(c) if c == "/"));
-    if !search.open && (slash || keys.any_just_pressed([KeyCode::Slash, KeyCode::NumpadDivide])) {
+    // By what is written on the key, wherever the layout has it; by its place where nothing else is written there.
+    let (mut slash, mut other) = (false, false);
+    for key in typed.read().filter(|key| key.state.is_pressed()) {
+        if let bevy::input::keyboard::Key::Character(written) = &key.logical_key {
+            slash |= written == "/";
+            other |= written != "/" && key.key_code == KeyCode::Slash;
+        }
+    }
+    let by_place = keys.any_just_pressed([KeyCode::Slash, KeyCode::NumpadDivide]) && !other;
+    if !search.open && (slash || by_place) {
         search.start();
     }
 }

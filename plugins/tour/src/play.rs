@@ -119,6 +119,8 @@ pub struct TourPlayer {
     hold: Hold,
     leg: Option<(ResumeLeg, f64)>,
     play_when_ready: bool,
+    /// Whether it has just been sent to another time: what is marked there counts.
+    has_sought: bool,
     last_error: Option<String>,
 }
 
@@ -197,6 +199,12 @@ pub(crate) fn obey(
                 let end = player.compiled.as_ref().map_or(0.0, CompiledTour::duration_s);
                 player.t_s = if t_s.is_finite() { t_s.clamp(0.0, end) } else { player.t_s };
                 player.hold = Hold::Cut;
+                player.has_sought = true;
+                // Who goes to a moment of the tour is on the tour again.
+                if matches!(player.state, TourState::Returning | TourState::Wandering) {
+                    (player.leg, player.state) = (None, TourState::Playing);
+                    steering.set_if_neq(Steering::Guided);
+                }
             }
             TourCommand::Speed(times) if times.is_finite() => player.speed = Some(times.clamp(0.1, 8.0)),
             TourCommand::Speed(_) => {}
@@ -205,7 +213,10 @@ pub(crate) fn obey(
                     ended.write(TourEnded { title: tour.title().to_owned(), finished: false });
                 }
                 player.forget();
-                steering.set_if_neq(Steering::Visitor);
+                // Whoever else leads goes on.
+                if *steering == Steering::Guided {
+                    *steering = Steering::Visitor;
+                }
             }
         }
     }
@@ -420,9 +431,10 @@ pub(crate) fn play(
         TourState::Playing => {
             let Some((end, title)) = player.compiled.as_ref().map(|t| (t.duration_s(), t.title().to_owned())) else { return };
             let before_s = player.t_s;
+            let marked_s = if core::mem::take(&mut player.has_sought) { before_s - 1e-6 } else { before_s };
             player.t_s = (before_s + dt).min(end);
             if let Some(tour) = &player.compiled {
-                marks.write_batch(tour.marks(before_s, player.t_s).iter().map(|mark| TourMark { name: mark.name.clone() }));
+                marks.write_batch(tour.marks(marked_s, player.t_s).iter().map(|mark| TourMark { name: mark.name.clone() }));
             }
             if player.t_s >= end {
                 ended.write(TourEnded { title, finished: true });

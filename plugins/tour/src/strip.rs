@@ -1,7 +1,7 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id, Order, Sense, StrokeKind, Ui, Vec2, WidgetInfo};
-use veduta_ecs::{Interface, Words};
+use veduta_ecs::{Interface, Steering, Words};
 use veduta_route::CompiledTour;
 use veduta_ui::{Look, Surface, Symbol, symbol_button};
 
@@ -40,10 +40,14 @@ pub(crate) fn draw(
     time: Res<Time<Real>>,
     player: Res<TourPlayer>,
     (words, interface): (Res<Words>, Res<Interface>),
+    steering: Res<Steering>,
     mut settings: ResMut<StripSettings>,
     mut commands: MessageWriter<TourCommand>,
 ) -> Result {
-    let Some(tour) = player.tour().filter(|_| settings.visible && player.state() != TourState::Idle) else { return Ok(()) };
+    let Some(tour) = player.tour().filter(|_| settings.visible && player.state() != TourState::Idle && *steering != Steering::Led)
+    else {
+        return Ok(());
+    };
     let context = contexts.ctx_mut()?;
     let look = Look::of(&interface, context);
     let screen = context.content_rect();
@@ -134,7 +138,10 @@ fn line(ui: &mut Ui, look: &Look, words: &Words, tour: &CompiledTour, t_s: f64) 
         press = Some(Press::Seek(near.unwrap_or(t_s)));
     }
     if response.has_focus() {
-        use bevy_egui::egui::Key;
+        use bevy_egui::egui::{EventFilter, Key};
+        // Arrows go along the line, not to the next control.
+        let filter = EventFilter { horizontal_arrows: true, ..EventFilter::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
         let (left, right) = ui.input(|input| (input.key_pressed(Key::ArrowLeft), input.key_pressed(Key::ArrowRight)));
         if left || right {
             press = Some(Press::Seek((t_s + if right { 5.0 } else { -5.0 }).clamp(0.0, whole_s)));
@@ -198,6 +205,9 @@ mod tests {
         harness.key_press(bevy_egui::egui::Key::ArrowRight);
         harness.run();
         assert_eq!(harness.state_mut().pop(), Some(Press::Seek(70.0)));
+        harness.key_press(bevy_egui::egui::Key::ArrowLeft);
+        harness.run();
+        assert_eq!(harness.state_mut().pop(), Some(Press::Seek(60.0)), "the line keeps the keys");
     }
 
     #[test]

@@ -72,10 +72,10 @@ pub fn ensure(app: &mut App) {
     }
 }
 
-/// Keys are letters while a field has the cursor.
+/// Keys belong to the interface while a field has the cursor or a control is chosen by the keyboard.
 fn watch_typing(mut contexts: EguiContexts, mut interface: ResMut<Interface>) {
     let Ok(context) = contexts.ctx_mut() else { return };
-    let is_typing = context.text_edit_focused();
+    let is_typing = context.egui_wants_keyboard_input();
     if interface.is_typing != is_typing {
         interface.is_typing = is_typing;
     }

@@ -68,6 +68,11 @@ pub(crate) fn advance(
     mut jump: ResMut<Jump>,
     mut viewers: Query<&mut Eye, (With<Viewer>, With<Walker>)>,
 ) {
+    if *jump != Jump::None && *steering == Steering::Led {
+        // Who is led is on his way: he is not to be put elsewhere after all, nor to walk in the dark.
+        *jump = Jump::None;
+        viewers.iter_mut().for_each(|mut eye| eye.fade = 0.0);
+    }
     if *jump == Jump::None || *steering != Steering::Visitor {
         return;
     }
