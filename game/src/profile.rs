@@ -99,15 +99,20 @@ impl Profile {
         BuildSettings { relief_m: f64::from(self.levels().far[2]), ..default() }
     }
 
-    /// Inserts what the profile sets.
+    /// Inserts what the profile sets, and sees to cameras.
     pub fn apply(self, app: &mut App) {
-        app.insert_resource(self)
-            .insert_resource(self.sky())
-            .insert_resource(self.levels())
-            .insert_resource(self.shading())
-            .insert_resource(self.streaming())
-            .insert_resource(self.buildings())
-            .add_systems(Update, dress_cameras);
+        self.insert(app.world_mut());
+        app.add_systems(Update, dress_cameras);
+    }
+
+    /// Inserts what the profile sets.
+    fn insert(self, world: &mut World) {
+        world.insert_resource(self);
+        world.insert_resource(self.sky());
+        world.insert_resource(self.levels());
+        world.insert_resource(self.shading());
+        world.insert_resource(self.streaming());
+        world.insert_resource(self.buildings());
     }
 }
 
@@ -152,11 +157,6 @@ pub(crate) fn adapt(adapter: Option<Res<RenderAdapterInfo>>, settings: Res<Setti
         info!("{}: profile {profile:?}", adapter.name);
     }
     commands.insert_resource(Fitting(fitting));
-    commands.insert_resource(profile);
     commands.insert_resource(profile.tiles());
-    commands.insert_resource(profile.sky());
-    commands.insert_resource(profile.levels());
-    commands.insert_resource(profile.shading());
-    commands.insert_resource(profile.streaming());
-    commands.insert_resource(profile.buildings());
+    commands.queue(move |world: &mut World| profile.insert(world));
 }

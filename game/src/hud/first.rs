@@ -9,6 +9,7 @@ use veduta::prelude::*;
 use veduta::tour::TourState;
 use veduta::ui::{Look, Surface};
 use veduta::walker::Intent;
+use veduta_route::turn_deg;
 
 use super::Open;
 use crate::settings::Settings;
@@ -50,7 +51,7 @@ impl FirstMinute {
         let (pos, heading) = self.last.unwrap_or((eye.plan_pos, eye.heading_deg));
         self.last = Some((eye.plan_pos, eye.heading_deg));
         let walked_m = pos.distance(eye.plan_pos);
-        let turned_deg = (180.0 - (180.0 - (eye.heading_deg - heading)).rem_euclid(360.0)).abs();
+        let turned_deg = turn_deg(heading, eye.heading_deg).abs();
         let [search, map, tour] = opened;
         self.done += match self.step {
             0 if intent.go != bevy::math::DVec3::ZERO && walked_m < LEAPS_M => walked_m / WALKS_M,
@@ -118,7 +119,8 @@ pub(super) fn draw(
     }
     let context = contexts.ctx_mut()?;
     let look = Look::of(&interface, context);
-    let offset = Vec2::new(0.0, context.content_rect().height() * 0.1);
+    // Below the strip of a tour and the line of a walk.
+    let offset = Vec2::new(0.0, context.content_rect().height() * 0.03 + look.text * 5.0);
     let area = Area::new(Id::new("veduta first minute")).anchor(Align2::CENTER_TOP, offset).order(Order::Middle);
     let skips = area.show(context, |ui| look.frame(Surface::Paper).show(ui, |ui| show(ui, &look, &words, &first)).inner).inner;
     if skips {

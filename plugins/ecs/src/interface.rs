@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
+use veduta_city::Viewpoint;
 
 /// How interfaces look and behave, whoever draws them. Live.
 #[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq)]
@@ -13,7 +14,7 @@ pub struct Interface {
     pub high_contrast: bool,
     /// Nothing slides, glides or grows.
     pub reduced_motion: bool,
-    /// Whether somebody is typing: keys mean letters then, and nothing else. Kept by whoever has a field to type into.
+    /// Whether keys belong to the interface: somebody types, or has chosen a control by the keyboard. Kept by whoever draws it.
     pub is_typing: bool,
 }
 
@@ -34,12 +35,8 @@ pub fn keys_are_free(interface: Option<Res<Interface>>) -> bool {
 pub struct WalkTo {
     /// Name of what lies there, as the visitor reads it.
     pub name: String,
-    /// Where to stand in the end, plan metres.
-    pub plan_pos: DVec2,
-    /// Where to look in the end: degrees clockwise from north and up. Without, at `towards`.
-    pub facing_deg: Option<(f64, f64)>,
-    /// What to look at in the end, plan metres.
-    pub towards: DVec2,
+    /// Where to stand and look in the end; the eye stays as high as it is.
+    pub to: Viewpoint,
 }
 
 /// Names of places in the visitor's language, by their names in the map, where those differ. Kept by whoever knows them (the guide).

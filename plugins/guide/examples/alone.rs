@@ -72,6 +72,7 @@ mod tests {
     use std::time::Duration;
 
     use bevy::time::TimeUpdateStrategy;
+    use veduta_city::Viewpoint;
     use veduta_ecs::WalkTo;
     use veduta_guide::{Lead, NearPlace};
 
@@ -85,8 +86,8 @@ mod tests {
         garden(&mut app);
         app.world_mut().spawn((Viewer, Eye { plan_pos: DVec2::new(0.0, -25.0), ..default() }));
         let (x, y) = SIGHTS[1].1;
-        let plan_pos = DVec2::new(x - 5.0, y - 3.0);
-        app.world_mut().write_message(WalkTo { name: "Lily pond".into(), plan_pos, facing_deg: None, towards: DVec2::new(x, y) });
+        let to = Viewpoint { pos: DVec2::new(x - 5.0, y - 3.0), heading_deg: 60.0, ..default() };
+        app.world_mut().write_message(WalkTo { name: "Lily pond".into(), to });
         app.update();
         for _ in 0..3_000 {
             app.update();

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id as EguiId, Order, Ui, Vec2 as EguiVec2};
-use veduta_city::Overview;
+use veduta_city::{Overview, Viewpoint};
 use veduta_ecs::{
     Around, Awaited, City, CityClock, CityFailed, Eye, Interface, Itinerary, JumpTo, OverviewWants, Route, Steering, Stop, Viewer,
     WalkTo, Words,
@@ -14,7 +14,6 @@ use veduta_route::{Pose, RouteError, StreetNet, WALK_EYE_M, Walk};
 use veduta_ui::{Look, Surface, Symbol, symbol_button};
 
 use crate::CityGuide;
-use crate::near::heading_to;
 use crate::obstacles::Obstacles;
 
 /// How somebody is led. Live.
@@ -146,19 +145,18 @@ pub(crate) fn find_way(
             let to = to.clone();
             // From the air nobody walks.
             if eye.eye_m > WALK_EYE_M {
-                let (heading_deg, pitch_deg) = to.facing_deg.unwrap_or((heading_to(to.plan_pos, to.towards), 0.0));
-                jumps.write(JumpTo(veduta_city::Viewpoint { pos: to.plan_pos, heading_deg, pitch_deg, ..Default::default() }));
+                jumps.write(JumpTo(to.to));
                 stop(&mut lead, &mut route, &mut steering, &mut wants, &mut ended, true);
                 return;
             }
-            let around = around(eye.plan_pos, to.plan_pos);
+            let around = around(eye.plan_pos, to.to.pos);
             OverviewWants::ask(&mut wants, "lead", Some(around));
             if !city.overviews.has(around) {
                 return;
             }
             let parts: Vec<Arc<Overview>> = city.overviews.near(around).map(Arc::clone).collect();
-            let (from, goal, speed) = (pose_of(eye, clock.hour), to.clone(), settings.walk_m_s);
-            let task = AsyncComputeTaskPool::get().spawn(async move { way(&parts, from, &goal, speed) });
+            let (from, goal, speed) = (pose_of(eye, clock.hour), to.to, settings.walk_m_s);
+            let task = AsyncComputeTaskPool::get().spawn(async move { way(&parts, from, goal, speed) });
             lead.0 = State::Finding(to, task);
         }
         State::Finding(to, task) => match block_on(poll_once(task)) {
@@ -192,7 +190,7 @@ fn pose_of(eye: &Eye, hour: f64) -> Pose {
     }
 }
 
-fn way(parts: &[Arc<Overview>], from: Pose, to: &WalkTo, speed: f64) -> Result<Walk, RouteError> {
+fn way(parts: &[Arc<Overview>], from: Pose, to: Viewpoint, speed: f64) -> Result<Walk, RouteError> {
     let joined;
     let overview = match parts {
         [one] => one.as_ref(),
@@ -202,10 +200,10 @@ fn way(parts: &[Arc<Overview>], from: Pose, to: &WalkTo, speed: f64) -> Result<W
         }
     };
     let net = StreetNet::new(&overview.streets).on(&overview.terrain);
-    let (heading_deg, pitch_deg) = to.facing_deg.unwrap_or((heading_to(to.plan_pos, to.towards), 0.0));
     let obstacles = Obstacles::of(overview);
     let free = |a: DVec2, b: DVec2| obstacles.leave_free(a, b);
-    Walk::new(&net, from, Pose { plan_pos: to.plan_pos, heading_deg, pitch_deg, ..from }, speed, Some(&free))
+    let there = Pose { plan_pos: to.pos, heading_deg: to.heading_deg, pitch_deg: to.pitch_deg, ..from };
+    Walk::new(&net, from, there, speed, Some(&free))
 }
 
 /// Carries the walk on.
@@ -332,13 +330,8 @@ mod tests {
     }
 
     fn ask(app: &mut App, x: f64) {
-        let plan_pos = DVec2::new(x, 0.0);
-        app.world_mut().write_message(WalkTo {
-            name: "There".into(),
-            plan_pos,
-            facing_deg: Some((180.0, 10.0)),
-            towards: plan_pos,
-        });
+        let to = Viewpoint { pos: DVec2::new(x, 0.0), heading_deg: 180.0, pitch_deg: 10.0, ..Viewpoint::default() };
+        app.world_mut().write_message(WalkTo { name: "There".into(), to });
     }
 
     fn until(app: &mut App, what: &str, holds: impl Fn(&World) -> bool) {

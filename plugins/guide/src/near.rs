@@ -2,6 +2,7 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::{Id, Place, PlaceKind};
 use veduta_ecs::{City, Eye, Viewer};
+use veduta_route::turn_deg;
 
 /// The place that the visitor is at.
 #[derive(Resource, Debug, Clone, PartialEq, Default)]
@@ -92,8 +93,7 @@ pub fn relevance(place: &Place, eye: &Eye) -> f64 {
     let to = place.pos - eye.plan_pos;
     let near = to.length() / place.radius_m.max(0.1);
     let by_place = (-near * near / (2.0 * NEAR * NEAR)).exp();
-    let heading = to.x.atan2(to.y).to_degrees();
-    let off_deg = 180.0 - (180.0 - (heading - eye.heading_deg)).rem_euclid(360.0);
+    let off_deg = turn_deg(eye.heading_deg, heading_to(eye.plan_pos, place.pos));
     let by_view = (-off_deg * off_deg / (2.0 * VIEW_DEG * VIEW_DEG)).exp();
     let outside = ((near - WITHIN) / WITHIN).clamp(0.0, 1.0);
     by_place * (1.0 - outside + outside * by_view)

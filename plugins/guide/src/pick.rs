@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Area, Id as EguiId, Label, Order, TextWrapMode, pos2};
-use veduta_city::{GridPos, Massing, Place, PlaceKind, metres};
+use veduta_city::{GridPos, Massing, Place, PlaceKind, Viewpoint, metres};
 use veduta_ecs::{Around, City, Eye, Ground, Interface, Steering, Viewer, WalkTo, Words, WorldOrigin};
 use veduta_ui::{Look, Surface};
 
@@ -215,8 +215,8 @@ pub(crate) fn click(
         match what {
             Pointed::Place(place) if settings.tells => *pin = Pin::here(place, eye.plan_pos),
             Pointed::Ground(to) if settings.leads && *steering != Steering::Guided && eye.eye_m <= veduta_route::WALK_EYE_M => {
-                let heading_deg = heading_to(eye.plan_pos, to);
-                walks.write(WalkTo { name: String::new(), plan_pos: to, facing_deg: Some((heading_deg, 0.0)), towards: to });
+                let to = Viewpoint { pos: to, heading_deg: heading_to(eye.plan_pos, to), ..Viewpoint::default() };
+                walks.write(WalkTo { name: String::new(), to });
             }
             _ => {}
         }

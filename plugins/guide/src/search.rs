@@ -161,18 +161,19 @@ pub(crate) fn draw(
             if let (Found::Place(place), SearchAction::Walk | SearchAction::Jump) = (&found, action) {
                 *pin = Pin::there(place.clone(), stand.pos);
             }
-            let towards = found.plan_pos(eye.plan_pos).unwrap_or(stand.pos);
             match action {
                 SearchAction::Jump => drop(jumps.write(JumpTo(stand))),
-                SearchAction::Show => drop(shown.write(ShowOnMap { name, plan_pos: towards })),
+                SearchAction::Show => {
+                    let plan_pos = found.plan_pos(eye.plan_pos).unwrap_or(stand.pos);
+                    shown.write(ShowOnMap { name, plan_pos });
+                }
                 SearchAction::Walk => {
                     // Up in the air nobody can be led.
                     let is_aloft = stand.eye_m > veduta_route::WALK_EYE_M;
                     if is_aloft {
                         jumps.write(JumpTo(stand));
                     } else {
-                        let facing_deg = Some((stand.heading_deg, stand.pitch_deg));
-                        walks.write(WalkTo { name: found.name().to_owned(), plan_pos: stand.pos, facing_deg, towards });
+                        walks.write(WalkTo { name: found.name().to_owned(), to: stand });
                     }
                 }
             }

@@ -63,9 +63,8 @@ pub(crate) fn draw_map(
         match large_map(context, &look, &shown, &mut view) {
             Some(Click { to, walks: false }) => drop(jumps.write(JumpTo(to))),
             Some(Click { to, walks: true }) => {
-                let facing_deg = Some((to.heading_deg, to.pitch_deg));
                 let name = nearest_name(&city, to.pos).unwrap_or_default();
-                walks.write(WalkTo { name, plan_pos: to.pos, facing_deg, towards: to.pos });
+                walks.write(WalkTo { name, to });
             }
             None => {}
         }

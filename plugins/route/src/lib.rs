@@ -89,7 +89,7 @@ pub use error::{LONGEST_LEG_M, LONGEST_TOUR_S, MOST_STEPS, Range, StepKind, Step
 pub use gazetteer::Gazetteer;
 pub use net::{Foot, JOIN_M, StreetNet};
 pub use path::CORNER_M;
-pub use pose::Pose;
+pub use pose::{Pose, turn_deg};
 pub use reach::{Unreached, unreached};
 pub use resume::{ResumeLeg, WALK_BACK_M, resume, resume_with};
 pub use script::{Chapter, Mark, Spoken};

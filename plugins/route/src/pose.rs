@@ -55,7 +55,8 @@ impl Facing {
 }
 
 /// The turn from one heading to another the shorter way, degrees, over -180 to 180.
-pub(crate) fn turn_deg(from: f64, to: f64) -> f64 {
+#[must_use]
+pub fn turn_deg(from: f64, to: f64) -> f64 {
     180.0 - (180.0 - (to - from)).rem_euclid(360.0)
 }
 
