@@ -9,6 +9,8 @@ pub enum Need {
     PkgConfig,
     /// libudev's headers: gamepads.
     Udev,
+    /// ALSA's headers: sound.
+    Alsa,
     /// libwayland's headers: windows.
     Wayland,
     /// libxkbcommon's headers: keyboards.
@@ -29,9 +31,10 @@ pub enum Need {
 
 impl Need {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::PkgConfig,
         Self::Udev,
+        Self::Alsa,
         Self::Wayland,
         Self::Xkbcommon,
         Self::XkbcommonX11,
@@ -52,6 +55,7 @@ impl Need {
         match self {
             Self::PkgConfig => "pkg-config",
             Self::Udev => "libudev with headers",
+            Self::Alsa => "ALSA with headers",
             Self::Wayland => "wayland-client with headers",
             Self::Xkbcommon => "libxkbcommon with headers",
             Self::XkbcommonX11 => "libxkbcommon-x11",
@@ -81,6 +85,7 @@ impl Manager {
         match (self, need) {
             (Self::Apt, Need::PkgConfig) => &["pkg-config"],
             (Self::Apt, Need::Udev) => &["libudev-dev"],
+            (Self::Apt, Need::Alsa) => &["libasound2-dev"],
             (Self::Apt, Need::Wayland) => &["libwayland-dev"],
             (Self::Apt, Need::Xkbcommon) => &["libxkbcommon-dev"],
             (Self::Apt, Need::XkbcommonX11) => &["libxkbcommon-x11-0"],
@@ -93,6 +98,7 @@ impl Manager {
             }
             (Self::Dnf, Need::PkgConfig) => &["pkgconf-pkg-config"],
             (Self::Dnf, Need::Udev) => &["systemd-devel"],
+            (Self::Dnf, Need::Alsa) => &["alsa-lib-devel"],
             (Self::Dnf, Need::Wayland) => &["wayland-devel"],
             (Self::Dnf, Need::Xkbcommon) => &["libxkbcommon-devel"],
             (Self::Dnf, Need::XkbcommonX11) => &["libxkbcommon-x11"],
@@ -105,6 +111,7 @@ impl Manager {
             }
             (Self::Pacman, Need::PkgConfig) => &["pkgconf"],
             (Self::Pacman, Need::Udev) => &["systemd-libs"],
+            (Self::Pacman, Need::Alsa) => &["alsa-lib"],
             (Self::Pacman, Need::Wayland) => &["wayland"],
             (Self::Pacman, Need::Xkbcommon) => &["libxkbcommon"],
             (Self::Pacman, Need::XkbcommonX11) => &["libxkbcommon-x11"],
@@ -258,8 +265,8 @@ mod tests {
             [
                 "apt-get update",
                 "env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 install -y --no-install-recommends \
-                 pkg-config libudev-dev libwayland-dev libxkbcommon-dev libxkbcommon-x11-0 libvulkan1 mesa-vulkan-drivers g++ \
-                 xvfb xdotool libx11-6 libx11-xcb1 libxcursor1 libxi6 libxrandr2",
+                 pkg-config libudev-dev libasound2-dev libwayland-dev libxkbcommon-dev libxkbcommon-x11-0 libvulkan1 \
+                 mesa-vulkan-drivers g++ xvfb xdotool libx11-6 libx11-xcb1 libxcursor1 libxi6 libxrandr2",
             ]
         );
     }

@@ -35,6 +35,7 @@ fn is_there(need: Need, pkg_config: Option<&OsString>, libraries: &Libraries) ->
     match need {
         Need::PkgConfig => pkg_config.is_some(),
         Need::Udev => headers("libudev"),
+        Need::Alsa => headers("alsa"),
         Need::Wayland => headers("wayland-client"),
         Need::Xkbcommon => headers("xkbcommon"),
         Need::XkbcommonX11 => libraries.have("libxkbcommon-x11.so.0"),

@@ -6,13 +6,14 @@ use std::time::Instant;
 use crate::{cargo, run, setup, wasm};
 
 /// The crates that need no engine: their tests are built in seconds.
-pub const CORE: [&str; 10] = [
+pub const CORE: [&str; 11] = [
     "veduta-city",
     "veduta-survey",
     "veduta-growth",
     "veduta-texture",
     "veduta-cells",
     "veduta-route",
+    "veduta-synth",
     "veduta-store",
     "veduta-bake",
     "veduta-digests",
@@ -21,9 +22,10 @@ pub const CORE: [&str; 10] = [
 
 /// The crates that need the engine. They are checked apart from the core: the core's test libraries turn on features of
 /// small crates under the engine, and together with them the engine would be built a second time for `cargo play`.
-pub const ENGINE: [&str; 13] = [
+pub const ENGINE: [&str; 16] = [
     "veduta-ecs",
     "veduta-ui",
+    "veduta-controls",
     "veduta-streaming",
     "veduta-buildings",
     "veduta-facade",
@@ -32,6 +34,8 @@ pub const ENGINE: [&str; 13] = [
     "veduta-guide",
     "veduta-walker",
     "veduta-sky",
+    "veduta-sound",
+    "veduta-life",
     "veduta",
     "veduta-game",
     "veduta-tests",

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 
 /// Crates that know no engine, apart from the model and the pipeline.
-const CORE: [&str; 6] = ["veduta-survey", "veduta-growth", "veduta-texture", "veduta-cells", "veduta-route", "veduta-store"];
+const CORE: [&str; 7] =
+    ["veduta-survey", "veduta-growth", "veduta-texture", "veduta-cells", "veduta-route", "veduta-synth", "veduta-store"];
 /// Plugins, none of which knows another.
-const PLUGINS: [&str; 8] = [
+const PLUGINS: [&str; 10] = [
     "veduta-streaming",
     "veduta-buildings",
     "veduta-facade",
@@ -17,10 +18,15 @@ const PLUGINS: [&str; 8] = [
     "veduta-guide",
     "veduta-walker",
     "veduta-sky",
+    "veduta-sound",
+    "veduta-life",
 ];
 
 /// Plugins that draw windows.
 const WITH_WINDOWS: [&str; 3] = ["veduta-tour", "veduta-minimap", "veduta-guide"];
+
+/// Plugins that read what a visitor presses.
+const WITH_CONTROLS: [&str; 4] = ["veduta-tour", "veduta-minimap", "veduta-guide", "veduta-walker"];
 
 /// What a crate may import among ours: in its code, and in its tests besides.
 struct Imports {
@@ -42,11 +48,13 @@ fn table() -> BTreeMap<&'static str, Imports> {
     enter("veduta-bake", with(&[&["veduta-city"], &CORE]), vec![]);
     enter("veduta-ecs", vec!["veduta-city"], vec![]);
     enter("veduta-ui", vec!["veduta-ecs"], vec![]);
+    enter("veduta-controls", vec!["veduta-ecs"], vec![]);
     for name in PLUGINS {
         let ui: &[&str] = if WITH_WINDOWS.contains(&name) { &["veduta-ui"] } else { &[] };
-        enter(name, with(&[&["veduta-city", "veduta-ecs"], ui, &CORE]), vec!["veduta-bake"]);
+        let controls: &[&str] = if WITH_CONTROLS.contains(&name) { &["veduta-controls"] } else { &[] };
+        enter(name, with(&[&["veduta-city", "veduta-ecs"], ui, controls, &CORE]), vec!["veduta-bake"]);
     }
-    enter("veduta", with(&[&["veduta-city", "veduta-ecs", "veduta-ui"], &PLUGINS]), with(&[&["veduta-bake"], &CORE]));
+    enter("veduta", with(&[&["veduta-city", "veduta-ecs", "veduta-ui", "veduta-controls"], &PLUGINS]), with(&[&["veduta-bake"], &CORE]));
     enter("veduta-game", with(&[&["veduta", "veduta-city", "veduta-bake"], &CORE]), vec![]);
     enter("veduta-tests", with(&[&["veduta", "veduta-game", "veduta-city", "veduta-bake", "veduta-ecs"], &CORE, &PLUGINS]), vec![]);
     enter("veduta-digests", vec!["veduta-city", "veduta-growth"], vec![]);
@@ -107,6 +115,8 @@ fn the_table_forbids_what_it_should() {
         ("veduta-streaming", "veduta-bake", false),
         ("veduta-streaming", "veduta-ui", false),
         ("veduta-ui", "veduta-city", false),
+        ("veduta-life", "veduta-sound", false),
+        ("veduta-sky", "veduta-controls", false),
         ("veduta", "veduta-game", false),
         ("stranger", "veduta-city", false),
     ];

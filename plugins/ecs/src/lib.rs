@@ -16,6 +16,7 @@
 
 mod cell;
 mod clock;
+mod cue;
 mod daylight;
 mod eye;
 mod ground;
@@ -33,6 +34,7 @@ pub use cell::{
     CellStands, LevelFade, MaterialsProvided, OpenCells, StandingCells,
 };
 pub use clock::CityClock;
+pub use cue::Cue;
 pub use daylight::{Daylight, Weather};
 pub use eye::{Eye, Itinerary, Steering, Stop, Viewer};
 pub use ground::{Footing, Ground};
@@ -80,6 +82,7 @@ impl Plugin for EcsPlugin {
             .add_message::<JumpTo>()
             .add_message::<WalkTo>()
             .add_message::<ShowOnMap>()
+            .add_message::<Cue>()
             .configure_sets(
                 Update,
                 (VedutaSystems::Steer, VedutaSystems::Stream, VedutaSystems::Build, VedutaSystems::Show).chain(),

@@ -24,6 +24,9 @@
 //! | [`walker`] | walking, flying, jumping | in any cells |
 //! | [`sky`] | sun, sky, fog, night | anywhere |
 //! | [`guide`] | places and their information, search, being led | in any scene |
+//! | [`life`] | what moves: flags, smoke, water, birds, clocks | in any scene |
+//! | [`sound`] | what is heard | in any scene |
+//! | [`controls`] | keys, mouse, gamepad and touch, by name | anywhere |
 //! | [`ui`] | how windows look, for a game's own | anywhere |
 //!
 //! # Limits
@@ -36,11 +39,14 @@ use bevy::app::{PluginGroup, PluginGroupBuilder};
 
 pub use veduta_buildings as buildings;
 pub use veduta_city as city;
+pub use veduta_controls as controls;
 pub use veduta_ecs as ecs;
 pub use veduta_facade as facade;
 pub use veduta_guide as guide;
+pub use veduta_life as life;
 pub use veduta_minimap as minimap;
 pub use veduta_sky as sky;
+pub use veduta_sound as sound;
 pub use veduta_streaming as streaming;
 pub use veduta_tour as tour;
 pub use veduta_ui as ui;
@@ -62,6 +68,8 @@ impl PluginGroup for VedutaPlugins {
             .add(tour::TourPlugin::default())
             .add(minimap::MinimapPlugin)
             .add(guide::GuidePlugin::default())
+            .add(life::LifePlugin)
+            .add(sound::SoundPlugin)
     }
 }
 

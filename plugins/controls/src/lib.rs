@@ -1,0 +1,1 @@
+//! Controls by name: keys, mouse, gamepad and touch, as the visitor wants them.

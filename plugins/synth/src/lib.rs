@@ -1,0 +1,1 @@
+//! Sounds made from numbers: bells, water, wind, steps.
