@@ -54,7 +54,11 @@ fn table() -> BTreeMap<&'static str, Imports> {
         let controls: &[&str] = if WITH_CONTROLS.contains(&name) { &["veduta-controls"] } else { &[] };
         enter(name, with(&[&["veduta-city", "veduta-ecs"], ui, controls, &CORE]), vec!["veduta-bake"]);
     }
-    enter("veduta", with(&[&["veduta-city", "veduta-ecs", "veduta-ui", "veduta-controls"], &PLUGINS]), with(&[&["veduta-bake"], &CORE]));
+    enter(
+        "veduta",
+        with(&[&["veduta-city", "veduta-ecs", "veduta-ui", "veduta-controls"], &PLUGINS]),
+        with(&[&["veduta-bake"], &CORE]),
+    );
     enter("veduta-game", with(&[&["veduta", "veduta-city", "veduta-bake"], &CORE]), vec![]);
     enter("veduta-tests", with(&[&["veduta", "veduta-game", "veduta-city", "veduta-bake", "veduta-ecs"], &CORE, &PLUGINS]), vec![]);
     enter("veduta-digests", vec!["veduta-city", "veduta-growth"], vec![]);
