@@ -83,19 +83,30 @@ fn options() -> ron::Options {
 pub fn parse<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, SyntaxError> {
     options().from_str(text).map_err(|error| {
         let place = error.span.start;
-        let (line, column) = (place.line.max(1), place.col.max(1));
-        let whole: Vec<char> = text.lines().nth(line - 1).unwrap_or("").chars().collect();
-        let from = (column - 1).saturating_sub(SHOWN / 2).min(whole.len());
-        let shown = &whole[from..whole.len().min(from + SHOWN)];
-        SyntaxError {
-            file: file.to_owned(),
-            line,
-            column,
-            text: shown.iter().map(|&c| if c == '\t' { ' ' } else { c }).collect(),
-            caret: column - 1 - from.min(column - 1),
-            message: error.code.to_string(),
-        }
+        mistake(text, file, (place.line.max(1), place.col.max(1)), error.code.to_string())
     })
+}
+
+/// A mistake at a line and column, both from 1.
+fn mistake(text: &str, file: &str, (line, column): (usize, usize), message: String) -> SyntaxError {
+    let whole: Vec<char> = text.lines().nth(line - 1).unwrap_or("").chars().collect();
+    let from = (column - 1).saturating_sub(SHOWN / 2).min(whole.len());
+    let shown = &whole[from..whole.len().min(from + SHOWN)];
+    SyntaxError {
+        file: file.to_owned(),
+        line,
+        column,
+        text: shown.iter().map(|&c| if c == '\t' { ' ' } else { c }).collect(),
+        caret: column - 1 - from.min(column - 1),
+        message,
+    }
+}
+
+/// A mistake at a byte of a text.
+pub(crate) fn mistake_at(text: &str, file: &str, at: usize, message: String) -> SyntaxError {
+    let before = &text[..at];
+    let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
+    mistake(text, file, (before.matches('\n').count() + 1, column), message)
 }
 
 /// Reads a value from bytes of RON text.
@@ -121,13 +132,17 @@ pub fn parse_bytes<T: DeserializeOwned>(bytes: &[u8], file: &str) -> Result<T, S
 /// # Errors
 /// [`FileError`] if the file cannot be read, is too large, or has a mistake.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, FileError> {
+    Ok(parse_bytes(&read_bytes(path)?, &path.display().to_string())?)
+}
+
+/// The bytes of a file that is not too large.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
     let io = |source| FileError::Io { path: path.to_owned(), source };
     let bytes = std::fs::metadata(path).map_err(io)?.len();
     if bytes > LARGEST_FILE {
         return Err(FileError::TooLarge { path: path.to_owned(), bytes });
     }
-    let content = std::fs::read(path).map_err(io)?;
-    Ok(parse_bytes(&content, &path.display().to_string())?)
+    std::fs::read(path).map_err(io)
 }
 
 /// A value as RON text, the same on every platform.

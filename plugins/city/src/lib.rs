@@ -56,6 +56,7 @@ mod terrain;
 mod testing;
 mod tile;
 mod tour;
+mod tour_text;
 pub mod tree;
 mod views;
 mod width;
@@ -96,5 +97,6 @@ pub use style::{Gable, Palette, Range, Stand, Style, StyleDraft, StyleError, Sty
 pub use terrain::{PlanTerrain, Terrain};
 pub use tile::Tile;
 pub use tour::{Ease, LookAt, Step, Tour, Where};
+pub use tour_text::{TourEditError, TourSetting, TourText};
 pub use views::{Still, Views};
 pub use width::{ProfileError, WidthAt};

@@ -37,7 +37,7 @@ impl Tour {
     const fn default_speed() -> f64 {
         1.4
     }
-    const fn default_eye_m() -> f64 {
+    pub(crate) const fn default_eye_m() -> f64 {
         1.65
     }
     pub(crate) const fn default_fov_deg() -> f64 {
@@ -233,7 +233,7 @@ pub enum Step {
 }
 
 impl Step {
-    const fn default_fade_s() -> f64 {
+    pub(crate) const fn default_fade_s() -> f64 {
         1.6
     }
 }
