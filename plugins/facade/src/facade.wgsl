@@ -9,7 +9,7 @@
 }
 
 #import veduta_facade::levels::{Facade, bayer, is_drawn, is_turned_to, keeps, opening_share, picture_share, weathering_share}
-#import veduta_facade::surface::{ground_wear, hash, noise, plain_wear, puddle, roof_cover, unpacked, wall_paint}
+#import veduta_facade::surface::{ground_wear, hash, noise, plain_wear, puddle, roof_cover, slab_row, unpacked, wall_paint}
 #import veduta_facade::glass::{fresnel, mirrored, room}
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> facade: Facade;
@@ -19,10 +19,13 @@
 
 // Layers that are more than paint: bays of windows and doors, ground with its water, stone, foliage, lanterns.
 const FIRST_BAY: i32 = 1;
+const LAST_WINDOW: i32 = 8;
 const LAST_BAY: i32 = 16;
 const SHOP: i32 = 12;
 const FIRST_GROUND: i32 = 20;
 const LAST_GROUND: i32 = 28;
+const SETTS: i32 = 21;
+const FLAGSTONES: i32 = 23;
 const WATER: i32 = 27;
 const STONE: i32 = 29;
 const LEAVES: i32 = 31;
@@ -30,9 +33,14 @@ const CARVED: i32 = 32;
 const LANTERN: i32 = 34;
 const FIRST_TRADE: i32 = 47;
 
+// Slabs among setts are of greyer stone than those of pavements.
+const SLAB_TINT: vec3<f32> = vec3<f32>(0.96, 1.02, 1.12);
+
 // Luminance of a lit lantern and of a room by its lamp, candela per square metre.
 const LANTERN_GLOW: f32 = 1800.0;
 const ROOM_GLOW: f32 = 420.0;
+// Share of rooms whose lamps burn at night.
+const LIT_WINDOWS: f32 = 0.34;
 // What all lamps of the city together, near and far, send onto streets and the feet of houses, lux.
 const STREET_GLOW: f32 = 60.0;
 // What floodlights send onto stone, lux.
@@ -73,8 +81,21 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 #else
     let is_water = layer == WATER;
     let drift = select(vec2<f32>(0.0), vec2<f32>(0.021, 0.013) * globals.time, is_water);
-    let tile = textureSample(colour_tiles, tile_sampler, in.uv + drift, layer);
-    let relief = unpacked(textureSample(normal_tiles, tile_sampler, in.uv + drift, layer), IS_CUT);
+    var tile = textureSample(colour_tiles, tile_sampler, in.uv + drift, layer);
+    var relief = unpacked(textureSample(normal_tiles, tile_sampler, in.uv + drift, layer), IS_CUT);
+#ifdef COMPOSED
+    if layer == SETTS {
+        // Rows of flagstones part setts into fields: along the middle of a street, and across it.
+        let row = slab_row(in.uv, uv_across, uv_down);
+        if row.share > 0.0 {
+            let slab = textureSampleGrad(colour_tiles, tile_sampler, row.uv, FLAGSTONES, row.uv_across, row.uv_down);
+            let slab_relief = textureSampleGrad(normal_tiles, tile_sampler, row.uv, FLAGSTONES, row.uv_across, row.uv_down);
+            let worked = unpacked(slab_relief, false);
+            tile = mix(tile, vec4<f32>(slab.rgb * SLAB_TINT, slab.a), row.share);
+            relief = mix(relief, select(worked, vec4<f32>(worked.yxzw), row.is_across), row.share);
+        }
+    }
+#endif
 #endif
     let model = mesh_functions::get_world_from_local(in.instance_index);
     let centre = (model * vec4<f32>(in.uv_b.x, 0.0, in.uv_b.y, 1.0)).xz;
@@ -207,7 +228,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         let is_shop = layer == SHOP || layer >= FIRST_TRADE;
 #endif
         let own = hash(bay);
-        let lit = night * select(0.0, 1.0, own < select(0.34, 0.8, is_shop));
+        let lit = night * select(0.0, 1.0, own < select(LIT_WINDOWS, 0.8, is_shop));
         let lamp = mix(vec3<f32>(1.0, 0.60, 0.26), vec3<f32>(1.0, 0.76, 0.48), fract(own * 17.0));
         var veil = 1.0;
 #ifdef COMPOSED
@@ -241,7 +262,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         // Its mirror is painted, too: what is left comes and goes with how dark it is.
         share *= 0.5 * (1.0 - smoothstep(0.3, 1.0, dot(tile.rgb, vec3<f32>(0.3333)) / DARK_GLASS));
 #endif
-        emissive += share * mirrored(toward, facade.zenith_wet.xyz, facade.horizon_night.xyz);
+        emissive += share * mirrored(toward, facade.zenith_wet.xyz, facade.horizon_night);
 #endif
         // From afar, and through cloth, a lit window is an even glow.
         emissive += lit * lamp * ROOM_GLOW * mix(0.45, 2.2 * dot(tile.rgb, vec3<f32>(0.33)), 0.5) * veil;
@@ -252,13 +273,20 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         let share = mirrors * fresnel(dot(bumped, to_eye));
         let upward = vec3<f32>(toward.x, abs(toward.y), toward.z);
 #ifdef COMPOSED
-        emissive += share * mirrored(upward, facade.zenith_wet.xyz, facade.horizon_night.xyz);
+        emissive += share * mirrored(upward, facade.zenith_wet.xyz, facade.horizon_night);
 #else
         emissive += share * mix(facade.horizon_night.xyz, facade.zenith_wet.xyz, sqrt(upward.y));
 #endif
     }
 #ifndef PAINTED
-    else if layer == LANTERN {
+    else if is_bay && night > 0.0 && layer <= LAST_WINDOW {
+        // From afar panes, bars and wall run together in a pixel, and a lit window is its share of that.
+        let run_together = smoothstep(0.03, 0.12, max(length(uv_across), length(uv_down)));
+        let own = hash(floor(in.uv) + floor(centre * 3.0 + 0.127));
+        let lit = night * select(0.0, 1.0, own < LIT_WINDOWS) * run_together * opened;
+        let lamp = mix(vec3<f32>(1.0, 0.60, 0.26), vec3<f32>(1.0, 0.76, 0.48), fract(own * 17.0));
+        emissive += lit * lamp * ROOM_GLOW * 0.3 * (1.0 - tile.a);
+    } else if layer == LANTERN {
         emissive += night * LANTERN_GLOW * vec3<f32>(1.0, 0.70, 0.36) * albedo;
     }
 

@@ -3,13 +3,18 @@
 
 #import veduta_facade::surface::{hash, noise}
 
-// Luminance of the sky at an elevation's sine, and what houses across the street hide of it.
-fn mirrored(toward: vec3<f32>, zenith: vec3<f32>, horizon: vec3<f32>) -> vec3<f32> {
+// Luminance of a lamplit wall at night, candela per square metre.
+const LAMPLIT: vec3<f32> = vec3<f32>(11.0, 7.0, 3.6);
+
+// Luminance of the sky at an elevation's sine, and what houses across the street hide of it; `w` of the horizon: night, 0 to 1.
+fn mirrored(toward: vec3<f32>, zenith: vec3<f32>, horizon_night: vec4<f32>) -> vec3<f32> {
+    let horizon = horizon_night.xyz;
     let sky = mix(horizon, zenith, pow(max(toward.y, 0.0), 0.45));
     // Roofs across the way end at some 30°, unevenly.
     let bearing = normalize(toward.xz + vec2<f32>(1e-5, 0.0));
     let roofs = 0.34 + 0.16 * noise(bearing * 5.0 + 20.0) + 0.06 * noise(bearing * 23.0 + 70.0);
-    let houses = horizon * vec3<f32>(0.22, 0.19, 0.16) * (0.8 + 0.4 * noise(bearing * 9.0 + vec2<f32>(40.0, toward.y * 6.0)));
+    let walls = horizon * vec3<f32>(0.22, 0.19, 0.16) + horizon_night.w * LAMPLIT * exp(-3.0 * max(toward.y, 0.0));
+    let houses = walls * (0.8 + 0.4 * noise(bearing * 9.0 + vec2<f32>(40.0, toward.y * 6.0)));
     return mix(houses, sky, smoothstep(roofs - 0.03, roofs + 0.03, toward.y));
 }
 

@@ -409,6 +409,9 @@ mod tests {
         };
         let bays: Vec<usize> = Tile::all().filter(|tile| matches!(tile, Tile::Bay(_))).map(Tile::index).collect();
         assert_eq!(bays, (layer("FIRST_BAY")..=layer("LAST_BAY")).collect::<Vec<_>>());
+        assert_eq!(layer("LAST_WINDOW"), Tile::Bay(Opening::WideWindow).index());
+        assert_eq!(layer("SETTS"), Tile::Ground(SurfaceKind::Cobbles).index());
+        assert_eq!(layer("FLAGSTONES"), Tile::Ground(SurfaceKind::Flagstones).index());
         assert_eq!(layer("SHOP"), Tile::Bay(Opening::Shop).index());
         assert_eq!(layer("WATER"), Tile::Ground(SurfaceKind::Water).index());
         let grounds: Vec<usize> = Tile::all().filter(|tile| matches!(tile, Tile::Ground(_))).map(Tile::index).collect();

@@ -67,6 +67,55 @@ fn roof_cover(at: vec3<f32>, seed: f32, near: f32) -> vec3<f32> {
     return tone * mix(vec3<f32>(1.0), vec3<f32>(0.86, 0.95, 0.78), 0.55 * lichen * (0.4 + 0.6 * near));
 }
 
+// A row of flagstones among setts.
+struct SlabRow {
+    // Where its picture is read, and how that moves from pixel to pixel.
+    uv: vec2<f32>,
+    uv_across: vec2<f32>,
+    uv_down: vec2<f32>,
+    // How much of the pixel is flagstones.
+    share: f32,
+    // Whether it runs across the course, not along it.
+    is_across: bool,
+}
+
+// Metres that a tile of setts is wide, and one of flagstones; how broad a row of them is, and how far apart rows are: a part of what courses
+// repeat after.
+const SETTS_M: f32 = 1.6;
+const FLAGSTONES_M: f32 = 3.2;
+const ROW_M: f32 = 0.5333;
+const FIELD_M: f32 = 8.0;
+// Where in the picture of flagstones the middle of a row lies.
+const ROW_FROM_M: f32 = 0.48;
+
+// How much of a pixel `wide` metres wide lies in a row whose middle is `off` metres away.
+fn row_share(off: f32, wide: f32) -> f32 {
+    let w = clamp(wide, 1e-4, FIELD_M);
+    return max(min(off + 0.5 * ROW_M, 0.5 * w) - max(off - 0.5 * ROW_M, -0.5 * w), 0.0) / w;
+}
+
+// Rows along and across a course, of setts' texture coordinates.
+fn slab_row(uv: vec2<f32>, uv_across: vec2<f32>, uv_down: vec2<f32>) -> SlabRow {
+    let at = uv * SETTS_M;
+    let off = at - FIELD_M * floor(at / FIELD_M + 0.5);
+    let wide = (abs(uv_across) + abs(uv_down)) * SETTS_M;
+    let shares = vec2<f32>(row_share(off.x, wide.x), row_share(off.y, wide.y));
+    let scale = SETTS_M / FLAGSTONES_M;
+    var row: SlabRow;
+    row.share = max(shares.x, shares.y);
+    row.is_across = shares.x > shares.y;
+    // A row of its picture fills it.
+    row.uv = vec2<f32>(at.x, off.y + ROW_FROM_M) / FLAGSTONES_M;
+    row.uv_across = uv_across * scale;
+    row.uv_down = uv_down * scale;
+    if row.is_across {
+        row.uv = vec2<f32>(at.y, off.x + ROW_FROM_M) / FLAGSTONES_M;
+        row.uv_across = row.uv_across.yx;
+        row.uv_down = row.uv_down.yx;
+    }
+    return row;
+}
+
 // How ground is trodden and stained.
 fn ground_wear(at: vec2<f32>, near: f32) -> vec3<f32> {
     let broad = noise(at * 0.055);

@@ -24,7 +24,7 @@ pub struct Palette {
 }
 
 /// The palettes between which the light moves, by altitude of the sun in degrees.
-const STOPS: [(f32, Palette); 6] = [
+const STOPS: [(f32, Palette); 7] = [
     (
         -18.0,
         Palette {
@@ -36,6 +36,20 @@ const STOPS: [(f32, Palette); 6] = [
             fill: 100.0,
             sky: 150.0,
             ev100: 6.6,
+            night: 1.0,
+        },
+    ),
+    (
+        -12.0,
+        Palette {
+            zenith: Vec3::new(0.014, 0.026, 0.070),
+            horizon: Vec3::new(0.085, 0.090, 0.150),
+            key: Vec3::new(0.56, 0.66, 1.0),
+            key_lux: 58.0,
+            bounce: Vec3::new(0.08, 0.07, 0.075),
+            fill: 125.0,
+            sky: 200.0,
+            ev100: 6.8,
             night: 1.0,
         },
     ),
