@@ -15,7 +15,7 @@ use veduta::city::{Tour, file};
 use veduta::ecs::{CellEntered, StandingCells};
 use veduta::facade::FacadePlugin;
 use veduta::prelude::*;
-use veduta::streaming::{Event, Fetching, Journal, What};
+use veduta::streaming::{Event, Fetching, Journal, StreamingStats, What};
 use veduta::tour::TourState;
 use veduta_bake::{BakeSettings, Input, bake, enlarged, files_of_overrides, overrides_beside, survey};
 use veduta_store::CityStats;
@@ -185,6 +185,8 @@ struct Walk {
     bytes: u64,
     /// The same of index, regions, overviews and the four levels.
     bytes_by_kind: [u64; 7],
+    /// Most bytes that stood at once: content as it was sent, and the meshes made of it.
+    memory: u64,
 }
 
 /// CPU time of the thread at the borders of the system sets.
@@ -226,11 +228,15 @@ impl Walk {
             entities: 0,
             bytes: 0,
             bytes_by_kind: [0; 7],
+            memory: 0,
         };
         let mut entered = app.world().resource::<Messages<CellEntered>>().get_cursor();
         let mut waiting: Vec<(u32, u32)> = Vec::new();
         let (mut here, mut cell) = (DVec2::INFINITY, None);
-        for _ in 0..(duration_s * FPS) as u32 {
+        for frame in 0..(duration_s * FPS) as u32 {
+            if frame % FPS as u32 == 0 {
+                walk.memory = walk.memory.max(memory(app.world()));
+            }
             app.world_mut().resource_mut::<Marks>().0.clear();
             let began = ThreadTime::now();
             app.update();
@@ -271,6 +277,8 @@ impl Walk {
                 What::Region(_) => 1,
                 What::Overview(_) => 2,
                 What::Packet { level, .. } => 3 + level.index(),
+                // None are asked for.
+                What::File(_) => continue,
             };
             walk.bytes_by_kind[kind] += bytes;
         }
@@ -288,6 +296,16 @@ impl Walk {
     fn streaming(&self) -> impl Iterator<Item = f64> {
         self.sets[1].iter().zip(&self.sets[2]).map(|(stream, build)| stream + build)
     }
+}
+
+/// Bytes of the content that is loaded, as it was sent, and of all meshes.
+fn memory(world: &World) -> u64 {
+    let mesh = |mesh: &Mesh| {
+        let corners = mesh.indices().map_or(0, |indices| indices.len() * 4);
+        mesh.count_vertices() as u64 * mesh.get_vertex_size() + corners as u64
+    };
+    let meshes: u64 = world.resource::<Assets<Mesh>>().iter().map(|(_, of)| mesh(of)).sum();
+    meshes + world.resource::<StreamingStats>().bytes_loaded
 }
 
 /// All that runs on the main thread of a walk, without drawing; reading and building happen on their threads, but in the naive way.

@@ -21,8 +21,11 @@ const RUN_M_S: f64 = 8.0;
 const RUN_M: f64 = 1_600.0;
 /// A viewer of the naive way wants everything so near, metres.
 const NAIVE_M: f64 = 400.0;
-/// The sample city so many times, along and across.
-const TIMES: [(u32, u32, &str); 2] = [(5, 2, "10x"), (10, 10, "100x")];
+/// The sample city so many times, along and across, that streets go on on all sides of the walk as far as is seen: what its walk is compared
+/// with in larger ones, as a walk along a city's edge sees less.
+const SURROUNDED: (u32, u32) = (3, 3);
+/// Ten and a hundred times as large as that.
+const TIMES: [(u32, u32, &str); 2] = [(10, 9, "10x"), (30, 30, "100x")];
 
 /// Measures and prints, as one object of JSON or as lines of it.
 ///
@@ -66,20 +69,25 @@ pub(super) fn stream(scene: &Path, json: bool) -> Result<(), Failure> {
         let bytes = stats.bytes_per_house(level).unwrap_or(0.0);
         tell(&format!("bytes_per_house_level{}", level as u8), bytes, "B");
     }
+    let (surrounded, stats) = large(scene, &dir, SURROUNDED, "surrounded")?;
+    let houses = stats.houses;
     for (columns, rows, name) in TIMES {
         let (city, stats) = large(scene, &dir, (columns, rows), name)?;
         // In turn, so that a busy moment of the machine meets both.
-        let (mut ratios, mut bytes, mut told) = (Vec::new(), 0.0, String::new());
+        let (mut frames, mut bytes, mut memory, mut told) = (Vec::new(), 0.0, 0.0, Default::default());
         for _ in 0..REPEAT {
-            let mut small = Walk::run(&sample, &tour, Way::Streamed)?;
+            let mut small = Walk::run(&surrounded, &tour, Way::Streamed)?;
             let mut walk = Walk::run(&city, &tour, Way::Streamed)?;
-            ratios.push(median(&mut walk.frames) / median(&mut small.frames));
+            frames.push(median(&mut walk.frames) / median(&mut small.frames));
             bytes = walk.bytes as f64 / small.bytes as f64;
-            told = walk.told_bytes();
+            memory = walk.memory as f64 / small.memory as f64;
+            told = [small.told_bytes(), walk.told_bytes()];
         }
-        eprintln!("the sample tour in a city of {} houses: {told}", stats.houses);
-        tell(&format!("frame_ratio_{name}"), median(&mut ratios), "1");
+        eprintln!("the sample tour in a city of {houses} houses: {}", told[0]);
+        eprintln!("the sample tour in a city of {} houses: {}", stats.houses, told[1]);
+        tell(&format!("frame_ratio_{name}"), median(&mut frames), "1");
         tell(&format!("bytes_ratio_{name}"), bytes, "1");
+        tell(&format!("memory_ratio_{name}"), memory, "1");
         std::fs::remove_dir_all(&city)?;
     }
     if json {

@@ -1,22 +1,25 @@
 use glam::DVec2;
 use veduta_city::{CityGraph, Id};
 
-/// A city of `columns` × `rows` copies of a graph side by side, the first where the original lies: for measuring how costs
-/// grow with a city's size. Places keep their names in the first copy alone. The ground is level.
+/// A city of `columns` × `rows` copies of a graph side by side, the original in their middle: for measuring how costs grow with a
+/// city's size. Places keep their names in the original alone. The ground is level.
 #[must_use]
 pub fn enlarged(graph: &CityGraph, columns: u32, rows: u32) -> CityGraph {
     let Some((low, high)) = bounds(graph) else { return graph.clone() };
     let step = high - low + DVec2::splat(2.0 * graph.margin_m + 20.0);
     let mut large = CityGraph { nodes: Vec::new(), terrain: None, ..graph.clone() };
-    for copy in 0..columns.max(1) * rows.max(1) {
-        let by = DVec2::new(f64::from(copy % columns.max(1)), f64::from(copy / columns.max(1))) * step;
-        let id = |id: Id| if copy == 0 { id } else { Id::from_place(&format!("{id} copy {copy}"), DVec2::ZERO) };
+    let (columns, rows) = (i64::from(columns.max(1)), i64::from(rows.max(1)));
+    for copy in 0..columns * rows {
+        let (column, row) = (copy % columns - columns / 2, copy / columns - rows / 2);
+        let is_original = (column, row) == (0, 0);
+        let by = DVec2::new(column as f64, row as f64) * step;
+        let id = |id: Id| if is_original { id } else { Id::from_place(&format!("{id} copy {column} {row}"), DVec2::ZERO) };
         large.nodes.extend(graph.nodes.iter().map(|n| {
             let mut n = *n;
             (n.id, n.pos) = (id(n.id), n.pos + by);
             n
         }));
-        if copy == 0 {
+        if is_original {
             continue;
         }
         let ring = |ring: &[DVec2]| ring.iter().map(|p| *p + by).collect::<Vec<_>>();
@@ -73,6 +76,9 @@ mod tests {
         let large = enlarged(&graph, 5, 2);
         assert_eq!((large.nodes.len(), large.links.len(), large.buildings.len()), (20, 10, 10));
         assert_eq!(large.validate(), []);
-        assert!(large.buildings[1].outline[0].x > 100.0 + 20.0);
+        let corner = |n: usize| large.buildings[n].outline[0];
+        assert_eq!(corner(0), DVec2::new(10.0, 10.0), "the original stays where it is");
+        assert!((1..10).all(|n| corner(n).distance(corner(0)) >= 50.0 + 20.0));
+        assert!(corner(1).x < 0.0 && corner(9).x > 0.0, "copies lie on both sides of it");
     }
 }
