@@ -25,6 +25,7 @@
 //! A task graph with cached stages: every stage takes well under a second for a town.
 
 mod adopt;
+mod companions;
 mod enlarge;
 mod error;
 mod export;

@@ -8,6 +8,7 @@ use veduta_growth::plan::Stock;
 use veduta_route::{StreetNet, Unreached, unreached};
 use veduta_store::{CellParts, CityStats, CityWriter};
 
+use crate::companions;
 use crate::{BakeError, Heights, Input, InputKind, lay_on_ground, overrides_beside, read_facades, read_models};
 
 /// What may be chosen of a bake.
@@ -215,6 +216,7 @@ pub fn bake_input(input: &Input, out: &Path, settings: &BakeSettings, progress: 
         CellParts { shell: Cow::Owned(shell), sheet: Cow::Owned(contents.sheet(cell)), pictures: contents.pictures(cell), ground }
     };
     writer.cells(&plan, &cells, &parts)?;
+    findings.extend(companions::bring(&input.path, &mut writer)?);
     // The index of a large city takes as much again as its cells: the plan need not be there meanwhile.
     drop(contents);
     drop(plan);

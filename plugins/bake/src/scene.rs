@@ -7,35 +7,41 @@ pub(crate) fn below(folder: &Path, name: &str) -> Option<PathBuf> {
     leads_down.then(|| folder.join(path))
 }
 
+/// Endings of graphs and maps.
+const ENDINGS: [&str; 20] = [
+    ".graph.ron",
+    ".map.ron",
+    ".words.ron",
+    ".geojson",
+    ".geojsonl",
+    ".geojsonseq",
+    ".shp",
+    ".osm.pbf",
+    ".osm.gz",
+    ".osm.bz2",
+    ".osm",
+    ".pbf",
+    ".png",
+    ".jpg",
+    ".jpeg",
+    ".tif",
+    ".tiff",
+    ".webp",
+    ".json.gz",
+    ".json",
+];
+
+/// What a graph or map is called without its ending: `X` of `X.graph.ron`, `X.osm.pbf` and the like.
+pub(crate) fn stem_of(input: &Path) -> String {
+    let name = input.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let lower = name.to_lowercase();
+    ENDINGS.iter().find(|e| lower.ends_with(*e)).map_or_else(|| name.clone(), |e| name[..name.len() - e.len()].to_owned())
+}
+
 /// The overrides file that belongs to a graph or map: `X.graph.overrides.ron` beside `X.graph.ron`, `X.osm.pbf` and the like.
 #[must_use]
 pub fn overrides_beside(input: &Path) -> PathBuf {
-    let name = input.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let lower = name.to_lowercase();
-    let endings = [
-        ".graph.ron",
-        ".map.ron",
-        ".words.ron",
-        ".geojson",
-        ".geojsonl",
-        ".geojsonseq",
-        ".shp",
-        ".osm.pbf",
-        ".osm.gz",
-        ".osm.bz2",
-        ".osm",
-        ".pbf",
-        ".png",
-        ".jpg",
-        ".jpeg",
-        ".tif",
-        ".tiff",
-        ".webp",
-        ".json.gz",
-        ".json",
-    ];
-    let stem = endings.iter().find(|e| lower.ends_with(*e)).map_or(name.as_str(), |e| &name[..name.len() - e.len()]);
-    input.with_file_name(format!("{stem}.graph.overrides.ron"))
+    input.with_file_name(format!("{}.graph.overrides.ron", stem_of(input)))
 }
 
 #[cfg(test)]

@@ -18,6 +18,8 @@ pub struct City {
     pub extent: GridPolygon,
     /// Streets, areas, houses in outline and places, in parts that come and go.
     pub overviews: Overviews,
+    /// Files that travel with it, by their paths: guides, tours, pictures. The asset server loads one as `city://` and its path.
+    pub files: Vec<String>,
 }
 
 /// Asks for a city: a directory, or the URL of one on a web server. What was open before is closed.

@@ -98,6 +98,7 @@ pub(crate) enum BlobKind {
     Overview = 16,
     Styles = 17,
     Region = 18,
+    File = 19,
 }
 
 impl BlobKind {
@@ -110,6 +111,7 @@ impl BlobKind {
             Self::Overview => "the overview",
             Self::Styles => "the styles",
             Self::Region => "a region of the index",
+            Self::File => "a file of the city",
         }
     }
 
@@ -132,13 +134,14 @@ impl BlobKind {
             Self::Shell => Prior::Shell,
             Self::Facades => Prior::Sheet,
             Self::Overview => Prior::Overview,
-            Self::Painted | Self::Pictures | Self::Styles => Prior::None,
+            Self::Painted | Self::Pictures | Self::Styles | Self::File => Prior::None,
             Self::Region => Prior::Region,
         }
     }
 
     fn of(byte: u8) -> Option<Self> {
-        let all = [Self::Shell, Self::Facades, Self::Painted, Self::Pictures, Self::Overview, Self::Styles, Self::Region];
+        let packets = [Self::Shell, Self::Facades, Self::Painted, Self::Pictures];
+        let all = packets.into_iter().chain([Self::Overview, Self::Styles, Self::Region, Self::File]);
         all.into_iter().find(|&kind| kind as u8 == byte)
     }
 }

@@ -53,6 +53,13 @@ pub enum ClientEvent {
         /// It.
         overview: Arc<Overview>,
     },
+    /// A file is there.
+    FileReady {
+        /// Which, in the order of the index.
+        number: u32,
+        /// Its bytes.
+        content: Arc<[u8]>,
+    },
     /// A packet is there. It may no longer be wanted: then call [`Client::forget`].
     Arrived {
         /// Which cell.
@@ -145,9 +152,11 @@ pub struct Client {
     /// By region.
     overviews: Vec<Slot>,
     regions: Vec<RegionSlot>,
+    files: Vec<Slot>,
     wanted_regions: Vec<u32>,
     later_regions: Vec<u32>,
     wanted_overviews: Vec<u32>,
+    wanted_files: Vec<u32>,
     wanted: Vec<(u32, Level)>,
     /// So many of the most urgent are here: the search for the next begins behind them.
     all_here_before: usize,
@@ -166,9 +175,11 @@ impl Client {
             index_slot: Slot::default(),
             overviews: Vec::new(),
             regions: Vec::new(),
+            files: Vec::new(),
             wanted_regions: Vec::new(),
             later_regions: Vec::new(),
             wanted_overviews: Vec::new(),
+            wanted_files: Vec::new(),
             wanted: Vec::new(),
             all_here_before: 0,
             in_flight: BTreeMap::new(),
@@ -208,6 +219,13 @@ impl Client {
         self.wanted_overviews.extend(regions);
     }
 
+    /// Replaces the list of files wanted, most urgent first, by their numbers in the index. They come after packets, and before what is only
+    /// wanted when nothing else is due. A file that came is not asked for again unless [`Client::forget_file`] says so.
+    pub fn want_files(&mut self, files: impl IntoIterator<Item = u32>) {
+        self.wanted_files.clear();
+        self.wanted_files.extend(files);
+    }
+
     /// The next request to send off; `None` while there is nothing to ask for, enough is on its way, or all that is wanted
     /// waits to be tried again.
     pub fn next_request(&mut self, now_s: f64) -> Option<Request> {
@@ -223,7 +241,8 @@ impl Client {
         let later = || self.later_regions.iter().find_map(|&number| self.region_due(number, now_s));
         let packet = || self.wanted[self.all_here_before..].iter().find_map(|&(cell, level)| self.packet_due(cell, level, now_s));
         let overview = || self.wanted_overviews.iter().find_map(|&number| self.overview_due(number, now_s));
-        let (what, blob) = region.or_else(packet).or_else(later).or_else(overview)?;
+        let file = || self.wanted_files.iter().find_map(|&number| self.file_due(number, now_s));
+        let (what, blob) = region.or_else(packet).or_else(file).or_else(later).or_else(overview)?;
         // Overviews are in nobody's way.
         let is_overview = |what: &What| matches!(what, What::Overview(_));
         let counts = |asked: &What| !is_overview(asked) || is_overview(&what);
@@ -269,7 +288,12 @@ impl Client {
     /// Lets everything that failed and waits be tried again at once, as after a lost connection that stands again.
     pub fn retry_now(&mut self) {
         let cells = self.regions.iter_mut().flat_map(|region| region.cells.iter_mut().flatten().chain([&mut region.slot]));
-        for slot in cells.chain([&mut self.index_slot]).chain(&mut self.overviews).filter(|slot| slot.state == State::Missing) {
+        for slot in cells
+            .chain([&mut self.index_slot])
+            .chain(&mut self.overviews)
+            .chain(&mut self.files)
+            .filter(|slot| slot.state == State::Missing)
+        {
             *slot = Slot::default();
         }
     }
@@ -278,6 +302,12 @@ impl Client {
     fn region_due(&self, number: u32, now_s: f64) -> Option<(What, BlobRef)> {
         let entry = self.index.as_ref()?.regions.get(number as usize)?;
         self.regions.get(number as usize)?.slot.is_due(now_s).then_some((What::Region(number), entry.blob))
+    }
+
+    /// A file, if it is to be asked for now.
+    fn file_due(&self, number: u32, now_s: f64) -> Option<(What, BlobRef)> {
+        let file = self.index.as_ref()?.files.get(number as usize)?;
+        self.files.get(number as usize)?.is_due(now_s).then_some((What::File(number), file.blob))
     }
 
     /// The overview of a region, or the region that is to tell of it, if it is to be asked for now.
@@ -365,6 +395,21 @@ impl Client {
         }
     }
 
+    /// Says that a file that had arrived was released: it may be asked for again. Does nothing for one that is not there.
+    pub fn forget_file(&mut self, number: u32) {
+        if let Some(slot) = self.files.get_mut(number as usize)
+            && slot.state == State::Here
+        {
+            *slot = Slot::default();
+        }
+    }
+
+    /// Whether a file cannot be had, as with [`Client::gave_up`].
+    #[must_use]
+    pub fn gave_up_file(&self, number: u32, now_s: f64) -> bool {
+        self.files.get(number as usize).is_some_and(|slot| slot.gave_up(now_s, self.settings.patience_s))
+    }
+
     /// Whether the overview of a region, or what tells of it, cannot be had, as with [`Client::gave_up`].
     #[must_use]
     pub fn gave_up_overview(&self, region: u32, now_s: f64) -> bool {
@@ -408,6 +453,7 @@ impl Client {
         match what {
             What::Index => Some(&mut self.index_slot),
             What::Overview(number) => self.overviews.get_mut(number as usize),
+            What::File(number) => self.files.get_mut(number as usize),
             What::Region(number) => self.regions.get_mut(number as usize).map(|region| &mut region.slot),
             What::Packet { cell, level } => {
                 let index = self.index.as_ref()?;
@@ -458,6 +504,7 @@ impl Client {
                 self.stats.bytes += bytes;
                 self.regions = vec![RegionSlot::default(); index.regions.len()];
                 self.overviews = vec![Slot::default(); index.regions.len()];
+                self.files = vec![Slot::default(); index.files.len()];
                 self.index = Some(*index);
                 Ok(ClientEvent::Opened)
             }
@@ -473,6 +520,10 @@ impl Client {
                 self.stats.bytes += self.blob_bytes(|index| Some(index.region(region)?.overview));
                 Ok(ClientEvent::OverviewReady { region, overview })
             }
+            (What::File(number), Payload::File(content)) => {
+                self.stats.bytes += self.blob_bytes(|index| index.files.get(number as usize).map(|file| file.blob));
+                Ok(ClientEvent::FileReady { number, content })
+            }
             (What::Packet { cell, level }, Payload::Packet(packet)) if packet.level() == level => {
                 let bytes = self.blob_bytes(|index| index.cell(cell)?.packet(level).copied());
                 self.stats.bytes += bytes;
@@ -484,6 +535,7 @@ impl Client {
                     What::Index => INDEX,
                     What::Region(_) => "a region of the index",
                     What::Overview(_) => "an overview",
+                    What::File(_) => "a file of the city",
                     What::Packet { .. } => "a packet of the level asked for",
                 },
                 found: "the answer to another request".to_owned(),

@@ -42,6 +42,7 @@ pub(crate) fn head(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> R
         regions: [].into(),
         palettes: palettes(plan).into(),
         styles: styles(plan, stats, sink)?,
+        files: Vec::new(),
         pages: Vec::new(),
     })
 }

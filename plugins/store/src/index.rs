@@ -6,7 +6,9 @@ use crate::blob::{STORED_CAP, VALUES_CAP};
 use crate::code::{Prior, press, unpress};
 use crate::region::decode_region;
 use crate::wire::WireIndex;
-use crate::{BlobRef, CellEntry, FORMAT_VERSION, INDEX_NAME, PacketContext, Reader, Region, RegionEntry, StoreError, valid};
+use crate::{
+    BlobRef, CellEntry, CityFile, FORMAT_VERSION, INDEX_NAME, PacketContext, Reader, Region, RegionEntry, StoreError, valid,
+};
 
 /// What a walker must know of a whole city before asking for any part of it, and, as they come, the [`Region`]s that tell of its cells.
 /// It comes only out of [`decode_index`], [`read_index`] or a [`crate::Client`], which make sure that every index in it points at
@@ -35,6 +37,8 @@ pub struct CityIndex {
     pub palettes: Arc<[Palette]>,
     /// The styles that the city was baked with.
     pub styles: Option<BlobRef>,
+    /// Files that travel with the city, in the order of their paths.
+    pub files: Vec<CityFile>,
     /// Of each region, what is here.
     pub(crate) pages: Vec<Option<Arc<Region>>>,
 }
@@ -299,6 +303,7 @@ mod tests {
             regions: regions.into(),
             palettes: [Palette { walls: vec![Rgb(200, 190, 170)], roofs: vec![Rgb(140, 70, 50)], trim: 1.1 }].into(),
             styles: Some(BlobRef { hash: [78; 16], bytes: 13 }),
+            files: vec![CityFile { path: "t.guide.ron".to_owned(), blob: BlobRef { hash: [79; 16], bytes: 14 } }],
             pages: Vec::new(),
         }
         .without_pages();
@@ -329,7 +334,7 @@ mod tests {
             hasher.update(&encode_region(region, number, &index().regions));
         }
         let form = hasher.finalize().to_hex();
-        assert_eq!((FORMAT_VERSION, &form[..16]), (16, "de3a41a02ce65d93"), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((FORMAT_VERSION, &form[..16]), (17, "493429c587742ca4"), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

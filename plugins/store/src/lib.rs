@@ -84,6 +84,7 @@ mod code;
 mod compose;
 mod disk;
 mod error;
+mod file;
 #[cfg(not(target_arch = "wasm32"))]
 mod http;
 mod index;
@@ -103,6 +104,7 @@ pub use cache::{CacheReader, CacheStats};
 pub use client::{Client, ClientEvent, ClientSettings, ClientStats};
 pub use compose::CellParts;
 pub use error::{ReadError, StoreError};
+pub use file::{CityFile, FILE_CAP, decode_file, encode_file};
 #[cfg(not(target_arch = "wasm32"))]
 pub use http::{HttpReader, HttpSettings};
 pub use index::{CityIndex, decode_index, encode_index, read_index};
@@ -119,7 +121,7 @@ pub use write::{CityWriter, write_city};
 extern crate self as veduta_store;
 
 /// Version of the format that this program writes and reads.
-pub const FORMAT_VERSION: u32 = 16;
+pub const FORMAT_VERSION: u32 = 17;
 
 /// Name of the index's file in a city's directory.
 pub const INDEX_NAME: &str = "city.veduta";

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use veduta_city::{Level, Overview, Palette};
 
 use crate::{
-    BlobRef, CityIndex, Packet, PacketContext, Reader, Region, RegionEntry, StoreError, decode_index, decode_overview,
+    BlobRef, CityIndex, Packet, PacketContext, Reader, Region, RegionEntry, StoreError, decode_file, decode_index, decode_overview,
     decode_packet, decode_region,
 };
 
@@ -29,6 +29,11 @@ pub enum What {
         /// Which region.
         u32,
     ),
+    /// One of the city's files.
+    File(
+        /// Which, in the order of the index.
+        u32,
+    ),
     /// A cell's packet.
     Packet {
         /// Which cell.
@@ -44,6 +49,7 @@ impl fmt::Display for What {
             Self::Index => f.write_str("the city's index"),
             Self::Region(number) => write!(f, "region {number} of the index"),
             Self::Overview(number) => write!(f, "the overview of region {number}"),
+            Self::File(number) => write!(f, "file {number} of the city"),
             Self::Packet { cell, level } => write!(f, "cell {cell}, {level}"),
         }
     }
@@ -86,6 +92,8 @@ pub enum Payload {
     Region(Arc<Region>),
     /// An overview.
     Overview(Arc<Overview>),
+    /// A file.
+    File(Arc<[u8]>),
     /// A packet.
     Packet(Box<Packet>),
 }
@@ -101,6 +109,7 @@ impl Request {
             (What::Region(number), Some(_)) => {
                 decode_region(&bytes, number, &self.regions).map(|region| Payload::Region(Arc::new(region)))
             }
+            (What::File(_), Some(blob)) => decode_file(&bytes, blob).map(|content| Payload::File(content.into())),
             (What::Packet { level, .. }, Some(blob)) => {
                 let cell = self.home.as_ref().and_then(|(region, n)| region.cells.get(*n));
                 let context = PacketContext { outline: cell.map(|cell| &cell.outline), palettes: &self.palettes };

@@ -26,6 +26,8 @@ pub struct CityStats {
     pub bytes_overview: u64,
     /// Bytes of the styles.
     pub bytes_styles: u64,
+    /// Bytes of the files that travel with the city.
+    pub bytes_files: u64,
     /// Bytes of all packets, by [`Level::index`].
     pub bytes_level: [u64; 4],
 }

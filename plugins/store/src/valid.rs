@@ -9,6 +9,7 @@ use veduta_city::{
 };
 
 use crate::blob::BlobKind;
+use crate::file::check_files;
 use crate::{BlobRef, CellEntry, CityIndex, Region, RegionEntry};
 
 /// A reason in a sentence without a full stop.
@@ -312,6 +313,8 @@ pub(crate) fn check_index(index: &CityIndex) -> Check {
         return Err("its start or anchor is not a number".to_owned());
     }
     check_blob(BlobKind::Styles, index.styles.as_ref())?;
+    check_files(&index.files)?;
+    index.files.iter().try_for_each(|file| check_blob(BlobKind::File, Some(&file.blob)))?;
     // A city may have no edge, if nothing lies in it.
     if !(index.extent.outer.is_empty() && index.extent.holes.is_empty()) {
         check_polygon("the city's edge", &index.extent, FAR)?;

@@ -8,7 +8,8 @@ use veduta_city::{CellShell, Cells, CityPlan, FacadeSheet};
 
 use crate::compose::{self, CellParts, invalid};
 use crate::disk::Disk;
-use crate::{BlobRef, CellEntry, CityIndex, CityStats, INDEX_NAME, StoreError};
+use crate::file::check_files;
+use crate::{BlobRef, CellEntry, CityFile, CityIndex, CityStats, INDEX_NAME, StoreError, encode_file};
 
 /// Writes a city into a directory: whole or not at all.
 ///
@@ -92,6 +93,20 @@ impl CityWriter {
         self.overviews = compose::overviews(plan, cells, (&entries, &ground), &mut self.stats, &sink)?;
         self.entries = entries;
         Ok(())
+    }
+
+    /// Writes a file that is to travel with the city, by the path under which others name it.
+    ///
+    /// # Errors
+    /// [`StoreError::Invalid`] if the path could lead elsewhere or was given before, or there are too many; [`StoreError::TooLarge`]; else as [`write_city`].
+    pub fn file(&mut self, path: &str, content: &[u8]) -> Result<(), StoreError> {
+        let stored = encode_file(content)?;
+        let file = CityFile { path: path.to_owned(), blob: BlobRef::of(&stored) };
+        let files = &mut self.index.files;
+        files.insert(files.partition_point(|other| other.path.as_str() < path), file);
+        check_files(files).map_err(invalid)?;
+        self.stats.bytes_files += stored.len() as u64;
+        self.files.add(&BlobRef::of(&stored), &stored)
     }
 
     /// Writes the index, with what the cells tell of themselves, of what is seen from them and of the portals between them: the city is

@@ -415,3 +415,45 @@ fn bytes_are_counted_as_stored() {
     assert_eq!((stats.bytes, stats.bytes_level), (opened + level_1, [level_1, 0, 0, 0]));
     assert_eq!((stats.requests, stats.delivered, stats.failures, stats.in_flight), (5, 5, 0, 0));
 }
+
+#[test]
+fn files_that_travel_with_a_city_come_when_they_are_asked_for_and_go_with_the_next_city() {
+    let temp = TempDir::new("files");
+    let sample = city(3, 1);
+    let guide = "It is said that ".repeat(40).into_bytes();
+    let write = |files: &[(&str, &[u8])]| {
+        let mut writer = CityWriter::new(&temp.0, &sample.plan)?;
+        writer.cells(&sample.plan, &sample.cells, &|cell| sample.parts(cell))?;
+        files.iter().try_for_each(|(path, content)| writer.file(path, content))?;
+        writer.finish(sample.cells.clone())
+    };
+    let stats = write(&[("t.tour.ron", b"()"), ("t.guide.ron", &guide)]).expect("written");
+    assert!((20..200).contains(&stats.bytes_files), "{}", stats.bytes_files);
+    let reader = DirReader::new(&temp.0).expect("a city");
+    let mut client = Client::new(ClientSettings::default());
+    client.want_files([0, 7]);
+    let index = client.next_request(0.0).expect("a request");
+    client.deliver(index.id, index.fetch(&reader), 0.0);
+    let paths: Vec<_> = client.index().into_iter().flat_map(|index| &index.files).map(|file| file.path.as_str()).collect();
+    assert_eq!(paths, ["t.guide.ron", "t.tour.ron"], "in order");
+    let request = client.next_request(0.0).expect("a request");
+    assert_eq!(request.what, What::File(0));
+    let came = client.deliver(request.id, request.fetch(&reader), 0.0);
+    assert_eq!(came, [ClientEvent::FileReady { number: 0, content: guide.clone().into() }]);
+    assert_eq!(client.next_request(0.0), None, "it is here, and of number 7 there is nothing");
+    client.forget_file(0);
+    let again = client.next_request(0.0).expect("it was let go");
+    // Damaged on the way: it is asked for again.
+    let mut stored = reader.read(&again.path, again.limit).expect("there");
+    *stored.last_mut().expect("bytes") ^= 1;
+    let failed = client.deliver(again.id, again.decode(stored), 0.0);
+    assert!(matches!(failed[..], [ClientEvent::Failed { what: What::File(0), again_in_s: Some(_), .. }]), "{failed:?}");
+    assert_eq!(client.next_request(9.0).map(|request| request.what), Some(What::File(0)));
+    // Paths that lead elsewhere, or are given twice, are refused, and the city stays as it was.
+    for files in [&[("../t.ron", b"x".as_slice())][..], &[("a", b"x"), ("a", b"y")]] {
+        assert!(matches!(write(files), Err(StoreError::Invalid { .. })), "{files:?}");
+    }
+    let before = stats.blobs;
+    let stats = write(&[]).expect("written");
+    assert_eq!((stats.blobs, stats.blobs_removed), (before - 2, 2));
+}

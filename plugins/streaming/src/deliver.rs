@@ -10,6 +10,7 @@ use veduta_ecs::{
 use veduta_store::{CityIndex, Client, ClientEvent, Packet, What, sheet_fits};
 
 use crate::fetch::Store;
+use crate::files::CityFiles;
 use crate::journal::{Event, Journal, Reason};
 use crate::link::Link;
 use crate::pace::Pace;
@@ -100,6 +101,7 @@ pub(crate) fn deliver(world: &mut World) {
             note(world, Event::Cancelled { what });
         }
     }
+    store.client.want_files(world.get_resource::<CityFiles>().into_iter().flat_map(CityFiles::wanted));
     // Maps can wait until what is in sight stands.
     let is_planned = store.client.index().is_some() && store.told.is_some_and(|generation| generation > 0);
     let due = if is_planned && world.resource::<Awaited>().cells == 0 { &*world.resource::<Wanted>().overviews } else { &[] };
@@ -213,6 +215,13 @@ fn on_event(world: &mut World, store: &mut Store, event: ClientEvent, bytes: u64
                 city.overviews.put(region, Some(overview));
             }
         }
+        ClientEvent::FileReady { number, content } => {
+            note(world, Event::Arrived { what: What::File(number), bytes });
+            store.client.forget_file(number);
+            if let Some(mut files) = world.get_resource_mut::<CityFiles>() {
+                files.bring(number, &content);
+            }
+        }
         ClientEvent::Arrived { cell, level, packet } => arrive(world, store, cell, level, packet),
         ClientEvent::Failed { what, error, again_in_s } => {
             let message = match again_in_s {
@@ -220,6 +229,9 @@ fn on_event(world: &mut World, store: &mut Store, event: ClientEvent, bytes: u64
                 None => format!("{what}: {error}"),
             };
             warn!("{message}");
+            if let (What::File(number), None, Some(mut files)) = (what, again_in_s, world.get_resource_mut::<CityFiles>()) {
+                files.fail(number, &error);
+            }
             note(world, Event::Failed { what, error: error.to_string(), again_in_s });
             world.write_message(CityFailed { message, will_retry: again_in_s.is_some() });
         }
@@ -237,6 +249,7 @@ fn open(world: &mut World, index: &CityIndex) {
         start: index.start,
         extent: index.extent.clone(),
         overviews: Overviews::awaited(index.regions.iter().map(|region| region.bounds)),
+        files: index.files.iter().map(|file| file.path.clone()).collect(),
     });
     info!("{}: {} cells", index.name, index.cell_count());
     world.write_message(CityOpened);

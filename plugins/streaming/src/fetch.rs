@@ -8,6 +8,7 @@ use veduta_city::Level;
 use veduta_ecs::{Cell, CellReleased, City, CityFailed, OpenCity, StandingCells};
 use veduta_store::{Client, ClientSettings, Payload, ReadError, Reader, Request, RequestId, StoreError, What, open_reader};
 
+use crate::files::CityFiles;
 use crate::journal::Event;
 use crate::link::{Line, Link};
 use crate::{CurrentCell, Journal, Wanted};
@@ -236,6 +237,7 @@ pub(crate) fn open_city(
     mut standing: ResMut<StandingCells>,
     mut wanted: ResMut<Wanted>,
     viewers: Query<Entity, With<CurrentCell>>,
+    files: Option<ResMut<CityFiles>>,
     mut released: MessageWriter<CellReleased>,
     mut failed: MessageWriter<CityFailed>,
 ) {
@@ -252,6 +254,7 @@ pub(crate) fn open_city(
     }
     standing.clear();
     *wanted = Wanted::default();
+    files.into_iter().for_each(|mut files| files.close());
     commands.remove_resource::<City>();
     journal.note(time.elapsed_secs_f64(), Event::Opened { place: asked.0.clone() });
     let reader = match own {

@@ -35,6 +35,7 @@
 
 mod deliver;
 mod fetch;
+mod files;
 mod follow;
 mod journal;
 mod link;
@@ -47,6 +48,7 @@ use veduta_ecs::VedutaSystems;
 
 pub use deliver::{RetryTime, StreamingStats};
 pub use fetch::{CityReader, Fetching, Reconnect, StreamingCache};
+pub use files::CityAssetsPlugin;
 pub use follow::CurrentCell;
 pub use journal::{Entry, Event, Journal, JournalError, Reason, read_journal, replay, write_journal};
 pub use link::Link;
@@ -161,7 +163,7 @@ impl Plugin for StreamingPlugin {
                 Update,
                 (want::plan_wanted, (want::count_awaited, want::open_cells, want::plan_overviews)).chain().in_set(Want),
             )
-            .add_systems(Update, deliver::deliver.in_set(Deliver))
+            .add_systems(Update, (files::take_asks, deliver::deliver).chain().in_set(Deliver))
             .add_systems(Update, deliver::release_cells.in_set(Release));
     }
 }

@@ -6,7 +6,7 @@ use super::{
     columns::{Deltas, Pull, Texts},
     points::{PointWriter, Points},
 };
-use crate::{BlobRef, CityIndex, FORMAT_VERSION, RegionEntry, RegionKey};
+use crate::{BlobRef, CityFile, CityIndex, FORMAT_VERSION, RegionEntry, RegionKey};
 
 /// A [`CityIndex`] in columns, without the regions themselves.
 #[derive(Serialize, Deserialize)]
@@ -17,11 +17,12 @@ pub(crate) struct WireIndex {
     start: Viewpoint,
     /// The city's edge.
     points: Points,
-    /// Name and attribution of the city.
+    /// Name and attribution of the city, then the paths of its files.
     texts: Texts,
     regions: WireRegions,
     palettes: Vec<Palette>,
     styles: WireBlobs,
+    files: WireBlobs,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -40,16 +41,18 @@ impl From<&CityIndex> for WireIndex {
     fn from(index: &CityIndex) -> Self {
         let mut points = PointWriter::default();
         points.polygon(&index.extent);
+        let paths = index.files.iter().map(|file| file.path.as_str());
         Self {
             anchor: index.anchor,
             seed: index.seed,
             growth_version: index.growth_version,
             start: index.start,
             points: points.finish(),
-            texts: Texts::of([index.name.as_str(), index.attribution.as_str()]),
+            texts: Texts::of([index.name.as_str(), index.attribution.as_str()].into_iter().chain(paths)),
             regions: WireRegions::of(&index.regions),
             palettes: index.palettes.to_vec(),
             styles: WireBlobs::of(&index.styles),
+            files: WireBlobs::of(index.files.iter().map(|file| &file.blob)),
         }
     }
 }
@@ -106,7 +109,13 @@ impl TryFrom<WireIndex> for CityIndex {
         let mut points = wire.points.pull();
         let mut texts = wire.texts.pull()?;
         let (name, attribution) = (texts.take()?, texts.take()?);
+        let mut blobs = wire.files.pull("files");
+        let mut files = Vec::new();
+        while !blobs.is_empty() {
+            files.push(CityFile { path: texts.take()?, blob: blobs.take()? });
+        }
         texts.finish()?;
+        blobs.finish()?;
         let extent = points.polygon()?;
         points.finish()?;
         let one = |blobs: WireBlobs, name| -> Result<Option<BlobRef>, Malformed> {
@@ -127,6 +136,7 @@ impl TryFrom<WireIndex> for CityIndex {
             regions: wire.regions.pull()?.into(),
             palettes: wire.palettes.into(),
             styles: one(wire.styles, "styles")?,
+            files,
             pages: Vec::new(),
         }
         .without_pages())
