@@ -173,13 +173,55 @@ pub(crate) fn draw(
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::GridPolygon;
+    use bevy::camera::CameraPlugin;
+    use bevy::input::InputPlugin;
+    use veduta_city::{GridPolygon, Overview};
+    use veduta_ecs::{Overviews, VedutaSystems};
 
     use super::*;
 
     fn house(x: i32, y: i32, half: i32, height_m: i32) -> Massing {
         let corner = |a: i32, b: i32| GridPos((x + a * half) * 1024, (y + b * half) * 1024);
         Massing::block(GridPolygon::simple(vec![corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)]), height_m * 1024)
+    }
+
+    /// A viewer on open ground who looks north and down, in a window that nothing is drawn into.
+    fn outdoors() -> App {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin, WindowPlugin::default(), InputPlugin))
+            .init_asset::<Image>()
+            .init_asset::<Mesh>()
+            .init_asset::<bevy::shader::Shader>()
+            .init_asset::<bevy::mesh::skinning::SkinnedMeshInverseBindposes>()
+            .add_plugins((CameraPlugin, veduta_ecs::EcsPlugin))
+            .init_resource::<PickSettings>()
+            .init_resource::<Pointed>()
+            .init_resource::<Pin>()
+            .add_message::<Tap>()
+            .insert_resource(City { overviews: Overviews::whole(Overview::default()), ..City::default() })
+            .add_systems(Update, click.after(VedutaSystems::Show));
+        let mut windows = app.world_mut().query_filtered::<&mut Window, With<PrimaryWindow>>();
+        windows.single_mut(app.world_mut()).expect("the one window").resolution = (1280, 720).into();
+        let eye = Eye { pitch_deg: -20.0, ..Eye::default() };
+        app.world_mut().spawn((Camera3d::default(), Viewer, veduta_ecs::Footing::Own, eye));
+        app.finish();
+        app.cleanup();
+        (0..3).for_each(|_| app.update());
+        app
+    }
+
+    #[test]
+    fn a_tap_on_the_ground_leads_there() {
+        let mut app = outdoors();
+        app.world_mut().write_message(Tap { at: Vec2::new(640.0, 360.0) });
+        app.update();
+        let walks: Vec<WalkTo> = app.world_mut().resource_mut::<Messages<WalkTo>>().drain().collect();
+        let [walk] = walks.as_slice() else { panic!("one walk: {walks:?}") };
+        let ahead_m = 1.65 / 20_f64.to_radians().tan();
+        assert!(walk.to.pos.distance(DVec2::new(0.0, ahead_m)) < 0.05, "{walk:?}");
+        app.world_mut().write_message(Tap { at: Vec2::new(640.0, 5.0) });
+        app.update();
+        assert!(app.world().resource::<Messages<WalkTo>>().is_empty(), "a tap into the sky leads nowhere");
     }
 
     #[test]

@@ -14,9 +14,9 @@ control! {
     /// Turns the map north up, or heading up.
     pub MapNorth: Always = "map.north", [Input::key(KeyCode::KeyN)];
     /// Shows less of the map, larger.
-    pub MapNearer: Always = "map.nearer", [Input::key(KeyCode::Equal), Input::key(KeyCode::NumpadAdd), Input::Letter('+')];
+    pub MapNearer: Always = "map.nearer", [Input::Letter('+'), Input::key(KeyCode::Equal), Input::key(KeyCode::NumpadAdd)];
     /// Shows more of the map, smaller.
-    pub MapWider: Always = "map.wider", [Input::key(KeyCode::Minus), Input::key(KeyCode::NumpadSubtract), Input::Letter('-')];
+    pub MapWider: Always = "map.wider", [Input::Letter('-'), Input::key(KeyCode::Minus), Input::key(KeyCode::NumpadSubtract)];
 }
 
 /// Adds the map's controls to the list, without anything that they do.
