@@ -115,10 +115,11 @@ fn pad_input(pad: &Gamepad, settings: &StickSettings) -> Option<Input> {
 
 #[cfg(test)]
 mod tests {
+    use bevy::input::ButtonState;
     use bevy::input::gamepad::{GamepadAxis, RawGamepadAxisChangedEvent, RawGamepadEvent};
 
     use super::*;
-    use crate::testing::{Forward, app};
+    use crate::testing::{Forward, app, turn};
     use crate::{Control, Presses};
 
     fn wait(app: &mut App, nth: usize) {
@@ -127,14 +128,8 @@ mod tests {
     }
 
     fn press(app: &mut App, keys: &[KeyCode]) {
-        for key in keys {
-            app.world_mut().resource_mut::<ButtonInput<KeyCode>>().press(*key);
-        }
-        app.update();
-        for key in keys {
-            app.world_mut().resource_mut::<ButtonInput<KeyCode>>().release(*key);
-        }
-        app.update();
+        turn(app, keys, &[], ButtonState::Pressed);
+        turn(app, keys, &[], ButtonState::Released);
     }
 
     fn bound(app: &App) -> Vec<String> {
@@ -155,15 +150,10 @@ mod tests {
         press(&mut app, &[KeyCode::ShiftLeft, KeyCode::KeyZ]);
         assert_eq!(bound(&app), ["Shift+KeyZ", "Pad LeftStick Up"]);
         assert!(!app.world().resource::<Capture>().is_waiting());
-        let mut keys = app.world_mut().resource_mut::<ButtonInput<KeyCode>>();
-        keys.press(KeyCode::KeyW);
-        app.update();
+        turn(&mut app, &[KeyCode::KeyW], &[], ButtonState::Pressed);
         assert_eq!(forward(&mut app), 0.0, "what it was bound to is free");
-        let mut keys = app.world_mut().resource_mut::<ButtonInput<KeyCode>>();
-        keys.release(KeyCode::KeyW);
-        keys.press(KeyCode::ShiftRight);
-        keys.press(KeyCode::KeyZ);
-        app.update();
+        turn(&mut app, &[KeyCode::KeyW], &[], ButtonState::Released);
+        turn(&mut app, &[KeyCode::ShiftRight, KeyCode::KeyZ], &[], ButtonState::Pressed);
         assert_eq!(forward(&mut app), 1.0);
     }
 
@@ -186,14 +176,11 @@ mod tests {
     fn nothing_is_done_while_an_input_is_waited_for() {
         let mut app = app();
         wait(&mut app, 0);
-        app.world_mut().resource_mut::<ButtonInput<KeyCode>>().press(KeyCode::KeyR);
+        turn(&mut app, &[KeyCode::KeyR], &[], ButtonState::Pressed);
         app.update();
-        app.update();
-        assert_eq!(forward(&mut app), 0.0, "the key that was chosen is still down");
-        app.world_mut().resource_mut::<ButtonInput<KeyCode>>().release(KeyCode::KeyR);
-        app.update();
-        app.world_mut().resource_mut::<ButtonInput<KeyCode>>().press(KeyCode::KeyR);
-        app.update();
+        assert_eq!((bound(&app)[0].as_str(), forward(&mut app)), ("KeyR", 0.0), "the key that was chosen is still down");
+        turn(&mut app, &[KeyCode::KeyR], &[], ButtonState::Released);
+        turn(&mut app, &[KeyCode::KeyR], &[], ButtonState::Pressed);
         assert_eq!(forward(&mut app), 1.0);
     }
 
@@ -201,8 +188,7 @@ mod tests {
     fn mouse_and_gamepad_can_be_chosen() {
         let mut app = app();
         wait(&mut app, 0);
-        app.world_mut().resource_mut::<ButtonInput<MouseButton>>().press(MouseButton::Back);
-        app.update();
+        turn(&mut app, &[], &[MouseButton::Back], ButtonState::Pressed);
         let pad = app.world_mut().spawn(Gamepad::default()).id();
         wait(&mut app, 1);
         let event = RawGamepadAxisChangedEvent { gamepad: pad, axis: GamepadAxis::RightStickX, value: -1.0 };

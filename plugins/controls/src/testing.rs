@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use bevy::input::InputPlugin;
+use bevy::input::keyboard::{Key, KeyboardInput, NativeKey};
+use bevy::input::mouse::MouseButtonInput;
+use bevy::input::{ButtonState, InputPlugin};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 
@@ -44,6 +46,19 @@ fn declare(app: &mut App) {
         .add_control::<Bow>()
         .add_control::<Dive>()
         .add_control::<Find>();
+}
+
+/// Keys of a keyboard and buttons of a mouse go down, or up: what the engine is told by the system.
+pub(crate) fn turn(app: &mut App, keys: &[KeyCode], buttons: &[MouseButton], state: ButtonState) {
+    let window = Entity::PLACEHOLDER;
+    for &key_code in keys {
+        let logical_key = Key::Unidentified(NativeKey::Unidentified);
+        app.world_mut().write_message(KeyboardInput { key_code, logical_key, state, text: None, repeat: false, window });
+    }
+    for &button in buttons {
+        app.world_mut().write_message(MouseButtonInput { button, state, window });
+    }
+    app.update();
 }
 
 /// The list of controls.

@@ -43,7 +43,7 @@ pub use interface::{Interface, PlaceNames, PointersTaken, Route, ShowOnMap, Tour
 pub use overview::{Around, OverviewWants, Overviews};
 pub use place::{City, CityFailed, CityOpened, JumpTo, OpenCity};
 pub use sets::{InterfaceSystems, VedutaSystems};
-pub use sight::{Sight, Sights};
+pub use sight::{Sight, Sights, house_key};
 pub use space::WorldOrigin;
 pub use words::{Words, WordsError, WordsValue};
 

@@ -42,13 +42,44 @@ impl Sights<'_> {
         meet(self.houses(from.truncate(), reach_m), from, way, reach_m, |pos| self.ground.at(pos, near_m))
     }
 
-    /// Whether a point lies in a house.
+    /// From where on, and up to where, a line is free that begins at a house of its own or nowhere: how far along it. The line may lead out of its
+    /// own house, told by [`house_key`], and back into it; it ends before any other, and before the ground. No further than it reaches.
     #[must_use]
-    pub fn is_in_a_house(&self, at: DVec3) -> bool {
-        let pos = GridPos::from_metres(at.truncate());
-        self.houses(at.truncate(), 0.0)
-            .any(|house| house.outline.contains(pos) && at.z < self.ground.at(at.truncate(), at.z) + metres(house.height))
+    pub fn room(&self, from: DVec3, way: DVec3, reach_m: f64, own: Option<GridPos>) -> (f64, f64) {
+        let (here, ground_m) = (GridPos::from_metres(from.truncate()), self.ground.at(from.truncate(), from.z));
+        let is_own = |house: &Massing| own.is_some() && own == house_key(house);
+        let houses = || self.houses(from.truncate(), reach_m);
+        if houses().any(|h| !is_own(h) && h.outline.contains(here) && from.z < ground_m + metres(h.height)) || from.z < ground_m {
+            return (0.0, 0.0);
+        }
+        let least =
+            houses().filter(|house| is_own(house)).filter_map(|house| leaves(house, from, way, ground_m)).fold(0.0, f64::max);
+        let others = houses().filter(|house| !is_own(house));
+        let met = meet(others, from, way, reach_m, |pos| self.ground.at(pos, from.z));
+        (least, met.map_or(reach_m, |met| met.along.min(reach_m)))
     }
+}
+
+/// What tells a house from all others: its outline's first corner.
+#[must_use]
+pub fn house_key(house: &Massing) -> Option<GridPos> {
+    house.outline.outer.first().copied()
+}
+
+/// Where a line is out of a house for good: how far along it. `None` where it never is within.
+fn leaves(house: &Massing, from: DVec3, way: DVec3, ground_m: f64) -> Option<f64> {
+    let (a, d) = (from.truncate(), way.truncate());
+    let top_m = ground_m + metres(house.height);
+    let edges = house.outline.rings().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
+    let walls = edges.filter_map(|(p, q)| {
+        let (p, edge) = (p.to_metres(), q.to_metres() - p.to_metres());
+        let across = d.perp_dot(edge);
+        let (t, u) = ((p - a).perp_dot(edge) / across, (p - a).perp_dot(d) / across);
+        (t > 0.0 && (0.0..=1.0).contains(&u) && from.z + way.z * t <= top_m).then_some(t)
+    });
+    let roof = (top_m - from.z) / way.z;
+    let is_roof = roof > 0.0 && roof.is_finite() && house.outline.contains(GridPos::from_metres(a + d * roof));
+    walls.chain(is_roof.then_some(roof)).max_by(f64::total_cmp)
 }
 
 /// Where a line of sight meets the wall or the roof of a house: how far along it.
@@ -152,6 +183,17 @@ mod tests {
         let above = DVec3::new(20.0, 0.0, 60.0);
         let down = meet(town.iter(), above, DVec3::NEG_Z, 200.0, |_| 0.0).expect("a roof");
         assert_eq!((down.house, down.at.z), (Some(&town[0]), 10.0), "its roof, from above");
+    }
+
+    #[test]
+    fn a_line_leaves_its_house_by_the_far_wall_or_the_roof() {
+        let block = house(20, 0, 5, 10);
+        let leaves = |from: DVec3, way: DVec3| leaves(&block, from, way, 0.0);
+        assert_eq!(leaves(DVec3::new(16.0, 0.0, 2.0), DVec3::X), Some(9.0), "from within");
+        assert_eq!(leaves(DVec3::new(10.0, 0.0, 2.0), DVec3::X), Some(15.0), "through it");
+        assert_eq!(leaves(DVec3::new(14.0, 0.0, 2.0), DVec3::NEG_X), None, "away from it");
+        assert_eq!(leaves(DVec3::new(20.0, 0.0, 2.0), DVec3::Z), Some(8.0), "up");
+        assert_eq!(leaves(DVec3::new(10.0, 0.0, 2.0), DVec3::new(1.0, 0.0, 1.0)), Some(8.0), "in by the wall and out by the roof");
     }
 
     #[test]

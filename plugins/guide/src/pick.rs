@@ -173,7 +173,7 @@ pub(crate) fn draw(
 
 #[cfg(test)]
 mod tests {
-    use bevy::camera::CameraPlugin;
+    use bevy::camera::{CameraProjection, RenderTargetInfo};
     use bevy::input::InputPlugin;
     use veduta_city::{GridPolygon, Overview};
     use veduta_ecs::{Overviews, VedutaSystems};
@@ -188,22 +188,19 @@ mod tests {
     /// A viewer on open ground who looks north and down, in a window that nothing is drawn into.
     fn outdoors() -> App {
         let mut app = App::new();
-        app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin, WindowPlugin::default(), InputPlugin))
-            .init_asset::<Image>()
-            .init_asset::<Mesh>()
-            .init_asset::<bevy::shader::Shader>()
-            .init_asset::<bevy::mesh::skinning::SkinnedMeshInverseBindposes>()
-            .add_plugins((CameraPlugin, veduta_ecs::EcsPlugin))
+        app.add_plugins((MinimalPlugins, TransformPlugin, InputPlugin, veduta_ecs::EcsPlugin))
             .init_resource::<PickSettings>()
             .init_resource::<Pointed>()
             .init_resource::<Pin>()
             .add_message::<Tap>()
             .insert_resource(City { overviews: Overviews::whole(Overview::default()), ..City::default() })
             .add_systems(Update, click.after(VedutaSystems::Show));
-        let mut windows = app.world_mut().query_filtered::<&mut Window, With<PrimaryWindow>>();
-        windows.single_mut(app.world_mut()).expect("the one window").resolution = (1280, 720).into();
         let eye = Eye { pitch_deg: -20.0, ..Eye::default() };
-        app.world_mut().spawn((Camera3d::default(), Viewer, veduta_ecs::Footing::Own, eye));
+        let mut camera = Camera::default();
+        let lens = PerspectiveProjection { fov: 55_f32.to_radians(), aspect_ratio: 16.0 / 9.0, ..default() };
+        camera.computed.clip_from_view = lens.get_clip_from_view();
+        camera.computed.target_info = Some(RenderTargetInfo { physical_size: UVec2::new(1280, 720), scale_factor: 1.0 });
+        app.world_mut().spawn((camera, Transform::default(), Viewer, veduta_ecs::Footing::Own, eye));
         app.finish();
         app.cleanup();
         (0..3).for_each(|_| app.update());

@@ -38,6 +38,7 @@ impl Glide {
         let t = if self.whole_s > 0.0 { self.gone_s / self.whole_s } else { 1.0 };
         let (over, down) = (smooth(t / PART), smooth((t - (1.0 - PART)) / PART));
         let at = self.from.truncate().lerp(self.to.truncate(), over).extend(self.from.z + (self.to.z - self.from.z) * down);
+        let at = if t >= 1.0 { self.to } else { at };
         let level_deg = self.from_pitch_deg.clamp(-LEVEL_DEG, LEVEL_DEG);
         (at, self.from_pitch_deg + (level_deg - self.from_pitch_deg) * smooth(t), t >= 1.0)
     }
