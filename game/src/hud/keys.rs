@@ -1,4 +1,4 @@
-use bevy_egui::egui::{Align, Button, Grid, Layout, RichText, ScrollArea, Ui, WidgetInfo, WidgetType};
+use bevy_egui::egui::{Button, RichText, ScrollArea, Ui, WidgetInfo, WidgetType};
 use veduta::controls::{Capture, ControlList, Controls, KeyCaps, Listed, Place, label, message_of};
 use veduta::ecs::Words;
 use veduta::ui::{Look, Surface, Symbol, symbol_button};
@@ -49,12 +49,9 @@ pub(super) fn show(ui: &mut Ui, look: &Look, words: &Words, shown: Shown<'_>) ->
             for scope in shown.list.scopes() {
                 ui.add_space(look.text * 0.4);
                 ui.label(look.words(words.say(&format!("scope-{scope}")), 1.05, look.accent(surface)));
-                Grid::new(("keys", scope)).num_columns(2).spacing([look.text * 1.2, look.text * 0.3]).show(ui, |ui| {
-                    for control in shown.list.iter().filter(|control| control.scope == scope) {
-                        press = row(ui, look, words, shown, control).or(press);
-                        ui.end_row();
-                    }
-                });
+                for control in shown.list.iter().filter(|control| control.scope == scope) {
+                    press = row(ui, look, words, shown, control).or(press);
+                }
             }
         });
         if ui.button(words.say("keys-reset-all")).clicked() {
@@ -64,45 +61,64 @@ pub(super) fn show(ui: &mut Ui, look: &Look, words: &Words, shown: Shown<'_>) ->
     press
 }
 
+/// Width of what controls do, and of what they are bound to, in heights of letters.
+const WIDE: (f32, f32) = (19.0, 34.0);
+
 /// A control: what it does, its inputs, what else they do, and a way back.
 fn row(ui: &mut Ui, look: &Look, words: &Words, shown: Shown<'_>, control: &Listed) -> Option<Press> {
+    let what = words.say(&message_of(control.name));
+    let share = (ui.ctx().content_rect().width() * 0.9 / (look.text * (WIDE.0 + WIDE.1))).min(1.0);
+    let (left, right) = (look.text * WIDE.0 * share, look.text * WIDE.1 * share);
+    let columns = ui.horizontal_top(|ui| {
+        ui.vertical(|ui| {
+            ui.set_width(left);
+            ui.add_space(look.text * 0.15);
+            ui.label(&what);
+        });
+        let inputs = ui.vertical(|ui| {
+            ui.set_width(right);
+            ui.horizontal_wrapped(|ui| inputs(ui, look, words, shown, (control, &what))).inner
+        });
+        inputs.inner
+    });
+    columns.inner
+}
+
+/// The inputs of a control, told by what it does.
+fn inputs(ui: &mut Ui, look: &Look, words: &Words, shown: Shown<'_>, (control, what): (&Listed, &String)) -> Option<Press> {
     let surface = Surface::Paper;
     let mut press = None;
-    let what = words.say(&message_of(control.name));
-    ui.label(&what);
     let bound = shown.controls.bound(control);
-    ui.with_layout(Layout::left_to_right(Align::Center).with_main_wrap(true), |ui| {
-        ui.spacing_mut().item_spacing.x = look.text * 0.3;
-        for nth in 0..=bound.len() {
-            let place = Place { control: control.name, nth };
-            let is_waiting = shown.waiting == Some(place);
-            let (text, name) = match bound.get(nth) {
-                Some(input) => {
-                    let input = label(*input, words, shown.caps);
-                    (input.clone(), say(words, "keys-change", &[("what", &what), ("input", &input)]))
-                }
-                None => ("+".to_owned(), say(words, "keys-add", &[("what", &what)])),
-            };
-            let text = if is_waiting { words.say("keys-press") } else { text };
-            let ink = if is_waiting { look.accent(surface) } else { look.ink(surface) };
-            let button = ui.add(Button::new(look.words(text, 0.95, ink)));
-            button.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &name));
-            if button.clicked() {
-                // The key that is pressed next is not meant for the button.
-                button.surrender_focus();
-                press = Some(Press::Wait(place));
+    ui.spacing_mut().item_spacing.x = look.text * 0.3;
+    for nth in 0..=bound.len() {
+        let place = Place { control: control.name, nth };
+        let (text, name) = match bound.get(nth) {
+            Some(input) => {
+                let input = label(*input, words, shown.caps);
+                (input.clone(), say(words, "keys-change", &[("what", what), ("input", &input)]))
             }
+            None => ("+".to_owned(), say(words, "keys-add", &[("what", what)])),
+        };
+        let is_waiting = shown.waiting == Some(place);
+        let text = if is_waiting { words.say("keys-press") } else { text };
+        let ink = if is_waiting { look.accent(surface) } else { look.ink(surface) };
+        let button = ui.add(Button::new(look.words(text, 0.95, ink)));
+        button.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &name));
+        if button.clicked() {
+            // The key that is pressed next is not meant for the button.
+            button.surrender_focus();
+            press = Some(Press::Wait(place));
         }
-        if shown.controls.is_changed_from_first(control) {
-            let name = say(words, "keys-reset", &[("what", &what)]);
-            if symbol_button(ui, look, surface, Symbol::Reconnect, false, &name, "").clicked() {
-                press = Some(Press::Reset(control.name));
-            }
+    }
+    if shown.controls.is_changed_from_first(control) {
+        let name = say(words, "keys-reset", &[("what", what)]);
+        if symbol_button(ui, look, surface, Symbol::Reconnect, false, &name, "").clicked() {
+            press = Some(Press::Reset(control.name));
         }
-        for told in conflicts(words, shown, control) {
-            ui.label(look.words(told, 0.85, look.accent(surface)).strong());
-        }
-    });
+    }
+    for told in conflicts(words, shown, control) {
+        ui.label(look.words(told, 0.85, look.accent(surface)).strong());
+    }
     press
 }
 
