@@ -1,4 +1,4 @@
-//! The expert's view (F2): how the city streams, as it does so. The plan of cells with what is loaded and in sight, the line with its faults
+//! The expert's view: how the city streams, as it does so. The plan of cells with what is loaded and in sight, the line with its faults
 //! to set, what was downloaded over the walk, the journal; and in the street itself blue stones for what is on its way and
 //! proximity walls in the portals: a click on one walks through.
 
@@ -10,8 +10,11 @@ mod walls;
 use bevy::prelude::*;
 use bevy_egui::{EguiPrimaryContextPass, egui::Color32};
 use veduta::city::Level;
+use veduta::controls::Presses;
 use veduta::guide::PickSettings;
 use veduta::walker::WalkerSystems;
+
+use crate::hud::controls::ExpertOpen;
 
 /// The expert's view.
 pub(crate) struct ExpertPlugin;
@@ -42,10 +45,12 @@ fn is_shown(expert: Res<Expert>) -> bool {
     expert.is_shown
 }
 
-fn toggle(keys: Res<ButtonInput<KeyCode>>, mut expert: ResMut<Expert>, mut pick: ResMut<PickSettings>) {
-    if keys.just_pressed(KeyCode::F2) {
+fn toggle(presses: Presses<'_, '_>, mut expert: ResMut<Expert>, mut pick: ResMut<PickSettings>) {
+    if presses.begins::<ExpertOpen>() {
         expert.is_shown = !expert.is_shown;
-        // A click goes through walls then, and nowhere else.
+    }
+    // A click goes through walls then, and nowhere else.
+    if pick.leads == expert.is_shown {
         pick.leads = !expert.is_shown;
     }
 }

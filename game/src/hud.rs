@@ -1,17 +1,21 @@
 //! What lies over the picture: the bar, help, the first minute, hints, settings, and what has gone wrong.
 
 mod bar;
+pub(crate) mod controls;
 mod diary;
+mod fingers;
 mod first;
 mod help;
+mod keys;
 mod notes;
 mod offers;
+mod pad;
 mod settings;
 
+use bevy::input::InputSystems;
 use bevy::prelude::*;
-use bevy_egui::EguiPrimaryContextPass;
-use veduta::ecs::{Words, keys_are_free};
-use veduta::prelude::*;
+use bevy_egui::{EguiPreUpdateSet, EguiPrimaryContextPass};
+use veduta::ecs::Words;
 use veduta::ui::UiSystems;
 use veduta::walker::WalkerSystems;
 
@@ -36,55 +40,23 @@ impl Plugin for HudPlugin {
     fn build(&self, app: &mut App) {
         veduta::ui::ensure(app);
         Words::bring(app, &WORDS);
+        controls::add_controls(app);
         app.init_resource::<Open>()
+            .init_resource::<keys::Part>()
             .init_resource::<bar::Bar>()
             .init_resource::<bar::Pressed>()
             .init_resource::<first::FirstMinute>()
             .init_resource::<notes::Notes>()
             .init_resource::<TourFiles>()
-            .add_systems(
-                Update,
-                (read_keys.run_if(keys_are_free), notes::gather, notes::watch, first::watch, offers::offer, offers::take),
-            )
+            .init_resource::<crate::settings::DroppedKeys>()
+            .add_systems(PreUpdate, pad::steer.after(InputSystems).before(EguiPreUpdateSet::ProcessInput))
+            .add_systems(Update, (controls::read_keys, notes::gather, notes::watch, first::watch, offers::offer, offers::take))
             .add_systems(Update, (diary::take_still, diary::tell))
             .add_systems(Update, bar::press.after(WalkerSystems::Input).before(WalkerSystems::Move))
             .add_systems(
                 EguiPrimaryContextPass,
-                (bar::draw, first::draw, notes::draw, help::draw, settings::draw).chain().in_set(UiSystems::Draw),
+                (fingers::draw, bar::draw, first::draw, notes::draw, help::draw, settings::draw).chain().in_set(UiSystems::Draw),
             );
-    }
-}
-
-/// A quarter of a year, days.
-const DAYS_A_SEASON: u16 = 92;
-
-/// F1, F3, Escape, Ctrl+Q, and the hour and season of the city.
-fn read_keys(
-    time: Res<Time>,
-    keys: Res<ButtonInput<KeyCode>>,
-    mut open: ResMut<Open>,
-    mut clock: ResMut<CityClock>,
-    mut exits: MessageWriter<AppExit>,
-) {
-    let command = [KeyCode::ControlLeft, KeyCode::ControlRight, KeyCode::SuperLeft, KeyCode::SuperRight];
-    if keys.any_pressed(command) && keys.just_pressed(KeyCode::KeyQ) {
-        exits.write(AppExit::Success);
-    }
-    if keys.just_pressed(KeyCode::F1) {
-        open.help = !open.help;
-    }
-    if keys.just_pressed(KeyCode::F3) {
-        open.settings = !open.settings;
-    }
-    if keys.just_pressed(KeyCode::Escape) && (open.help || open.settings) {
-        *open = Open::default();
-    }
-    let turn = f64::from(keys.pressed(KeyCode::KeyJ)) - f64::from(keys.pressed(KeyCode::KeyH));
-    if turn != 0.0 {
-        clock.hour = (clock.hour + turn * time.delta_secs_f64() * 1.5).rem_euclid(24.0);
-    }
-    if keys.just_pressed(KeyCode::KeyK) {
-        clock.day = (clock.day + DAYS_A_SEASON - 1) % 366 + 1;
     }
 }
 

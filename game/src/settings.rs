@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 use veduta::buildings::BuildSettings;
 use veduta::city::file;
+use veduta::controls::{ControlList, Controls, ControlsSystems, WrittenControls};
 use veduta::ecs::{Interface, Words};
 use veduta::facade::{AutoLevels, LevelReach};
 use veduta::guide::PanelSettings;
@@ -47,6 +48,8 @@ pub(crate) struct Settings {
     pub bar_stays: bool,
     /// Whether the first minute has been gone through or skipped.
     pub knows_the_way: bool,
+    /// What has been changed of keys: names of inputs by name of control.
+    pub keys: WrittenControls,
 }
 
 impl Default for Settings {
@@ -73,6 +76,7 @@ impl Default for Settings {
             captions: true,
             bar_stays: false,
             knows_the_way: false,
+            keys: WrittenControls::new(),
         }
     }
 }
@@ -191,8 +195,10 @@ pub(crate) struct SettingsPlugin;
 
 impl Plugin for SettingsPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PreUpdate, gather)
-            .add_systems(Update, (speak, dress, reach).run_if(resource_changed::<Settings>))
+        app.add_systems(PreUpdate, gather.after(ControlsSystems::Sense))
+            .init_resource::<DroppedKeys>()
+            .add_systems(PostStartup, read_controls)
+            .add_systems(Update, (speak, dress, reach, bind).run_if(resource_changed::<Settings>))
             .add_systems(Update, follow.after(reach))
             .add_systems(PostUpdate, keep)
             .add_systems(Last, keep_at_the_end);
@@ -200,8 +206,13 @@ impl Plugin for SettingsPlugin {
 }
 
 /// What was changed without the settings' window: by keys and wheel.
-fn gather(map: Res<MinimapSettings>, panel: Res<PanelSettings>, captions: Res<CaptionSettings>, mut settings: ResMut<Settings>) {
-    if !(map.is_changed() || panel.is_changed() || captions.is_changed()) || settings.is_changed() {
+fn gather(
+    (map, panel, captions): (Res<MinimapSettings>, Res<PanelSettings>, Res<CaptionSettings>),
+    controls: Res<Controls>,
+    mut settings: ResMut<Settings>,
+) {
+    let is_changed = map.is_changed() || panel.is_changed() || captions.is_changed() || controls.is_changed();
+    if !is_changed || settings.is_changed() {
         return;
     }
     let mut next = settings.clone();
@@ -210,6 +221,7 @@ fn gather(map: Res<MinimapSettings>, panel: Res<PanelSettings>, captions: Res<Ca
     (next.map_symbols, next.map_trail, next.map_tour) = (map.symbols, map.trail, map.tour);
     (next.place_panel, next.captions) = (panel.visible, captions.visible);
     next.place_unfolded = panel.unfolded;
+    next.keys = controls.written();
     settings.set_if_neq(next);
 }
 
@@ -247,6 +259,35 @@ fn dress(
     });
     panel.set_if_neq(PanelSettings { visible: settings.place_panel, unfolded: settings.place_unfolded });
     captions.set_if_neq(CaptionSettings { visible: settings.captions, ..*captions });
+}
+
+/// Takes the keys that were kept, once all controls are known. What cannot be taken is told of and left out of what is kept.
+fn read_controls(
+    list: Res<ControlList>,
+    mut settings: ResMut<Settings>,
+    mut controls: ResMut<Controls>,
+    mut dropped: ResMut<DroppedKeys>,
+) {
+    let (kept, findings) = Controls::read(&settings.keys, &list);
+    for finding in &findings {
+        warn!("settings, keys: {finding}");
+    }
+    dropped.0 = findings.iter().map(ToString::to_string).collect();
+    if !findings.is_empty() {
+        settings.keys = kept.written();
+    }
+    controls.set_if_neq(kept);
+}
+
+/// What the kept settings said of keys and nobody could understand, for the visitor to read.
+#[derive(Resource, Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct DroppedKeys(pub Vec<String>);
+
+/// Keys, where they were changed with all settings.
+fn bind(settings: Res<Settings>, list: Res<ControlList>, mut controls: ResMut<Controls>) {
+    if settings.keys != controls.written() {
+        controls.set_if_neq(Controls::read(&settings.keys, &list).0);
+    }
 }
 
 /// Quality and what streaming may take.
@@ -344,6 +385,34 @@ mod tests {
         file.write(&settings);
         let (settings, _) = Settings::read_from(Some(path.clone()), Orders::default());
         assert_eq!((settings.language.as_deref(), settings.profile, settings.captions), (Some("it"), None, false));
+        let _ = path.parent().map(std::fs::remove_dir_all);
+    }
+
+    #[test]
+    fn keys_are_kept_and_those_that_nobody_knows_are_told_and_dropped() {
+        let path = place("keys");
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("room");
+        let text = r#"(text_size: 1.5, keys: {"walk.forward": ["KeyZ", "Nose"], "walk.sideways": ["KeyX"]})"#;
+        std::fs::write(&path, text).expect("room");
+        let (settings, file) = Settings::read_from(Some(path.clone()), Orders::default());
+        assert_eq!(settings.text_size, 1.5, "the rest is read all the same");
+        let mut app = App::new();
+        app.add_plugins(MinimalPlugins);
+        veduta::walker::add_controls(&mut app);
+        app.insert_resource(settings).insert_resource(file).init_resource::<DroppedKeys>();
+        app.add_systems(PostStartup, read_controls).add_systems(Update, bind);
+        app.finish();
+        app.update();
+        let kept: WrittenControls = [("walk.forward".to_owned(), vec!["KeyZ".to_owned()])].into();
+        assert_eq!(app.world().resource::<Controls>().written(), kept);
+        let dropped = app.world().resource::<DroppedKeys>().0.join("; ");
+        assert!(dropped.contains("Nose") && dropped.contains("walk.sideways"), "{dropped}");
+        let settings = app.world().resource::<Settings>().clone();
+        app.world_mut().resource_scope(|_, mut file: Mut<SettingsFile>| file.write(&settings));
+        assert_eq!(Settings::read_from(Some(path.clone()), Orders::default()).0.keys, kept);
+        app.world_mut().resource_mut::<Settings>().keys.clear();
+        app.update();
+        assert_eq!(*app.world().resource::<Controls>(), Controls::default(), "as at first");
         let _ = path.parent().map(std::fs::remove_dir_all);
     }
 

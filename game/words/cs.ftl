@@ -20,13 +20,16 @@ help-walk = chůze
 help-look = rozhlížení
 help-run = běh
 help-fly = let; stoupání a klesání
+help-examine = prohlédnout si, na co se díváte: obejít to, a jít dál
 help-view = zorné pole: 40°, 55°, 75°
+help-view-next = další zorné pole
 help-eye = výška očí, 1,6 až 3 m
 help-search = hledání a doprovod k cíli
 help-map = mapa; kliknutím být tam, Shift+kliknutím dojít
 help-map-up = mapa: sever nahoře; zvětšení
 help-tour = prohlídka: začít, zastavit, pokračovat
 help-tour-time = prohlídka: o deset sekund zpět, vpřed
+help-tour-next = prohlídka: další kapitola
 help-tour-speed = prohlídka: pomaleji, rychleji
 help-hour = denní doba: dřív, později
 help-season = další roční období
@@ -34,27 +37,30 @@ help-still = uložit snímek
 help-settings = nastavení
 help-help = tato stránka
 help-expert = jak město přichází: buňky, linka, deník
+help-close = zavřít, co se otevřelo naposled
 help-quit = konec
 help-again = Znovu ukázat první minutu
-key-mouse = pravé tlačítko myši, ⬅ ➡
-key-space = mezerník, C
 
 # První minuta
 first-title = Vaše první minuta
-first-walk = Podržte W nebo ⬆ a popojděte pár kroků.
-first-look = Podržte pravé tlačítko myši a pohybem myši se rozhlédněte.
-first-search = Stiskněte / a napište, kam chcete, třeba „tyn“.
-first-map = Stiskněte M a otevře se mapa. Kliknutí vás tam přenese.
-first-tour = Stiskněte T a začne prohlídka. Kdykoli ji opustíte tím, že se dotknete ovládání.
-first-done = Víc nepotřebujete. F1 ukáže ostatní.
+first-walk = Podržte { $walk } a popojděte pár kroků.
+first-walk-pad = Zatlačte { $walk } a popojděte pár kroků.
+first-walk-touch = Položte prst na levou polovinu obrazu a tažením vzhůru popojděte pár kroků.
+first-look = Podržte { $look } a pohybem myši se rozhlédněte.
+first-look-pad = Pravou páčkou se rozhlédněte.
+first-look-touch = Tažením prstu po pravé polovině obrazu se rozhlédněte.
+first-search = Stiskněte { $find } a napište, kam chcete, třeba „tyn“.
+first-map = Stiskněte { $map } a otevře se mapa. Kliknutí vás tam přenese.
+first-tour = Stiskněte { $tour } a začne prohlídka. Kdykoli ji opustíte tím, že se dotknete ovládání.
+first-done = Víc nepotřebujete. { $help } ukáže ostatní.
 first-skip = Přeskočit
 first-step = { $n } z { $all }
 
 # Rady
-hint-stuck = Něco stojí v cestě. Zabočte, nebo stiskněte F a přeleťte to.
-hint-idle = W chůze, / hledání, T prohlídka, F1 celé ovládání.
+hint-stuck = Něco stojí v cestě. Zabočte, nebo stiskněte { $fly } a přeleťte to.
+hint-idle = { $walk } chůze, { $find } hledání, { $tour } prohlídka, { $help } celé ovládání.
 still-taken = Snímek uložen: { $path }
-tour-ended = Prohlídka skončila. T ji začne znovu.
+tour-ended = Prohlídka skončila. { $tour } ji začne znovu.
 walk-arrived = Jste na místě: { $name }.
 
 # Nastavení
@@ -107,3 +113,26 @@ offer-winter = Zima
 offer-map = Mapa
 offer-settings = Nastavení
 offer-help = Nápověda
+
+# Co dělá ovládání
+control-help-open = ovládání: ukázat a zavřít
+control-settings-open = nastavení: otevřít a zavřít
+control-expert-open = jak město přichází: buňky, linka, deník
+control-still-take = uložit snímek
+control-hour-earlier = denní doba: dřív
+control-hour-later = denní doba: později
+control-season-next = další roční období
+control-quit = konec
+
+# Klávesy
+settings-general = Obecné
+settings-keys = Klávesy
+keys-hint = Stiskněte, co chcete změnit; + přidá další.
+keys-waits = Stiskněte klávesu či tlačítko, nebo zatlačte páčku. Esc nechá, jak je, Delete odebere.
+keys-press = stiskněte …
+keys-change = { $what }: { $input }
+keys-add = Další: { $what }
+keys-reset = Jako na začátku: { $what }
+keys-reset-all = Vše jako na začátku
+keys-conflict = { $input } dělá také: { $others }
+keys-dropped = Z kláves vynecháno: { $what }

@@ -20,13 +20,16 @@ help-walk = walk
 help-look = look around
 help-run = run
 help-fly = fly; rise and sink
+help-examine = examine what you look at: go round it, and walk on
 help-view = field of view: 40°, 55°, 75°
+help-view-next = the next field of view
 help-eye = eye height, 1.6 to 3 m
 help-search = search, and be led there
 help-map = map; click to be there, Shift+click to be led
 help-map-up = map: north up; zoom
 help-tour = tour: begin, pause, go on
 help-tour-time = tour: ten seconds back, ahead
+help-tour-next = tour: the next chapter
 help-tour-speed = tour: slower, faster
 help-hour = hour of the day: earlier, later
 help-season = the next season
@@ -34,27 +37,30 @@ help-still = take a still
 help-settings = settings
 help-help = this page
 help-expert = how the city streams: cells, line, journal
+help-close = close what was opened last
 help-quit = quit
 help-again = Show the first minute again
-key-mouse = right mouse button, ⬅ ➡
-key-space = Space, C
 
 # The first minute
 first-title = Your first minute
-first-walk = Hold W, or ⬆, to walk a few steps.
-first-look = Hold the right mouse button and move the mouse to look around.
-first-search = Press / and type where you want to go, such as “tyn”.
-first-map = Press M for the map. A click takes you there.
-first-tour = Press T for a guided tour. Touch the controls to leave it whenever you like.
-first-done = That is all you need. F1 shows the rest.
+first-walk = Hold { $walk } to walk a few steps.
+first-walk-pad = Push { $walk } to walk a few steps.
+first-walk-touch = Put a finger on the left half of the picture and push it up to walk a few steps.
+first-look = Hold { $look } and move the mouse to look around.
+first-look-pad = Push the right stick to look around.
+first-look-touch = Drag a finger on the right half of the picture to look around.
+first-search = Press { $find } and type where you want to go, such as “tyn”.
+first-map = Press { $map } for the map. A click takes you there.
+first-tour = Press { $tour } for a guided tour. Touch the controls to leave it whenever you like.
+first-done = That is all you need. { $help } shows the rest.
 first-skip = Skip
 first-step = { $n } of { $all }
 
 # Hints
-hint-stuck = Something stands in the way. Turn aside, or press F and fly over it.
-hint-idle = W walks, / finds, T takes the tour, F1 shows all controls.
+hint-stuck = Something stands in the way. Turn aside, or press { $fly } and fly over it.
+hint-idle = { $walk } walks, { $find } finds, { $tour } takes the tour, { $help } shows all controls.
 still-taken = Still saved: { $path }
-tour-ended = The tour has ended. T begins it again.
+tour-ended = The tour has ended. { $tour } begins it again.
 walk-arrived = Here you are: { $name }.
 
 # Settings
@@ -107,3 +113,26 @@ offer-winter = Winter
 offer-map = Map
 offer-settings = Settings
 offer-help = Help
+
+# What controls do
+control-help-open = controls: show, and close
+control-settings-open = settings: open, and close
+control-expert-open = how the city streams: cells, line, journal
+control-still-take = take a still
+control-hour-earlier = hour of the day: earlier
+control-hour-later = hour of the day: later
+control-season-next = the next season
+control-quit = quit
+
+# Keys
+settings-general = General
+settings-keys = Keys
+keys-hint = Press one to change it, + to add another.
+keys-waits = Press a key or a button, or push a stick. Esc leaves it, Delete takes it away.
+keys-press = press …
+keys-change = { $what }: { $input }
+keys-add = Another input: { $what }
+keys-reset = As at first: { $what }
+keys-reset-all = All as at first
+keys-conflict = { $input } is also: { $others }
+keys-dropped = Left out of the keys: { $what }

@@ -20,13 +20,16 @@ help-walk = cammina
 help-look = guardati intorno
 help-run = corri
 help-fly = vola; sali e scendi
+help-examine = esamina ciò che guardi: giraci intorno, e riprendi a camminare
 help-view = campo visivo: 40°, 55°, 75°
+help-view-next = il campo visivo successivo
 help-eye = altezza degli occhi, da 1,6 a 3 m
 help-search = cerca e fatti accompagnare
 help-map = mappa; clic per andarci, Maiusc+clic per farti accompagnare
 help-map-up = mappa: nord in alto; ingrandimento
 help-tour = visita: comincia, ferma, riprendi
 help-tour-time = visita: dieci secondi indietro, avanti
+help-tour-next = visita: il capitolo successivo
 help-tour-speed = visita: più lenta, più veloce
 help-hour = ora del giorno: prima, dopo
 help-season = la stagione seguente
@@ -34,27 +37,30 @@ help-still = salva un'immagine
 help-settings = impostazioni
 help-help = questa pagina
 help-expert = come arriva la città: celle, linea, diario
+help-close = chiudi l’ultima cosa aperta
 help-quit = esci
 help-again = Mostra di nuovo il primo minuto
-key-mouse = tasto destro del mouse, ⬅ ➡
-key-space = Spazio, C
 
 # Il primo minuto
 first-title = Il primo minuto
-first-walk = Tieni premuto W, o ⬆, e fai qualche passo.
-first-look = Tieni premuto il tasto destro e muovi il mouse per guardarti intorno.
-first-search = Premi / e scrivi dove vuoi andare, per esempio «tyn».
-first-map = Premi M per la mappa. Un clic ti porta lì.
-first-tour = Premi T per la visita guidata. La lasci quando vuoi toccando i comandi.
-first-done = Non serve altro. F1 mostra il resto.
+first-walk = Tieni premuto { $walk } e fai qualche passo.
+first-walk-pad = Spingi { $walk } e fai qualche passo.
+first-walk-touch = Metti un dito sulla metà sinistra dell’immagine e spingilo in su per fare qualche passo.
+first-look = Tieni premuto { $look } e muovi il mouse per guardarti intorno.
+first-look-pad = Spingi la levetta destra per guardarti intorno.
+first-look-touch = Trascina un dito sulla metà destra dell’immagine per guardarti intorno.
+first-search = Premi { $find } e scrivi dove vuoi andare, per esempio «tyn».
+first-map = Premi { $map } per la mappa. Un clic ti porta lì.
+first-tour = Premi { $tour } per la visita guidata. La lasci quando vuoi toccando i comandi.
+first-done = Non serve altro. { $help } mostra il resto.
 first-skip = Salta
 first-step = { $n } di { $all }
 
 # Suggerimenti
-hint-stuck = Qualcosa sbarra la via. Gira di lato, o premi F e passaci sopra in volo.
-hint-idle = W cammina, / cerca, T visita guidata, F1 tutti i comandi.
+hint-stuck = Qualcosa sbarra la via. Gira di lato, o premi { $fly } e passaci sopra in volo.
+hint-idle = { $walk } cammina, { $find } cerca, { $tour } visita guidata, { $help } tutti i comandi.
 still-taken = Immagine salvata: { $path }
-tour-ended = La visita è finita. T la ricomincia.
+tour-ended = La visita è finita. { $tour } la ricomincia.
 walk-arrived = Eccoci: { $name }.
 
 # Impostazioni
@@ -107,3 +113,26 @@ offer-winter = Inverno
 offer-map = Mappa
 offer-settings = Impostazioni
 offer-help = Aiuto
+
+# Che cosa fanno i comandi
+control-help-open = comandi: mostra e chiudi
+control-settings-open = impostazioni: apri e chiudi
+control-expert-open = come arriva la città: celle, linea, diario
+control-still-take = salva un'immagine
+control-hour-earlier = ora del giorno: prima
+control-hour-later = ora del giorno: dopo
+control-season-next = la stagione seguente
+control-quit = esci
+
+# Tasti
+settings-general = Generali
+settings-keys = Tasti
+keys-hint = Premi quello che vuoi cambiare; + ne aggiunge un altro.
+keys-waits = Premi un tasto o un pulsante, o spingi una levetta. Esc lascia com’è, Canc lo toglie.
+keys-press = premi …
+keys-change = { $what }: { $input }
+keys-add = Un altro: { $what }
+keys-reset = Come all’inizio: { $what }
+keys-reset-all = Tutto come all’inizio
+keys-conflict = { $input } fa anche: { $others }
+keys-dropped = Lasciato fuori dai tasti: { $what }

@@ -3,7 +3,7 @@
 use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 use veduta::prelude::*;
-use veduta::walker::Intent;
+use veduta::walker::{Gait, Intent};
 use veduta_city::{GridPos, metres};
 use veduta_tests::{sample_city, sample_plan, walker_in};
 
@@ -66,6 +66,87 @@ fn walking_keeps_its_pace_and_eye_height() {
     assert!((after.eye_m - 1.65).abs() < 0.06, "the eye stands {:.2} m high", after.eye_m);
 }
 
+fn head(eye: &Eye) -> DVec3 {
+    eye.plan_pos.extend(eye.z_m())
+}
+
+/// Does what takes a walker to the ground, and waits until he stands there: his head does not leap.
+fn land(app: &mut App, walker: Entity, intent: Intent) {
+    let mut before = head(&eye(app, walker));
+    *app.world_mut().resource_mut::<Intent>() = intent;
+    for _ in 0..90 {
+        app.update();
+        *app.world_mut().resource_mut::<Intent>() = Intent::default();
+        let now = head(&eye(app, walker));
+        assert!(now.distance(before) < 2.0, "the head leaps from {before} to {now}");
+        before = now;
+        if !app.world().get::<Gait>(walker).expect("a walker has one").is_landing() {
+            return;
+        }
+    }
+    panic!("it does not come down");
+}
+
+#[test]
+fn examining_goes_round_what_is_looked_at_and_ends_in_a_street() {
+    let (mut app, walker) = arrived();
+    let before = eye(&app, walker);
+    let ask = |app: &mut App, intent: Intent| {
+        *app.world_mut().resource_mut::<Intent>() = intent;
+        app.update();
+        *app.world_mut().resource_mut::<Intent>() = Intent::default();
+    };
+    ask(&mut app, Intent { toggle_examine: true, ..Intent::default() });
+    let gait = |app: &App| *app.world().get::<Gait>(walker).expect("a walker has one");
+    assert!(gait(&app).is_examining());
+    let now = eye(&app, walker);
+    assert!(head(&now).distance(head(&before)) < 0.3, "it begins where the eye is: {now:?}");
+    let (mut last, mut highest_m, mut turned) = (head(&now), 0_f64, std::collections::BTreeSet::new());
+    for n in 0_u32..1_500 {
+        let tilt_deg = if n % 500 < 250 { -0.6 } else { 0.6 };
+        let near = if n % 300 < 150 { -0.01 } else { 0.01 };
+        ask(&mut app, Intent { turn_deg: 1.0, tilt_deg, near, ..Intent::default() });
+        let now = eye(&app, walker);
+        let ground_m = head(&now).z - now.eye_m;
+        assert!(now.eye_m > 0.5, "below the ground of {ground_m} m at {now:?}");
+        let is_low = now.eye_m < 4.0;
+        assert!(!(is_low && in_a_house(now.plan_pos)), "in a house at {now:?}");
+        last = head(&now);
+        highest_m = highest_m.max(now.eye_m);
+        turned.insert((now.heading_deg / 10.0) as u32);
+    }
+    assert!(highest_m > 5.0 && turned.len() > 6, "it does go round: {highest_m} m high, {} tens of degrees", turned.len());
+    land(&mut app, walker, Intent { toggle_examine: true, ..Intent::default() });
+    assert!(!gait(&app).is_examining() && !gait(&app).flying);
+    walk(&mut app, walker, 2.0, DVec3::ZERO, false);
+    let after = eye(&app, walker);
+    assert!(!in_a_house(after.plan_pos), "landed in a house at {after:?} from {last}");
+    assert!((after.eye_m - before.eye_m).abs() < 0.1 && after.pitch_deg.abs() < 13.0, "it stands upright: {after:?}");
+    walk(&mut app, walker, 2.0, DVec3::Y, false);
+    assert!(eye(&app, walker).plan_pos.distance(after.plan_pos) > 0.5, "and walks on");
+}
+
+#[test]
+fn from_what_is_examined_one_flies_on_without_a_leap() {
+    let (mut app, walker) = arrived();
+    *app.world_mut().resource_mut::<Intent>() = Intent { toggle_examine: true, ..Intent::default() };
+    app.update();
+    for _ in 0..60 {
+        *app.world_mut().resource_mut::<Intent>() = Intent { tilt_deg: -1.0, near: -0.01, ..Intent::default() };
+        app.update();
+    }
+    *app.world_mut().resource_mut::<Intent>() = Intent::default();
+    (0..60).for_each(|_| app.update());
+    let before = head(&eye(&app, walker));
+    *app.world_mut().resource_mut::<Intent>() = Intent { toggle_fly: true, ..Intent::default() };
+    app.update();
+    *app.world_mut().resource_mut::<Intent>() = Intent::default();
+    (0..10).for_each(|_| app.update());
+    let after = head(&eye(&app, walker));
+    assert!(app.world().get::<Gait>(walker).expect("a walker has one").flying);
+    assert!(after.distance(before) < 0.3, "from {before} to {after}");
+}
+
 #[test]
 fn flying_ends_in_a_street() {
     let (mut app, walker) = arrived();
@@ -84,8 +165,7 @@ fn flying_ends_in_a_street() {
     for _ in 0..30 {
         app.update();
     }
-    *app.world_mut().resource_mut::<Intent>() = Intent { toggle_fly: true, ..Intent::default() };
-    app.update();
+    land(&mut app, walker, Intent { toggle_fly: true, ..Intent::default() });
     walk(&mut app, walker, 2.0, DVec3::ZERO, false);
     let at = eye(&app, walker).plan_pos;
     assert!(!in_a_house(at), "landed in a house at {at:?}");

@@ -3,12 +3,14 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{self, Align2, CornerRadius, FontId, Margin, RichText, ScrollArea, Slider, Vec2, Window};
+use veduta::controls::KeyNames;
 use veduta::facade::{AutoLevels, LevelReach};
 use veduta::prelude::*;
 use veduta::streaming::{Event, Journal, Link, Pace, Reconnect, Streamed, StreamingStats};
 
 use super::plots::{Downloads, bytes, show};
 use super::{Expert, FAINT, INK, PAPER, PENDING, SHUT};
+use crate::hud::controls::ExpertOpen;
 
 pub(super) fn frame() -> egui::Frame {
     egui::Frame::new().fill(PAPER).corner_radius(CornerRadius::same(6)).inner_margin(Margin::symmetric(12, 10))
@@ -30,7 +32,7 @@ pub(super) fn draw(
     downloads: Res<Downloads>,
     pace: Res<Pace>,
     streamed: Streamed<'_>,
-    (mut commands, auto, mut reach): (Commands, Option<Res<AutoLevels>>, ResMut<LevelReach>),
+    (mut commands, auto, mut reach, keys): (Commands, Option<Res<AutoLevels>>, ResMut<LevelReach>, Res<KeyNames>),
 ) -> Result {
     let context = contexts.ctx_mut()?;
     let window = Window::new("Streaming").frame(frame()).title_bar(false).resizable(false).default_width(330.0);
@@ -40,7 +42,7 @@ pub(super) fn draw(
         ui.style_mut().override_font_id = Some(FontId::proportional(12.0));
         ui.horizontal(|ui| {
             ui.label(RichText::new("Streaming").size(15.0));
-            if ui.button("hide (F2)").clicked() {
+            if ui.button(format!("hide ({})", keys.first::<ExpertOpen>())).clicked() {
                 expert.is_shown = false;
             }
         });

@@ -1,16 +1,22 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id, Order, Ui, Vec2};
+use veduta::controls::KeyNames;
 use veduta::ecs::{Interface, Words};
 use veduta::guide::SearchBox;
+use veduta::guide::controls::SearchOpen;
 use veduta::minimap::MapView;
+use veduta::minimap::controls::MapOpen;
 use veduta::prelude::*;
 use veduta::streaming::Reconnect;
 use veduta::tour::TourState;
+use veduta::tour::controls::TourPause;
 use veduta::ui::{Look, Surface, Symbol, symbol_button};
 use veduta::walker::Intent;
+use veduta::walker::controls::{EyeHigher, EyeLower, ViewNarrow, ViewNatural, ViewWide};
 
 use super::Open;
+use super::controls::{HelpOpen, SettingsOpen};
 use crate::settings::Settings;
 use crate::walk::FirstTour;
 
@@ -76,7 +82,7 @@ const NEAR: f32 = 0.2;
 pub(super) fn draw(
     mut contexts: EguiContexts,
     time: Res<Time<Real>>,
-    (words, interface, settings): (Res<Words>, Res<Interface>, Res<Settings>),
+    (words, interface, settings, keys): (Res<Words>, Res<Interface>, Res<Settings>, Res<KeyNames>),
     (city, walker, player, first): (Option<Res<OpenCity>>, Res<WalkerSettings>, Res<TourPlayer>, Option<Res<FirstTour>>),
     viewers: Query<&Eye, With<Viewer>>,
     (mut open, mut map, mut search): (ResMut<Open>, ResMut<MapView>, ResMut<SearchBox>),
@@ -120,7 +126,7 @@ pub(super) fn draw(
     let shown = bar.shown;
     let press = area.order(Order::Middle).show(context, |ui| {
         ui.set_opacity(shown);
-        look.frame(Surface::Dusk).show(ui, |ui| show(ui, &look, &words, &state)).inner
+        look.frame(Surface::Dusk).show(ui, |ui| show(ui, &look, (&words, &keys), &state)).inner
     });
     match press.inner {
         None => return Ok(()),
@@ -139,23 +145,28 @@ pub(super) fn draw(
 }
 
 /// The bar; what was pressed on it.
-fn show(ui: &mut Ui, look: &Look, words: &Words, state: &State) -> Option<Press> {
+fn show(ui: &mut Ui, look: &Look, (words, keys): (&Words, &KeyNames), state: &State) -> Option<Press> {
     let surface = Surface::Dusk;
     look.dress(ui, surface);
     ui.spacing_mut().item_spacing.x = look.text * 0.15;
     let mut press = None;
     ui.horizontal(|ui| {
-        let mut button = |ui: &mut Ui, symbol, is_on, name: &str, keys: &str, what| {
-            if symbol_button(ui, look, surface, symbol, is_on, &words.say(name), keys).clicked() {
+        let mut button = |ui: &mut Ui, symbol, is_on, name: &str, key: &str, what| {
+            if symbol_button(ui, look, surface, symbol, is_on, &words.say(name), key).clicked() {
                 press = Some(what);
             }
         };
-        for (n, name) in ["bar-narrow", "bar-normal", "bar-wide"].into_iter().enumerate() {
-            button(ui, Symbol::FieldOfView(n as u8), state.fov == n, name, ["1", "2", "3"][n], Press::Fov(n));
+        let views = [
+            ("bar-narrow", keys.first::<ViewNarrow>()),
+            ("bar-normal", keys.first::<ViewNatural>()),
+            ("bar-wide", keys.first::<ViewWide>()),
+        ];
+        for (n, (name, key)) in views.into_iter().enumerate() {
+            button(ui, Symbol::FieldOfView(n as u8), state.fov == n, name, key, Press::Fov(n));
         }
         ui.add_space(look.text * 0.6);
-        button(ui, Symbol::Lower, false, "bar-lower", "PageDown", Press::Lower);
-        button(ui, Symbol::Higher, false, "bar-higher", "PageUp", Press::Higher);
+        button(ui, Symbol::Lower, false, "bar-lower", keys.first::<EyeLower>(), Press::Lower);
+        button(ui, Symbol::Higher, false, "bar-higher", keys.first::<EyeHigher>(), Press::Higher);
         ui.add_space(look.text * 0.6);
         let (symbol, name) = match state.tour {
             TourState::Playing | TourState::Returning => (Symbol::Pause, "bar-pause"),
@@ -163,16 +174,16 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, state: &State) -> Option<Press>
             TourState::Idle | TourState::Waiting => (Symbol::Tour, "bar-tour"),
         };
         if state.has_tour {
-            button(ui, symbol, state.tour != TourState::Idle, name, "T", Press::Tour);
+            button(ui, symbol, state.tour != TourState::Idle, name, keys.first::<TourPause>(), Press::Tour);
         }
-        button(ui, Symbol::Map, state.map, "bar-map", "M", Press::Map);
-        button(ui, Symbol::Search, state.search, "bar-search", "/", Press::Search);
+        button(ui, Symbol::Map, state.map, "bar-map", keys.first::<MapOpen>(), Press::Map);
+        button(ui, Symbol::Search, state.search, "bar-search", keys.first::<SearchOpen>(), Press::Search);
         ui.add_space(look.text * 0.6);
-        button(ui, Symbol::Settings, state.open.settings, "bar-settings", "F3", Press::Settings);
+        button(ui, Symbol::Settings, state.open.settings, "bar-settings", keys.first::<SettingsOpen>(), Press::Settings);
         if state.is_remote {
             button(ui, Symbol::Reconnect, false, "bar-reconnect", "", Press::Reconnect);
         }
-        button(ui, Symbol::Help, state.open.help, "bar-help", "F1", Press::Help);
+        button(ui, Symbol::Help, state.open.help, "bar-help", keys.first::<HelpOpen>(), Press::Help);
     });
     press
 }
@@ -201,9 +212,10 @@ mod tests {
         for language in ["en", "cs", "it"] {
             words.speak(language);
             let state = State { is_remote: true, has_tour: true, ..State::default() };
-            let mut harness = Harness::builder()
-                .with_size(Vec2::new(900.0, 100.0))
-                .build_ui_state(|ui, pressed: &mut Vec<Press>| pressed.extend(show(ui, &look, &words, &state)), Vec::new());
+            let mut harness = Harness::builder().with_size(Vec2::new(900.0, 100.0)).build_ui_state(
+                |ui, pressed: &mut Vec<Press>| pressed.extend(show(ui, &look, (&words, &KeyNames::default()), &state)),
+                Vec::new(),
+            );
             for (name, press) in [
                 ("bar-narrow", Press::Fov(0)),
                 ("bar-normal", Press::Fov(1)),

@@ -2,12 +2,14 @@ use std::path::PathBuf;
 
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, save_to_disk};
+use veduta::controls::Presses;
 use veduta::ecs::{Route, Words};
 use veduta::guide::{PlaceEntered, WalkEnded};
 use veduta::prelude::*;
 use veduta::tour::TourState;
 use veduta::walker::Jump;
 
+use super::controls::TakeStill;
 use super::first::FirstMinute;
 use super::notes::Notes;
 use crate::profile::Profile;
@@ -35,16 +37,16 @@ impl StillsFolder {
     }
 }
 
-/// F12 takes a still of all that is to be seen.
+/// Takes a still of all that is to be seen.
 pub(super) fn take_still(
-    keys: Res<ButtonInput<KeyCode>>,
+    presses: Presses<'_, '_>,
     time: Res<Time<Real>>,
     words: Res<Words>,
     folder: Res<StillsFolder>,
     mut notes: ResMut<Notes>,
     mut commands: Commands,
 ) {
-    if !keys.just_pressed(KeyCode::F12) {
+    if !presses.begins::<TakeStill>() {
         return;
     }
     let path = folder.next();

@@ -2,16 +2,22 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id, Order, ProgressBar, Ui, Vec2};
-use veduta::ecs::{Interface, Words};
+use veduta::controls::{Device, KeyNames};
+use veduta::ecs::{Interface, Words, WordsValue};
 use veduta::guide::SearchBox;
+use veduta::guide::controls::SearchOpen;
 use veduta::minimap::MapView;
+use veduta::minimap::controls::MapOpen;
 use veduta::prelude::*;
 use veduta::tour::TourState;
+use veduta::tour::controls::TourPause;
 use veduta::ui::{Look, Surface};
 use veduta::walker::Intent;
+use veduta::walker::controls::{LookHold, WalkForward};
 use veduta_route::turn_deg;
 
 use super::Open;
+use super::controls::HelpOpen;
 use crate::settings::Settings;
 use crate::walk::FirstTour;
 
@@ -107,7 +113,7 @@ pub(super) fn watch(
 
 pub(super) fn draw(
     mut contexts: EguiContexts,
-    (words, interface, open): (Res<Words>, Res<Interface>, Res<Open>),
+    (words, interface, keys, open): (Res<Words>, Res<Interface>, Res<KeyNames>, Res<Open>),
     (search, map, player, steering): (Res<SearchBox>, Res<MapView>, Res<TourPlayer>, Res<Steering>),
     first: Res<FirstMinute>,
     mut settings: ResMut<Settings>,
@@ -122,29 +128,49 @@ pub(super) fn draw(
     // Below the strip of a tour and the line of a walk.
     let offset = Vec2::new(0.0, context.content_rect().height() * 0.03 + look.text * 5.0);
     let area = Area::new(Id::new("veduta first minute")).anchor(Align2::CENTER_TOP, offset).order(Order::Middle);
-    let skips = area.show(context, |ui| look.frame(Surface::Paper).show(ui, |ui| show(ui, &look, &words, &first)).inner).inner;
+    let skips =
+        area.show(context, |ui| look.frame(Surface::Paper).show(ui, |ui| show(ui, &look, (&words, &keys), &first)).inner).inner;
     if skips {
         settings.knows_the_way = true;
     }
     Ok(())
 }
 
+/// What a step tells to do, with the keys as they are bound, on the device that is in the hand.
+fn told(words: &Words, keys: &KeyNames, step: &str) -> String {
+    let on = |device: &str| format!("{step}-{device}");
+    let message = match (step, keys.device()) {
+        ("first-walk" | "first-look", Device::Touch) => on("touch"),
+        ("first-walk" | "first-look", Device::Pad) => on("pad"),
+        _ => step.to_owned(),
+    };
+    let values: [(&str, WordsValue); 6] = [
+        ("walk", keys.all::<WalkForward>().into()),
+        ("look", keys.said::<LookHold>(words).into()),
+        ("find", keys.said::<SearchOpen>(words).into()),
+        ("map", keys.said::<MapOpen>(words).into()),
+        ("tour", keys.said::<TourPause>(words).into()),
+        ("help", keys.said::<HelpOpen>(words).into()),
+    ];
+    words.say_with(&message, &values)
+}
+
 /// The card of a step; whether to skip the rest.
-fn show(ui: &mut Ui, look: &Look, words: &Words, first: &FirstMinute) -> bool {
+fn show(ui: &mut Ui, look: &Look, (words, keys): (&Words, &KeyNames), first: &FirstMinute) -> bool {
     let surface = Surface::Paper;
     look.dress(ui, surface);
     ui.set_max_width(look.text * 28.0);
     let all = STEPS.len() as u32;
     let Some(step) = STEPS.get(first.step) else {
-        ui.label(look.words(words.say("first-done"), 1.15, look.ink(surface)));
+        ui.label(look.words(told(words, keys, "first-done"), 1.15, look.ink(surface)));
         return false;
     };
     ui.horizontal(|ui| {
         ui.label(look.words(words.say("first-title"), 0.9, look.faint(surface)));
-        let told = words.say_with("first-step", &[("n", (first.step as u32 + 1).into()), ("all", all.into())]);
-        ui.label(look.words(told, 0.9, look.faint(surface)));
+        let count = words.say_with("first-step", &[("n", (first.step as u32 + 1).into()), ("all", all.into())]);
+        ui.label(look.words(count, 0.9, look.faint(surface)));
     });
-    ui.label(look.words(words.say(step), 1.15, look.ink(surface)));
+    ui.label(look.words(told(words, keys, step), 1.15, look.ink(surface)));
     ui.horizontal(|ui| {
         let share = (first.step as f32 + first.done.clamp(0.0, 1.0) as f32) / all as f32;
         let bar =
@@ -160,8 +186,28 @@ mod tests {
     use bevy::math::DVec3;
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
+    use veduta::controls::{ControlList, Controls, KeyCaps};
 
     use super::*;
+
+    fn keys(device: Device) -> KeyNames {
+        let app = super::super::controls::app();
+        let (list, words) = (app.world().resource::<ControlList>(), app.world().resource::<Words>());
+        KeyNames::tell(list, &Controls::default(), device, words, &KeyCaps::default())
+    }
+
+    #[test]
+    fn steps_are_told_for_what_is_in_the_hand() {
+        let mut words = Words::default();
+        super::super::WORDS.iter().for_each(|(code, file)| words.add(code, file).expect("no mistakes"));
+        for language in ["en", "cs", "it"] {
+            words.speak(language);
+            let told = |device| STEPS.map(|step| told(&words, &keys(device), step)).join(" ");
+            assert!(told(Device::Keys).contains("W · ⬆") && told(Device::Keys).contains('/'), "{}", told(Device::Keys));
+            assert!(told(Device::Pad).contains("left stick ⬆") && told(Device::Pad).contains("Pad X"), "{}", told(Device::Pad));
+            assert!(!told(Device::Touch).contains("W · ⬆") && !told(Device::Touch).contains("mouse"), "{}", told(Device::Touch));
+        }
+    }
 
     #[test]
     fn each_step_is_learned_by_doing_it() {
@@ -199,9 +245,10 @@ mod tests {
         let mut words = Words::default();
         super::super::WORDS.iter().for_each(|(code, file)| words.add(code, file).expect("no mistakes"));
         let first = FirstMinute { step: 2, ..FirstMinute::default() };
-        let mut harness = Harness::new_ui_state(|ui, skips: &mut bool| *skips |= show(ui, &look, &words, &first), false);
+        let keys = keys(Device::Keys);
+        let mut harness = Harness::new_ui_state(|ui, skips: &mut bool| *skips |= show(ui, &look, (&words, &keys), &first), false);
         harness.get_by_label("3 of 5");
-        harness.get_by_label(&words.say("first-search"));
+        harness.get_by_label_contains("Press / and type");
         harness.get_by_label("Skip").click();
         harness.run();
         assert!(*harness.state());

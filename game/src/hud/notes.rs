@@ -4,14 +4,19 @@ use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id, Order, Vec2};
-use veduta::ecs::{Interface, Words};
+use veduta::controls::KeyNames;
+use veduta::ecs::{Interface, Words, WordsValue};
+use veduta::guide::controls::SearchOpen;
 use veduta::guide::{CityGuide, WalkEnded};
 use veduta::prelude::*;
+use veduta::tour::controls::TourPause;
 use veduta::ui::{Look, Surface};
 use veduta::walker::Intent;
+use veduta::walker::controls::{Fly, WalkForward};
 
+use super::controls::HelpOpen;
 use crate::expert::Expert;
-use crate::settings::Settings;
+use crate::settings::{DroppedKeys, Settings};
 
 /// Short notes at the top right: what has gone wrong, what has ended, what helps who is stuck.
 #[derive(Resource, Default)]
@@ -53,18 +58,24 @@ const LATER_S: f64 = 1.5;
 /// Gathers what is to be noted.
 pub(super) fn gather(
     time: Res<Time<Real>>,
-    (words, guide): (Res<Words>, Res<CityGuide>),
+    (words, guide, keys): (Res<Words>, Res<CityGuide>, Res<KeyNames>),
     mut failures: MessageReader<CityFailed>,
     mut tours: MessageReader<TourEnded>,
     mut walks: MessageReader<WalkEnded>,
+    mut dropped: ResMut<DroppedKeys>,
     mut notes: ResMut<Notes>,
 ) {
     let now_s = time.elapsed_secs_f64();
+    if !dropped.0.is_empty() {
+        for what in core::mem::take(&mut dropped.0) {
+            notes.add(words.say_with("keys-dropped", &[("what", what.into())]), true, now_s);
+        }
+    }
     for failure in failures.read() {
         notes.add(failure.message.clone(), true, now_s);
     }
     if tours.read().any(|tour| tour.finished) {
-        notes.add(words.say("tour-ended"), false, now_s);
+        notes.add(told(&words, &keys, "tour-ended"), false, now_s);
     }
     for walk in walks.read().filter(|walk| walk.arrived && !walk.name.is_empty()) {
         let name = guide.name(&walk.name, &words).to_owned();
@@ -73,6 +84,18 @@ pub(super) fn gather(
     if notes.shown.front().is_some_and(|note| now_s - note.since_s >= STAY_S) {
         notes.shown.retain(|note| now_s - note.since_s < STAY_S);
     }
+}
+
+/// A note with the keys as they are bound now.
+fn told(words: &Words, keys: &KeyNames, message: &str) -> String {
+    let values: [(&str, WordsValue); 5] = [
+        ("walk", keys.said::<WalkForward>(words).into()),
+        ("fly", keys.said::<Fly>(words).into()),
+        ("find", keys.said::<SearchOpen>(words).into()),
+        ("tour", keys.said::<TourPause>(words).into()),
+        ("help", keys.said::<HelpOpen>(words).into()),
+    ];
+    words.say_with(message, &values)
 }
 
 /// Whether somebody walks and does not get on, or does nothing at all.
@@ -113,7 +136,7 @@ impl Stuck {
 /// Watches for who is stuck.
 pub(super) fn watch(
     time: Res<Time<Real>>,
-    words: Res<Words>,
+    (words, keys): (Res<Words>, Res<KeyNames>),
     steering: Res<Steering>,
     settings: Res<Settings>,
     intent: Res<Intent>,
@@ -123,7 +146,7 @@ pub(super) fn watch(
     let Some(eye) = viewers.iter().next().filter(|_| *steering == Steering::Visitor) else { return };
     let hint = notes.bypass_change_detection().stuck.pass(eye, &intent, time.delta_secs_f64().min(0.25), settings.knows_the_way);
     if let Some(hint) = hint {
-        notes.add(words.say(hint), false, time.elapsed_secs_f64());
+        notes.add(told(&words, &keys, hint), false, time.elapsed_secs_f64());
     }
 }
 

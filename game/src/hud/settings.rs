@@ -1,28 +1,53 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{self, Align2, Area, ComboBox, DragValue, Grid, Id, Order, ScrollArea, Slider, Ui, Vec2};
+use veduta::controls::{Capture, ControlList, Controls, KeyCaps, KeyNames};
 use veduta::ecs::{Interface, Words};
 use veduta::ui::{Look, Surface, Symbol, symbol_button};
 
 use super::Open;
+use super::controls::SettingsOpen;
+use super::keys::{self, Part, Shown};
 use crate::profile::Profile;
 use crate::settings::{MINIMAP_SHARE, Settings, TEXT_SIZE};
 
 pub(super) fn draw(
     mut contexts: EguiContexts,
     (words, interface): (Res<Words>, Res<Interface>),
+    (list, caps, names): (Res<ControlList>, Res<KeyCaps>, Res<KeyNames>),
+    (mut controls, mut capture, mut part): (ResMut<Controls>, ResMut<Capture>, ResMut<Part>),
     mut open: ResMut<Open>,
     mut settings: ResMut<Settings>,
 ) -> Result {
     if !open.settings {
+        if capture.is_waiting() {
+            capture.leave();
+        }
         return Ok(());
     }
     let context = contexts.ctx_mut()?;
     let look = Look::of(&interface, context);
-    let mut next = settings.clone();
+    let (mut next, mut next_part, key) = (settings.clone(), *part, names.first::<SettingsOpen>());
     let area = Area::new(Id::new("veduta settings")).anchor(Align2::CENTER_CENTER, Vec2::ZERO).order(Order::Foreground);
-    let closes = area.show(context, |ui| look.frame(Surface::Paper).show(ui, |ui| show(ui, &look, &words, &mut next)).inner).inner;
+    let shown = Shown { list: &list, controls: &controls, caps: &caps, waiting: capture.place() };
+    let mut press = None;
+    let closes = area.show(context, |ui| {
+        let body = |ui: &mut Ui| {
+            let closes = head(ui, &look, &words, key, &mut next_part);
+            match *part {
+                Part::General => show(ui, &look, &words, &mut next),
+                Part::Keys => press = keys::show(ui, &look, &words, shown),
+            }
+            closes
+        };
+        look.frame(Surface::Paper).show(ui, body).inner
+    });
+    let closes = closes.inner;
     settings.set_if_neq(next);
+    part.set_if_neq(next_part);
+    if let Some(press) = press {
+        press.act(&list, &mut controls, &mut capture);
+    }
     if closes {
         open.settings = false;
     }
@@ -47,17 +72,24 @@ const PROFILES: [(Profile, &str); 4] = [
 ];
 const LEVELS: [&str; 4] = ["settings-level-1", "settings-level-2", "settings-level-3", "settings-level-4"];
 
-/// The window of settings; whether to close it.
-fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) -> bool {
+/// The head of the window: its parts, and whether to close it.
+fn head(ui: &mut Ui, look: &Look, words: &Words, key: &str, part: &mut Part) -> bool {
     let surface = Surface::Paper;
     look.dress(ui, surface);
-    let mut closes = false;
-    ui.horizontal(|ui| {
+    let row = ui.horizontal(|ui| {
         ui.label(look.words(words.say("settings-title"), 1.25, look.ink(surface)));
-        if symbol_button(ui, look, surface, Symbol::Close, false, &words.say("bar-close"), "F3").clicked() {
-            closes = true;
-        }
+        ui.add_space(look.text);
+        keys::choose(ui, look, words, part);
+        ui.add_space(look.text);
+        symbol_button(ui, look, surface, Symbol::Close, false, &words.say("bar-close"), key).clicked()
     });
+    row.inner
+}
+
+/// The window of settings.
+fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) {
+    let surface = Surface::Paper;
+    look.dress(ui, surface);
     let height = ui.ctx().content_rect().height() * 0.7;
     ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
         Grid::new("settings").num_columns(2).spacing([look.text * 1.5, look.text * 0.35]).show(ui, |ui| {
@@ -83,7 +115,6 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) -> boo
     if ui.button(words.say("settings-reset")).clicked() {
         *settings = Settings { knows_the_way: settings.knows_the_way, ..Settings::default() };
     }
-    closes
 }
 
 fn language(ui: &mut Ui, words: &Words, settings: &mut Settings) {
@@ -173,7 +204,7 @@ mod tests {
         let (look, words) = (Look { text: 14.0, high_contrast: false, reduced_motion: true }, words());
         let mut harness = Harness::builder()
             .with_size(Vec2::new(900.0, 900.0))
-            .build_ui_state(|ui, settings: &mut Settings| _ = show(ui, &look, &words, settings), Settings::default());
+            .build_ui_state(|ui, settings: &mut Settings| show(ui, &look, &words, settings), Settings::default());
         harness.run();
         let choose = |harness: &mut Harness<'_, Settings>, box_name: &str, choice: &str| {
             harness.get_by_role_and_label(egui::accesskit::Role::ComboBox, box_name).click();

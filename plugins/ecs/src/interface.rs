@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
@@ -28,6 +28,15 @@ impl Default for Interface {
 #[must_use]
 pub fn keys_are_free(interface: Option<Res<Interface>>) -> bool {
     interface.is_none_or(|interface| !interface.is_typing)
+}
+
+/// Pointers that belong to the interface and mean nothing in the city. Kept by whoever draws it.
+#[derive(Resource, Debug, Clone, PartialEq, Eq, Default)]
+pub struct PointersTaken {
+    /// Whether the mouse is over a window, or drags something of one.
+    pub mouse: bool,
+    /// Fingers that have begun over a window.
+    pub touches: BTreeSet<u64>,
 }
 
 /// Asks for a walk by the shortest way along the streets, by whoever knows them (the guide).

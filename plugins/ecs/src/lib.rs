@@ -24,6 +24,7 @@ mod interface;
 mod overview;
 mod place;
 mod sets;
+mod sight;
 mod space;
 mod words;
 
@@ -38,10 +39,11 @@ pub use cue::Cue;
 pub use daylight::{Daylight, Weather};
 pub use eye::{Eye, Itinerary, Steering, Stop, Viewer};
 pub use ground::{Footing, Ground};
-pub use interface::{Interface, PlaceNames, Route, ShowOnMap, TourPath, WalkTo, keys_are_free};
+pub use interface::{Interface, PlaceNames, PointersTaken, Route, ShowOnMap, TourPath, WalkTo, keys_are_free};
 pub use overview::{Around, OverviewWants, Overviews};
 pub use place::{City, CityFailed, CityOpened, JumpTo, OpenCity};
-pub use sets::VedutaSystems;
+pub use sets::{InterfaceSystems, VedutaSystems};
+pub use sight::{Sight, Sights, house_key};
 pub use space::WorldOrigin;
 pub use words::{Words, WordsError, WordsValue};
 
@@ -59,6 +61,7 @@ impl Plugin for EcsPlugin {
             .init_resource::<Steering>()
             .init_resource::<CityClock>()
             .init_resource::<Interface>()
+            .init_resource::<PointersTaken>()
             .init_resource::<Route>()
             .init_resource::<PlaceNames>()
             .init_resource::<TourPath>()

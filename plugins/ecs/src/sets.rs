@@ -12,3 +12,11 @@ pub enum VedutaSystems {
     /// Eyes become transforms; materials, sky and interface follow.
     Show,
 }
+
+/// What happens to interfaces before a frame's systems, in `PreUpdate`.
+#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum InterfaceSystems {
+    /// It is seen what keys and pointers belong to them: [`Interface::is_typing`](crate::Interface::is_typing),
+    /// [`PointersTaken`](crate::PointersTaken).
+    Watch,
+}

@@ -25,6 +25,8 @@
 //! It reads the [`City`](veduta_ecs::City) resource; in a game without streaming, insert one of your own with an overview that has places
 //! and streets. A game's own commands come into the search box by [`Offers`].
 //!
+//! The key of the search box may be changed ([`controls`]); the box's own may not.
+//!
 //! | key | |
 //! |---|---|
 //! | `/` | search: places, streets, tours, commands |
@@ -32,7 +34,7 @@
 //! | Enter | walk there, or do it |
 //! | Shift+Enter | be there at once |
 //! | Ctrl+Enter | show it on the map |
-//! | click | tells of what has a name, and leads to where the ground was clicked |
+//! | click, tap | tells of what has a name, and leads to where the ground was clicked |
 //!
 //! # Limits
 //! One place at a time is told of. In a large city what lies farther than 1.5 km is found only once its part of the overview is here.
@@ -41,6 +43,7 @@
 //! Trigger volumes as entities: ten thousand places would cost every frame; here only the nearest are looked at.
 
 mod asset;
+pub mod controls;
 mod directory;
 mod lead;
 mod names;
@@ -54,10 +57,11 @@ mod trail;
 use bevy::input::mouse::MouseButtonInput;
 use bevy::prelude::*;
 use bevy_egui::EguiPrimaryContextPass;
-use veduta_ecs::{VedutaSystems, Words, keys_are_free};
+use veduta_ecs::{VedutaSystems, Words};
 use veduta_ui::UiSystems;
 
 pub use asset::{CityGuide, GuideAsset, GuideLoadError, OpenGuide};
+pub use controls::add_controls;
 pub use directory::{Directory, Found, Offer, OfferTaken, Offers};
 pub use lead::{Lead, LeadSettings, WalkEnded};
 pub use near::{NearPlace, Pin, PlaceEntered, PlaceLeft, relevance};
@@ -106,13 +110,14 @@ impl Plugin for GuidePlugin {
             .add_systems(Update, (near::find_near, trail::lay, names::tell).in_set(VedutaSystems::Show));
         if self.interface {
             veduta_ui::ensure(app);
+            controls::add_controls(app);
             app.init_resource::<SearchBox>()
                 .init_resource::<panel::PanelState>()
                 .init_resource::<PickSettings>()
                 .init_resource::<Pointed>()
                 .add_systems(Update, (pick::point, pick::click).chain().run_if(resource_exists::<Messages<MouseButtonInput>>))
                 .add_systems(Update, directory::keep)
-                .add_systems(Update, search::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>).run_if(keys_are_free))
+                .add_systems(Update, controls::read_keys)
                 .add_systems(
                     EguiPrimaryContextPass,
                     (panel::draw, lead::draw, pick::draw, search::draw).chain().in_set(UiSystems::Draw),

@@ -1,12 +1,14 @@
+use bevy::ecs::system::SystemParam;
 use bevy::input::ButtonState;
 use bevy::input::mouse::MouseButtonInput;
-use bevy::math::{DVec2, DVec3};
+use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Area, Id as EguiId, Label, Order, TextWrapMode, pos2};
-use veduta_city::{GridPos, Massing, Place, PlaceKind, Viewpoint, metres};
-use veduta_ecs::{Around, City, Eye, Ground, Interface, Steering, Viewer, WalkTo, Words, WorldOrigin};
+use veduta_city::{GridPos, Massing, Place, PlaceKind, Viewpoint};
+use veduta_controls::Tap;
+use veduta_ecs::{City, Eye, Interface, PointersTaken, Sight, Sights, Steering, Viewer, WalkTo, Words, WorldOrigin};
 use veduta_ui::{Look, Surface};
 
 use crate::near::{Pin, heading_to};
@@ -41,86 +43,6 @@ pub enum Pointed {
     Ground(DVec2),
 }
 
-/// What a ray meets first.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Met<'a> {
-    House(&'a Massing, DVec2),
-    Ground(DVec2),
-}
-
-/// Where a line of sight meets the wall or the roof of a house: metres of plan along it.
-fn meets(house: &Massing, from: DVec3, way: DVec3, ground_m: f64) -> Option<f64> {
-    let (a, d) = (from.truncate(), way.truncate());
-    let top_m = ground_m + metres(house.height);
-    let height_at = |t: f64| from.z + way.z * t;
-    let mut first: Option<f64> = None;
-    for ring in house.outline.rings() {
-        for (n, p) in ring.iter().enumerate() {
-            let (p, q) = (p.to_metres(), ring[(n + 1) % ring.len()].to_metres());
-            let edge = q - p;
-            let across = d.perp_dot(edge);
-            if across.abs() < 1e-12 {
-                continue;
-            }
-            let (t, u) = ((p - a).perp_dot(edge) / across, (p - a).perp_dot(d) / across);
-            if t > 0.0 && (0.0..=1.0).contains(&u) && height_at(t) <= top_m && first.is_none_or(|first| t < first) {
-                first = Some(t);
-            }
-        }
-    }
-    // From above, through the roof.
-    if way.z < 0.0 {
-        let t = (top_m - from.z) / way.z;
-        if t > 0.0 && first.is_none_or(|first| t < first) && house.outline.contains(GridPos::from_metres(a + d * t)) {
-            first = Some(t);
-        }
-    }
-    first
-}
-
-/// What a line of sight meets first among houses and the ground, whose height is asked for.
-fn meet<'a>(
-    houses: impl Iterator<Item = &'a Massing>,
-    from: DVec3,
-    way: DVec3,
-    reach_m: f64,
-    ground_at: impl Fn(DVec2) -> f64,
-) -> Option<Met<'a>> {
-    let flat = way.truncate().length();
-    let here_m = ground_at(from.truncate());
-    let most = if flat > 1e-9 { reach_m / flat } else { f64::INFINITY };
-    let walls = houses.filter_map(|house| meets(house, from, way, here_m).map(|t| (t, house)));
-    let wall = walls.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(t, _)| *t <= most);
-    let over = |t: f64| from.z + way.z * t - ground_at(from.truncate() + way.truncate() * t);
-    let ground = first_below(most.min(reach_m / way.length().max(1e-9)), way.length(), over);
-    let at = |t: f64| from.truncate() + way.truncate() * t;
-    match (wall, ground) {
-        (Some((t, house)), ground) if ground.is_none_or(|ground| t <= ground) => Some(Met::House(house, at(t))),
-        (_, Some(ground)) => Some(Met::Ground(at(ground))),
-        _ => None,
-    }
-}
-
-/// Where a height over the ground, told along a line, first falls to nothing: in steps that grow with the distance, then by halves.
-fn first_below(most: f64, pace: f64, over: impl Fn(f64) -> f64) -> Option<f64> {
-    const HALVES: usize = 16;
-    let mut t = 0.0;
-    while t < most {
-        let step = (0.5 + 0.04 * t * pace) / pace.max(1e-9);
-        let next = (t + step).min(most);
-        if over(next) <= 0.0 {
-            let (mut above, mut below) = (t, next);
-            for _ in 0..HALVES {
-                let middle = (above + below) / 2.0;
-                if over(middle) > 0.0 { above = middle } else { below = middle }
-            }
-            return Some(below);
-        }
-        t = next;
-    }
-    None
-}
-
 /// The place that a house, or a spot of it, belongs to: what stands in it, else what is so near that it is meant.
 fn place_of<'a>(places: impl Iterator<Item = &'a Place>, house: &Massing, at: DVec2) -> Option<&'a Place> {
     let is_thing = |place: &&Place| !matches!(place.kind, PlaceKind::Street | PlaceKind::Square | PlaceKind::Viewpoint);
@@ -135,14 +57,43 @@ fn place_of<'a>(places: impl Iterator<Item = &'a Place>, house: &Massing, at: DV
 /// Looks so often a second at what lies under the pointer.
 const LOOKS_HZ: f64 = 10.0;
 
+/// What can be seen at a point of the window.
+#[derive(SystemParam)]
+pub(crate) struct Picking<'w, 's> {
+    city: Option<Res<'w, City>>,
+    origin: Res<'w, WorldOrigin>,
+    settings: Res<'w, PickSettings>,
+    sights: Sights<'w>,
+    cameras: Query<'w, 's, (&'static Camera, &'static GlobalTransform, &'static Eye), With<Viewer>>,
+}
+
+impl Picking<'_, '_> {
+    /// What lies under a point of the window, logical pixels.
+    fn at(&self, at: Vec2) -> Pointed {
+        let ray =
+            self.cameras.iter().find_map(|(camera, transform, eye)| Some((camera.viewport_to_world(transform, at).ok()?, eye)));
+        let (Some((ray, eye)), Some(city)) = (ray, &self.city) else { return Pointed::Nothing };
+        let plan = |world: Vec3| {
+            let (pos, z_m) = self.origin.plan_from_world(world);
+            pos.extend(z_m)
+        };
+        let from = plan(ray.origin);
+        let way = plan(ray.origin + *ray.direction) - from;
+        match self.sights.along(from, way, self.settings.reach_m, eye.ground_m) {
+            Some(Sight { house: Some(house), at, .. }) => place_of(city.overviews.places(), house, at.truncate())
+                .map_or(Pointed::Nothing, |place| Pointed::Place(place.clone())),
+            Some(Sight { house: None, at, .. }) => Pointed::Ground(at.truncate()),
+            None => Pointed::Nothing,
+        }
+    }
+}
+
 /// Looks at what lies under the pointer.
 pub(crate) fn point(
     time: Res<Time<Real>>,
-    mut contexts: EguiContexts,
-    (city, origin, settings): (Option<Res<City>>, Res<WorldOrigin>, Res<PickSettings>),
-    ground: Ground<'_>,
+    picking: Picking<'_, '_>,
+    taken: Res<PointersTaken>,
     windows: Query<&Window, With<PrimaryWindow>>,
-    cameras: Query<(&Camera, &GlobalTransform, &Eye), With<Viewer>>,
     mut since_s: Local<f64>,
     mut pointed: ResMut<Pointed>,
 ) {
@@ -151,56 +102,28 @@ pub(crate) fn point(
         return;
     }
     *since_s = 0.0;
-    let cursor = windows.single().ok().and_then(Window::cursor_position);
-    // By where the pointer is, not by where it was last moved: a panel may have opened under it.
-    let is_over_panel = cursor.zip(contexts.ctx_mut().ok()).is_some_and(|(at, context)| {
-        let layer = context.layer_id_at(pos2(at.x, at.y));
-        context.egui_is_using_pointer() || layer.is_some_and(|layer| layer.order != Order::Background)
-    });
-    let ray = cursor.filter(|_| !is_over_panel).and_then(|at| {
-        cameras.iter().find_map(|(camera, transform, eye)| Some((camera.viewport_to_world(transform, at).ok()?, eye)))
-    });
-    let (Some((ray, eye)), Some(city)) = (ray, city) else {
-        pointed.set_if_neq(Pointed::Nothing);
-        return;
-    };
-    let plan = |world: Vec3| {
-        let (pos, z_m) = origin.plan_from_world(world);
-        pos.extend(z_m)
-    };
-    let from = plan(ray.origin);
-    let way = plan(ray.origin + *ray.direction) - from;
-    let around = Around { middle: from.truncate(), radius_m: settings.reach_m };
-    let reach_m = settings.reach_m;
-    let is_near = |house: &&Massing| {
-        house.outline.outer.first().is_some_and(|p| p.to_metres().distance_squared(from.truncate()) < (reach_m + 60.0).powi(2))
-    };
-    let houses = city.overviews.near(around).flat_map(|part| &part.houses).filter(is_near);
-    let next = match meet(houses, from, way, reach_m, |pos| ground.at(pos, eye.ground_m)) {
-        Some(Met::House(house, at)) => {
-            place_of(city.overviews.places(), house, at).map_or(Pointed::Nothing, |place| Pointed::Place(place.clone()))
-        }
-        Some(Met::Ground(at)) => Pointed::Ground(at),
-        None => Pointed::Nothing,
-    };
-    pointed.set_if_neq(next);
+    let cursor = windows.single().ok().and_then(Window::cursor_position).filter(|_| !taken.mouse);
+    pointed.set_if_neq(cursor.map_or(Pointed::Nothing, |at| picking.at(at)));
 }
 
 /// A press and a release so near each other, points, and so soon, seconds, are a click.
 const CLICK: (f32, f64) = (6.0, 0.6);
 
-/// A click tells of what has a name, and leads over the ground.
+/// A click, or a tap, tells of what has a name, and leads over the ground.
 pub(crate) fn click(
     time: Res<Time<Real>>,
     mut buttons: MessageReader<MouseButtonInput>,
+    mut taps: MessageReader<Tap>,
     windows: Query<&Window, With<PrimaryWindow>>,
     viewers: Query<&Eye, With<Viewer>>,
-    (pointed, settings, steering): (Res<Pointed>, Res<PickSettings>, Res<Steering>),
+    (picking, pointed, steering): (Picking<'_, '_>, Res<Pointed>, Res<Steering>),
     mut pressed: Local<Option<(Vec2, f64, Pointed)>>,
     mut pin: ResMut<Pin>,
     mut walks: MessageWriter<WalkTo>,
 ) {
     let at = windows.single().ok().and_then(Window::cursor_position);
+    // A finger does not hover: what lies under it is looked for when it taps.
+    let mut meant: Vec<Pointed> = taps.read().map(|tap| picking.at(tap.at)).collect();
     for event in buttons.read().filter(|event| event.button == MouseButton::Left) {
         let Some(at) = at else { continue };
         if event.state == ButtonState::Pressed {
@@ -208,18 +131,19 @@ pub(crate) fn click(
             continue;
         }
         let Some((from, since_s, what)) = pressed.take() else { continue };
-        if from.distance(at) > CLICK.0 || time.elapsed_secs_f64() - since_s > CLICK.1 {
-            continue;
+        if from.distance(at) <= CLICK.0 && time.elapsed_secs_f64() - since_s <= CLICK.1 {
+            meant.push(what);
         }
-        let Some(eye) = viewers.iter().next() else { continue };
-        match what {
-            Pointed::Place(place) if settings.tells => *pin = Pin::here(place, eye.plan_pos),
-            Pointed::Ground(to) if settings.leads && *steering != Steering::Guided && eye.eye_m <= veduta_route::WALK_EYE_M => {
-                let to = Viewpoint { pos: to, heading_deg: heading_to(eye.plan_pos, to), ..Viewpoint::default() };
-                walks.write(WalkTo { name: String::new(), to });
-            }
-            _ => {}
+    }
+    let (Some(eye), Some(what)) = (viewers.iter().next(), meant.pop()) else { return };
+    let settings = &picking.settings;
+    match what {
+        Pointed::Place(place) if settings.tells => *pin = Pin::here(place, eye.plan_pos),
+        Pointed::Ground(to) if settings.leads && *steering != Steering::Guided && eye.eye_m <= veduta_route::WALK_EYE_M => {
+            let to = Viewpoint { pos: to, heading_deg: heading_to(eye.plan_pos, to), ..Viewpoint::default() };
+            walks.write(WalkTo { name: String::new(), to });
         }
+        _ => {}
     }
 }
 
@@ -249,7 +173,10 @@ pub(crate) fn draw(
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::GridPolygon;
+    use bevy::camera::{CameraProjection, RenderTargetInfo};
+    use bevy::input::InputPlugin;
+    use veduta_city::{GridPolygon, Overview};
+    use veduta_ecs::{Overviews, VedutaSystems};
 
     use super::*;
 
@@ -258,33 +185,40 @@ mod tests {
         Massing::block(GridPolygon::simple(vec![corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)]), height_m * 1024)
     }
 
-    const EYE: DVec3 = DVec3::new(0.0, 0.0, 1.65);
-
-    #[test]
-    fn the_nearest_wall_roof_or_ground_is_met() {
-        let town = [house(20, 0, 5, 10), house(40, 0, 5, 30)];
-        let look = |way: DVec3| meet(town.iter(), EYE, way, 200.0, |_| 0.0);
-        assert_eq!(look(DVec3::X), Some(Met::House(&town[0], DVec2::new(15.0, 0.0))));
-        assert!(
-            matches!(look(DVec3::new(1.0, 0.0, 0.6)), Some(Met::House(found, _)) if *found == town[1]),
-            "over the first one's roof"
-        );
-        assert_eq!(look(DVec3::new(1.0, 0.0, 3.0)), None, "the sky");
-        assert_eq!(look(DVec3::NEG_X), None, "nothing as far as it reaches");
-        let Some(Met::Ground(at)) = look(DVec3::new(0.0, 1.0, -0.165)) else { panic!("the ground") };
-        assert!(at.distance(DVec2::new(0.0, 10.0)) < 0.01, "{at}");
-        let above = DVec3::new(20.0, 0.0, 60.0);
-        let down = meet(town.iter(), above, DVec3::NEG_Z, 200.0, |_| 0.0);
-        assert!(matches!(down, Some(Met::House(found, _)) if *found == town[0]), "its roof, from above");
+    /// A viewer on open ground who looks north and down, in a window that nothing is drawn into.
+    fn outdoors() -> App {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, TransformPlugin, InputPlugin, veduta_ecs::EcsPlugin))
+            .init_resource::<PickSettings>()
+            .init_resource::<Pointed>()
+            .init_resource::<Pin>()
+            .add_message::<Tap>()
+            .insert_resource(City { overviews: Overviews::whole(Overview::default()), ..City::default() })
+            .add_systems(Update, click.after(VedutaSystems::Show));
+        let eye = Eye { pitch_deg: -20.0, ..Eye::default() };
+        let mut camera = Camera::default();
+        let lens = PerspectiveProjection { fov: 55_f32.to_radians(), aspect_ratio: 16.0 / 9.0, ..default() };
+        camera.computed.clip_from_view = lens.get_clip_from_view();
+        camera.computed.target_info = Some(RenderTargetInfo { physical_size: UVec2::new(1280, 720), scale_factor: 1.0 });
+        app.world_mut().spawn((camera, Transform::default(), Viewer, veduta_ecs::Footing::Own, eye));
+        app.finish();
+        app.cleanup();
+        (0..3).for_each(|_| app.update());
+        app
     }
 
     #[test]
-    fn on_a_slope_the_ground_is_where_it_is() {
-        let slope = |pos: DVec2| pos.x * 0.1;
-        let met = meet(core::iter::empty(), EYE, DVec3::new(1.0, 0.0, -0.1), 200.0, slope);
-        let Some(Met::Ground(at)) = met else { panic!("the ground") };
-        let over = EYE.z - 0.1 * at.x - slope(at);
-        assert!(over.abs() < 0.01, "{over} m above it at {at}");
+    fn a_tap_on_the_ground_leads_there() {
+        let mut app = outdoors();
+        app.world_mut().write_message(Tap { at: Vec2::new(640.0, 360.0) });
+        app.update();
+        let walks: Vec<WalkTo> = app.world_mut().resource_mut::<Messages<WalkTo>>().drain().collect();
+        let [walk] = walks.as_slice() else { panic!("one walk: {walks:?}") };
+        let ahead_m = 1.65 / 20_f64.to_radians().tan();
+        assert!(walk.to.pos.distance(DVec2::new(0.0, ahead_m)) < 0.05, "{walk:?}");
+        app.world_mut().write_message(Tap { at: Vec2::new(640.0, 5.0) });
+        app.update();
+        assert!(app.world().resource::<Messages<WalkTo>>().is_empty(), "a tap into the sky leads nowhere");
     }
 
     #[test]

@@ -101,26 +101,6 @@ fn row(found: Found, matched: String, guide: &CityGuide, words: &Words, here: DV
     Row { also: if matched == name { String::new() } else { matched }, name, kind, away_m, found }
 }
 
-/// `/` opens the box.
-pub(crate) fn read_keys(
-    keys: Res<ButtonInput<KeyCode>>,
-    mut typed: MessageReader<bevy::input::keyboard::KeyboardInput>,
-    mut search: ResMut<SearchBox>,
-) {
-    // By what is written on the key, wherever the layout has it; by its place where nothing else is written there.
-    let (mut slash, mut other) = (false, false);
-    for key in typed.read().filter(|key| key.state.is_pressed()) {
-        if let bevy::input::keyboard::Key::Character(written) = &key.logical_key {
-            slash |= written == "/";
-            other |= written != "/" && key.key_code == KeyCode::Slash;
-        }
-    }
-    let by_place = keys.any_just_pressed([KeyCode::Slash, KeyCode::NumpadDivide]) && !other;
-    if !search.open && (slash || by_place) {
-        search.start();
-    }
-}
-
 /// Draws the box, at the top in the middle, and does what was chosen in it.
 pub(crate) fn draw(
     mut contexts: EguiContexts,
@@ -221,9 +201,6 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, search: &mut SearchBox) -> Answ
             SearchAction::Walk
         })
     });
-    if escape {
-        return Answer::Close;
-    }
     ui.horizontal(|ui| {
         let room = ui.available_width() - look.text * 2.6;
         let hint = look.words(words.say("search-hint"), 1.1, look.faint(surface));
@@ -234,6 +211,10 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, search: &mut SearchBox) -> Answ
             search.typed.remove(0);
         }
         field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, words.say("search-name")));
+        // Escape in the field is the box's; elsewhere it is for whatever lies on top.
+        if escape && field.lost_focus() {
+            answer = Answer::Close;
+        }
         if !search.is_focused || enter.is_some() {
             field.request_focus();
             search.is_focused = true;

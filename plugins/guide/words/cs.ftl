@@ -41,3 +41,6 @@ lead-left = { $metres } m, { $minutes ->
 lead-stop = Zastavit tady
 lead-waits = Ulice před vámi je na cestě …
 lead-no-way = K cíli { $name } nevede žádná cesta pro pěší.
+
+# What controls do
+control-search-open = hledat a nechat se dovést

@@ -40,3 +40,6 @@ lead-left = { $metres } m, { $minutes ->
 lead-stop = Stop here
 lead-waits = The street ahead is on its way …
 lead-no-way = No way on foot leads to { $name }.
+
+# What controls do
+control-search-open = search, and be led there

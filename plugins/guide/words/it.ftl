@@ -40,3 +40,6 @@ lead-left = { $metres } m, { $minutes ->
 lead-stop = Fermati qui
 lead-waits = La via davanti è in arrivo …
 lead-no-way = Nessuna strada a piedi porta a { $name }.
+
+# What controls do
+control-search-open = cerca, e fatti guidare

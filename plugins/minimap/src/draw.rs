@@ -6,9 +6,11 @@ use bevy_egui::egui::{
     WidgetInfo, WidgetType,
 };
 use veduta_city::Viewpoint;
+use veduta_controls::KeyNames;
 use veduta_ecs::{City, Eye, Interface, JumpTo, PlaceNames, Route, TourPath, Viewer, WalkTo, Words};
 use veduta_ui::Look;
 
+use crate::controls::MapOpen;
 use crate::label;
 use crate::tiles::{MapTiles, PAPER};
 use crate::view::{MapView, Projection, zoomed};
@@ -22,6 +24,7 @@ struct Shown<'a> {
     route: &'a Route,
     marked: Option<DVec2>,
     words: &'a Words,
+    keys: &'a KeyNames,
     names: &'a PlaceNames,
     trail: &'a Trail,
     tour: &'a TourPath,
@@ -35,7 +38,7 @@ pub(crate) fn draw_map(
     tiles: Res<MapTiles>,
     viewers: Query<&Eye, With<Viewer>>,
     (route, words, interface, names): (Res<Route>, Res<Words>, Res<Interface>, Res<PlaceNames>),
-    (trail, tour): (Res<Trail>, Res<TourPath>),
+    (trail, tour, keys): (Res<Trail>, Res<TourPath>, Res<KeyNames>),
     mut settings: ResMut<MinimapSettings>,
     mut view: ResMut<MapView>,
     mut jumps: MessageWriter<JumpTo>,
@@ -54,6 +57,7 @@ pub(crate) fn draw_map(
         route: &route,
         marked: view.marked,
         words: &words,
+        keys: &keys,
         names: &names,
         trail: &trail,
         tour: &tour,
@@ -87,7 +91,7 @@ fn corner_map(context: &Context, shown: &Shown<'_>, settings: &mut MinimapSettin
             let wheel = ui.input(|i| i.smooth_scroll_delta().y);
             settings.radius_m = zoomed(settings.radius_m, (-wheel / 300.0).exp());
         }
-        if response.on_hover_text(format!("{name} (M)")).clicked() {
+        if response.on_hover_text(format!("{name} ({})", shown.keys.said::<MapOpen>(shown.words))).clicked() {
             view.open = true;
             view.middle = None;
             view.radius_m = view.radius_m.max(settings.radius_m * 2.0);
@@ -180,7 +184,8 @@ fn title(painter: &Painter, rect: Rect, look: &Look, shown: &Shown<'_>) {
     let at = rect.left_top() + EguiVec2::new(inset * 3.6, inset);
     painter.text(at, Align2::LEFT_TOP, &shown.city.name, FontId::proportional(text * 1.7), ink);
     let at = rect.left_bottom() + EguiVec2::new(inset, -inset);
-    painter.text(at, Align2::LEFT_BOTTOM, shown.words.say("map-hint"), FontId::proportional(text), ink);
+    let hint = shown.words.say_with("map-hint", &[("key", shown.keys.said::<MapOpen>(shown.words).into())]);
+    painter.text(at, Align2::LEFT_BOTTOM, hint, FontId::proportional(text), ink);
     let at = rect.right_bottom() - EguiVec2::splat(inset);
     painter.text(at, Align2::RIGHT_BOTTOM, &shown.city.attribution, FontId::proportional(text * 0.8), ink);
 }

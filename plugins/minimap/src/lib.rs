@@ -18,12 +18,14 @@
 //! It shows the [`City`](veduta_ecs::City) resource's overview around the first [`Viewer`](veduta_ecs::Viewer); in a game without
 //! streaming, insert a `City` of your own.
 //!
-//! | key | |
-//! |---|---|
-//! | M | large map |
-//! | click, Shift+click (large map) | be there, walk there |
-//! | N | north up or heading up |
-//! | +, − or wheel | zoom |
+//! Its [`controls`], whose keys a visitor may change ([`veduta_controls`]); at first they are:
+//!
+//! | control | keyboard and mouse | gamepad | touch |
+//! |---|---|---|---|
+//! | large map | M | view | a tap on the map |
+//! | be there, walk there (large map) | click, Shift+click | | a tap |
+//! | north up or heading up | N | | |
+//! | zoom | +, − or wheel | | two fingers |
 //!
 //! # Limits
 //! Labels are placed anew each frame for what is in view; the nearest 60 are tried.
@@ -31,6 +33,7 @@
 //! # Rejected
 //! A second camera from above (draws the whole city twice, and roofs hide the streets' names).
 
+pub mod controls;
 mod draw;
 mod label;
 mod symbol;
@@ -40,9 +43,9 @@ mod view;
 
 use bevy::prelude::*;
 use bevy_egui::EguiPrimaryContextPass;
-use veduta_ecs::{Words, keys_are_free};
 use veduta_ui::UiSystems;
 
+pub use controls::add_controls;
 pub use tiles::MapTiles;
 pub use trail::Trail;
 pub use view::MapView;
@@ -85,22 +88,13 @@ impl Plugin for MinimapPlugin {
     fn build(&self, app: &mut App) {
         veduta_ecs::ensure(app);
         veduta_ui::ensure(app);
-        Words::bring(app, &WORDS);
+        controls::add_controls(app);
         app.init_resource::<MinimapSettings>()
             .init_resource::<MapTiles>()
             .init_resource::<MapView>()
             .init_resource::<Trail>()
             .register_type::<MinimapSettings>()
-            .add_systems(
-                Update,
-                (
-                    tiles::ask_for_overview,
-                    tiles::cut_tiles,
-                    view::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>).run_if(keys_are_free),
-                    view::show_asked,
-                    trail::note,
-                ),
-            )
+            .add_systems(Update, (tiles::ask_for_overview, tiles::cut_tiles, controls::read_keys, view::show_asked, trail::note))
             .add_systems(EguiPrimaryContextPass, draw::draw_map.in_set(UiSystems::Draw));
     }
 }

@@ -4,8 +4,6 @@ use bevy_egui::egui::{Pos2, Rect, Vec2 as EguiVec2};
 
 use veduta_ecs::ShowOnMap;
 
-use crate::MinimapSettings;
-
 /// State of the large map.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Default)]
 pub struct MapView {
@@ -23,36 +21,6 @@ pub struct MapView {
 pub(crate) fn show_asked(mut asked: MessageReader<ShowOnMap>, mut view: ResMut<MapView>) {
     if let Some(spot) = asked.read().last() {
         *view = MapView { open: true, middle: Some(spot.plan_pos), radius_m: 220.0, marked: Some(spot.plan_pos) };
-    }
-}
-
-/// M, N, + and −.
-pub(crate) fn read_keys(keys: Res<ButtonInput<KeyCode>>, mut view: ResMut<MapView>, mut settings: ResMut<MinimapSettings>) {
-    if keys.just_pressed(KeyCode::KeyM) {
-        view.open = !view.open;
-        (view.middle, view.marked) = (None, None);
-        if view.radius_m == 0.0 {
-            view.radius_m = 320.0;
-        }
-    }
-    if view.open && keys.just_pressed(KeyCode::Escape) {
-        view.open = false;
-    }
-    if keys.just_pressed(KeyCode::KeyN) {
-        settings.north_up = !settings.north_up;
-    }
-    let closer = keys.any_just_pressed([KeyCode::Equal, KeyCode::NumpadAdd]);
-    let wider = keys.any_just_pressed([KeyCode::Minus, KeyCode::NumpadSubtract]);
-    let factor = if closer {
-        0.8
-    } else if wider {
-        1.25
-    } else {
-        1.0
-    };
-    if factor != 1.0 {
-        let radius = if view.open { &mut view.radius_m } else { &mut settings.radius_m };
-        *radius = zoomed(*radius, factor);
     }
 }
 

@@ -1,9 +1,11 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id, Label, Order, TextWrapMode, Vec2};
+use veduta_controls::KeyNames;
 use veduta_ecs::{Interface, Words};
 use veduta_ui::{Look, Surface};
 
+use crate::controls::TourPause;
 use crate::{TourPlayer, TourState};
 
 /// How captions look. Live.
@@ -26,7 +28,7 @@ pub(crate) fn draw_caption(
     mut contexts: EguiContexts,
     player: Res<TourPlayer>,
     settings: Res<CaptionSettings>,
-    words: Res<Words>,
+    (words, keys): (Res<Words>, Res<KeyNames>),
     interface: Res<Interface>,
 ) -> Result {
     if !settings.visible {
@@ -36,7 +38,7 @@ pub(crate) fn draw_caption(
         (Some(error), ..) => error.to_owned(),
         (None, Some(caption), _) => caption.to_owned(),
         (None, None, TourState::Waiting) => words.say("tour-waiting"),
-        (None, None, TourState::Wandering) => words.say("tour-wandering"),
+        (None, None, TourState::Wandering) => words.say_with("tour-wandering", &[("key", keys.said::<TourPause>(&words).into())]),
         _ => return Ok(()),
     };
     let context = contexts.ctx_mut()?;

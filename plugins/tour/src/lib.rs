@@ -39,11 +39,14 @@
 //!
 //! A [`TourMark`] tells a game that a moment has come which the tour marks: to ring bells, to open a door.
 //!
-//! | key | |
-//! |---|---|
-//! | T | play, pause, resume after wandering off |
-//! | , and . | ten seconds back, ahead |
-//! | `[` and `]` | slower, faster |
+//! Its [`controls`], whose keys a visitor may change ([`veduta_controls`]); at first they are:
+//!
+//! | control | keyboard | gamepad |
+//! |---|---|---|
+//! | play, pause, resume after wandering off | T | X / square |
+//! | ten seconds back, ahead | , and . | shoulder buttons |
+//! | the next chapter | End | A / cross |
+//! | slower, faster | `[` and `]` | |
 //!
 //! # Limits
 //! Walked steps need streets, and names places: a tour waits for the parts of the overview about the city's start, and for twice as much
@@ -55,17 +58,18 @@
 
 mod asset;
 mod caption;
-mod keys;
+pub mod controls;
 mod play;
 mod strip;
 
 use bevy::prelude::*;
 use bevy_egui::EguiPrimaryContextPass;
-use veduta_ecs::{VedutaSystems, Words, keys_are_free};
+use veduta_ecs::VedutaSystems;
 use veduta_ui::UiSystems;
 
 pub use asset::{TourAsset, TourLoadError};
 pub use caption::CaptionSettings;
+pub use controls::add_controls;
 pub use play::{TourCommand, TourEnded, TourMark, TourPlayer, TourState};
 pub use strip::StripSettings;
 
@@ -104,9 +108,9 @@ impl Plugin for TourPlugin {
             );
         if self.interface {
             veduta_ui::ensure(app);
-            Words::bring(app, &WORDS);
+            controls::add_controls(app);
             app.init_resource::<StripSettings>()
-                .add_systems(Update, keys::read_keys.run_if(resource_exists::<ButtonInput<KeyCode>>).run_if(keys_are_free))
+                .add_systems(Update, controls::read_keys)
                 .add_systems(EguiPrimaryContextPass, (caption::draw_caption, strip::draw).chain().in_set(UiSystems::Draw));
         }
     }

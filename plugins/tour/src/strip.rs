@@ -1,10 +1,12 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id, Order, Sense, StrokeKind, Ui, Vec2, WidgetInfo};
+use veduta_controls::KeyNames;
 use veduta_ecs::{Interface, Steering, Words};
 use veduta_route::CompiledTour;
 use veduta_ui::{Look, Surface, Symbol, symbol_button};
 
+use crate::controls::TourPause;
 use crate::{TourCommand, TourPlayer, TourState};
 
 /// The strip of a tour's time and chapters. Live.
@@ -39,7 +41,7 @@ pub(crate) fn draw(
     mut contexts: EguiContexts,
     time: Res<Time<Real>>,
     player: Res<TourPlayer>,
-    (words, interface): (Res<Words>, Res<Interface>),
+    (words, interface, keys): (Res<Words>, Res<Interface>, Res<KeyNames>),
     steering: Res<Steering>,
     mut settings: ResMut<StripSettings>,
     mut commands: MessageWriter<TourCommand>,
@@ -61,7 +63,7 @@ pub(crate) fn draw(
     let area = Area::new(Id::new("veduta tour")).anchor(Align2::CENTER_TOP, Vec2::new(0.0, screen.height() * 0.03));
     let press = area.order(Order::Middle).show(context, |ui| {
         let frame = look.frame(Surface::Dusk);
-        frame.show(ui, |ui| show(ui, &look, &words, tour, player.state(), player.time_s())).inner
+        frame.show(ui, |ui| show(ui, &look, (&words, &keys), tour, player.state(), player.time_s())).inner
     });
     match press.inner {
         Some(Press::Toggle) => drop(commands.write(TourCommand::Toggle)),
@@ -79,7 +81,14 @@ fn clock(t_s: f64) -> String {
 }
 
 /// The strip: title or chapter, a line of time with the chapters' beginnings, and what can be done.
-fn show(ui: &mut Ui, look: &Look, words: &Words, tour: &CompiledTour, state: TourState, t_s: f64) -> Option<Press> {
+fn show(
+    ui: &mut Ui,
+    look: &Look,
+    (words, keys): (&Words, &KeyNames),
+    tour: &CompiledTour,
+    state: TourState,
+    t_s: f64,
+) -> Option<Press> {
     let surface = Surface::Dusk;
     look.dress(ui, surface);
     let mut press = None;
@@ -96,7 +105,7 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, tour: &CompiledTour, state: Tou
             TourState::Playing | TourState::Returning => (Symbol::Pause, "tour-pause"),
             _ => (Symbol::Play, "tour-play"),
         };
-        if symbol_button(ui, look, surface, symbol, false, &words.say(name), "T").clicked() {
+        if symbol_button(ui, look, surface, symbol, false, &words.say(name), keys.first::<TourPause>()).clicked() {
             press = Some(Press::Toggle);
         }
         press = line(ui, look, words, tour, t_s).or(press);
@@ -187,7 +196,9 @@ mod tests {
     fn the_strip_tells_chapter_and_time_and_can_be_pressed() {
         let (look, tour, words) = (Look { text: 16.0, high_contrast: false, reduced_motion: true }, tour(), words("cs"));
         let mut harness = Harness::builder().with_size(Vec2::new(700.0, 200.0)).build_ui_state(
-            |ui, pressed: &mut Vec<Press>| pressed.extend(show(ui, &look, &words, &tour, TourState::Playing, 65.0)),
+            |ui, pressed: &mut Vec<Press>| {
+                pressed.extend(show(ui, &look, (&words, &KeyNames::default()), &tour, TourState::Playing, 65.0))
+            },
             Vec::new(),
         );
         harness.get_by_label("Věž");
@@ -213,7 +224,7 @@ mod tests {
     #[test]
     fn before_its_first_chapter_the_tours_title_stands() {
         let (look, tour, words) = (Look { text: 16.0, high_contrast: false, reduced_motion: true }, tour(), words("en"));
-        let harness = Harness::new_ui(|ui| _ = show(ui, &look, &words, &tour, TourState::Paused, 1.0));
+        let harness = Harness::new_ui(|ui| _ = show(ui, &look, (&words, &KeyNames::default()), &tour, TourState::Paused, 1.0));
         harness.get_by_label("A walk");
         harness.get_by_label(&words.say("tour-play"));
     }

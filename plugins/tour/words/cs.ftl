@@ -1,6 +1,13 @@
 tour-waiting = Prohlídka začne, jakmile dorazí její ulice …
-tour-wandering = Opustili jste prohlídku. Klávesa T vás vrátí.
+tour-wandering = Opustili jste prohlídku. { $key } vás vrátí.
 tour-pause = Zastavit prohlídku
 tour-play = Pokračovat v prohlídce
 tour-stop = Ukončit prohlídku
 tour-time = Čas v prohlídce
+scope-tour = Při otevřené prohlídce
+control-tour-pause = prohlídka: začít, přerušit, pokračovat
+control-tour-back = prohlídka: deset sekund zpět
+control-tour-ahead = prohlídka: deset sekund vpřed
+control-tour-next = prohlídka: další kapitola
+control-tour-slower = prohlídka: pomaleji
+control-tour-faster = prohlídka: rychleji

@@ -1,6 +1,13 @@
 tour-waiting = The tour begins as soon as its streets have arrived …
-tour-wandering = You have left the tour. T takes you back.
+tour-wandering = You have left the tour. { $key } takes you back.
 tour-pause = Pause the tour
 tour-play = Play the tour
 tour-stop = End the tour
 tour-time = Time in the tour
+scope-tour = While a tour is open
+control-tour-pause = tour: begin, pause, go on
+control-tour-back = tour: ten seconds back
+control-tour-ahead = tour: ten seconds ahead
+control-tour-next = tour: the next chapter
+control-tour-slower = tour: slower
+control-tour-faster = tour: faster

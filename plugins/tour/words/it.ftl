@@ -1,6 +1,13 @@
 tour-waiting = La visita comincia appena arrivano le sue vie …
-tour-wandering = Avete lasciato la visita. Il tasto T vi riporta indietro.
+tour-wandering = Avete lasciato la visita. { $key } vi riporta indietro.
 tour-pause = Ferma la visita
 tour-play = Riprendi la visita
 tour-stop = Termina la visita
 tour-time = Tempo nella visita
+scope-tour = Durante una visita
+control-tour-pause = visita: inizia, sospendi, riprendi
+control-tour-back = visita: dieci secondi indietro
+control-tour-ahead = visita: dieci secondi avanti
+control-tour-next = visita: il capitolo successivo
+control-tour-slower = visita: più lenta
+control-tour-faster = visita: più veloce

@@ -19,9 +19,10 @@ mod ask;
 mod look;
 mod symbol;
 
+use bevy::input::touch::Touches;
 use bevy::prelude::*;
-use bevy_egui::{EguiContexts, EguiPlugin, EguiPrimaryContextPass};
-use veduta_ecs::{Interface, Words};
+use bevy_egui::{EguiContexts, EguiPlugin, EguiPrimaryContextPass, egui};
+use veduta_ecs::{Interface, InterfaceSystems, PointersTaken, Words};
 
 pub use ask::{AskLink, ask_panel};
 pub use look::{Look, Surface};
@@ -46,7 +47,10 @@ impl Plugin for UiPlugin {
             ],
         );
         app.init_resource::<AskLink>()
-            .add_systems(PreUpdate, watch_typing.after(bevy_egui::EguiPreUpdateSet::BeginPass))
+            .add_systems(
+                PreUpdate,
+                (watch_typing, watch_pointers).after(bevy_egui::EguiPreUpdateSet::BeginPass).in_set(InterfaceSystems::Watch),
+            )
             .add_systems(EguiPrimaryContextPass, ask::ask.in_set(UiSystems::Ask))
             .configure_sets(EguiPrimaryContextPass, (UiSystems::Draw, UiSystems::Ask).chain());
     }
@@ -72,11 +76,29 @@ pub fn ensure(app: &mut App) {
     }
 }
 
-/// Keys belong to the interface while a field has the cursor or a control is chosen by the keyboard.
-fn watch_typing(mut contexts: EguiContexts, mut interface: ResMut<Interface>) {
+/// Keys belong to the interface while a field has the cursor, a control is chosen by the keyboard, or a list hangs open.
+fn watch_typing(mut contexts: EguiContexts, mut interface: ResMut<Interface>, mut was_typing: Local<bool>) {
     let Ok(context) = contexts.ctx_mut() else { return };
-    let is_typing = context.egui_wants_keyboard_input();
+    let types = context.egui_wants_keyboard_input() || egui::Popup::is_any_open(context);
+    // The Escape that leaves a field is the field's own.
+    let leaves = *was_typing && context.input(|input| input.key_pressed(egui::Key::Escape));
+    *was_typing = types;
+    let is_typing = types || leaves;
     if interface.is_typing != is_typing {
         interface.is_typing = is_typing;
     }
+}
+
+/// Pointers belong to the interface that are over something of it, or have begun there.
+fn watch_pointers(mut contexts: EguiContexts, touches: Option<Res<Touches>>, mut taken: ResMut<PointersTaken>) {
+    let Ok(context) = contexts.ctx_mut() else { return };
+    let is_over = |at: egui::Pos2| context.layer_id_at(at).is_some_and(|layer| layer.order != egui::Order::Background);
+    let mouse = context.egui_is_using_pointer() || context.pointer_latest_pos().is_some_and(is_over);
+    let mut fingers = taken.touches.clone();
+    if let Some(touches) = touches {
+        fingers.extend(touches.iter_just_pressed().filter(|t| is_over(egui::pos2(t.position().x, t.position().y))).map(|t| t.id()));
+        // A finger that is lifted is known until its last word has been heard.
+        fingers.retain(|id| touches.get_pressed(*id).is_some() || touches.just_released(*id) || touches.just_canceled(*id));
+    }
+    taken.set_if_neq(PointersTaken { mouse, touches: fingers });
 }

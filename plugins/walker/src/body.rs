@@ -4,8 +4,10 @@ use bevy_rapier3d::prelude::{
     CharacterAutostep, CharacterLength, Collider, KinematicCharacterController, KinematicCharacterControllerOutput, RigidBody,
 };
 use veduta_city::GridPos;
-use veduta_ecs::{Eye, Footing, Ground, OpenCells, Steering, Viewer, WorldOrigin};
+use veduta_ecs::{Eye, Footing, Ground, Interface, OpenCells, Sights, Steering, Viewer, WorldOrigin};
 
+use crate::glide::Glide;
+use crate::orbit::{InCity, Orbit};
 use crate::{Intent, Jump, SolidCells, WalkerSettings};
 
 /// A viewer that the visitor's controls move.
@@ -24,6 +26,34 @@ pub struct Gait {
     fov_goal_deg: f64,
     /// Eye height above the ground to come back to after flying.
     eye_goal_m: f64,
+    /// Going round a point.
+    orbit: Option<Orbit>,
+    /// On the way down to a street.
+    glide: Option<Glide>,
+}
+
+impl Gait {
+    /// Whether it goes round a point of the city.
+    #[must_use]
+    pub fn is_examining(&self) -> bool {
+        self.orbit.is_some()
+    }
+
+    /// Whether it is on the way down to a street.
+    #[must_use]
+    pub fn is_landing(&self) -> bool {
+        self.glide.is_some()
+    }
+
+    #[cfg(test)]
+    pub(crate) fn examine_for_test(&mut self) {
+        self.orbit = Some(Orbit::about_for_test());
+    }
+
+    /// Whether its feet are off the ground.
+    fn is_carried(&self) -> bool {
+        self.flying || self.orbit.is_some() || self.glide.is_some()
+    }
 }
 
 /// The walker's body: a capsule, moved by rapier's character controller.
@@ -90,8 +120,10 @@ pub(crate) fn take_over(
         let (at, z_m) = origin.plan_from_world(transform.translation);
         let ground_m = ground.at(eye.plan_pos, eye.ground_m);
         let has_fallen = z_m - f64::from(middle_m()) < ground_m - FALLEN_M;
-        let carried = *steering != Steering::Visitor || gait.flying || jump.is_under_way();
-        footing.set_if_neq(if carried { Footing::Terrain } else { Footing::Own });
+        let carried = *steering != Steering::Visitor || gait.is_carried() || jump.is_under_way();
+        // Round a point and on the way down elevations are exact: they do not rise and sink with the ground.
+        let own = !carried || gait.orbit.is_some() || gait.glide.is_some();
+        footing.set_if_neq(if own { Footing::Own } else { Footing::Terrain });
         if carried || has_fallen || at.distance(eye.plan_pos) > APART_M {
             let foot_m = eye.ground_m.max(ground_m + KERB_M);
             let place = origin.world_from_plan(eye.plan_pos, foot_m) + Vec3::Y * (middle_m() + 0.01);
@@ -114,7 +146,7 @@ pub(crate) fn settle(
 ) {
     for (body, mut transform, output) in &mut bodies {
         let Ok((mut eye, mut gait)) = walkers.get_mut(body.of) else { continue };
-        if *steering != Steering::Visitor || gait.flying || jump.is_under_way() {
+        if *steering != Steering::Visitor || gait.is_carried() || jump.is_under_way() {
             continue;
         }
         let (at, z_m) = origin.plan_from_world(transform.translation);
@@ -155,8 +187,8 @@ pub(crate) fn stride(
     steering: Res<Steering>,
     jump: Res<Jump>,
     intent: Res<Intent>,
-    solid: Res<SolidCells>,
-    ground: Ground<'_>,
+    (solid, interface): (Res<SolidCells>, Res<Interface>),
+    (ground, sights): (Ground<'_>, Sights<'_>),
     mut walkers: Query<(Entity, &mut Eye, &mut Gait), With<Walker>>,
     mut bodies: Query<(&WalkerBody, &mut KinematicCharacterController)>,
 ) {
@@ -166,9 +198,31 @@ pub(crate) fn stride(
         if *steering != Steering::Visitor {
             gait.velocity = DVec3::ZERO;
             gait.flying = eye.eye_m > settings.eye_m.1 + 0.5;
+            (gait.orbit, gait.glide) = (None, None);
             continue;
         }
-        turn_head(&mut eye, &mut gait, &intent, &settings, &solid, dt);
+        if matches!(*jump, Jump::Waiting { .. }) {
+            (gait.orbit, gait.glide) = (None, None);
+        }
+        choose_view(&mut eye, &mut gait, &intent, &settings, dt);
+        let city = InCity { sights: &sights, ground: &ground };
+        change_gait(&mut eye, &mut gait, &intent, &solid, &city, interface.reduced_motion);
+        if let Some(mut orbit) = gait.orbit {
+            orbit.turn(&intent, &city);
+            let (at, heading_deg, pitch_deg) = orbit.glide(dt, interface.reduced_motion, &city);
+            (eye.heading_deg, eye.pitch_deg) = (heading_deg, pitch_deg);
+            hang(&mut eye, at, &ground);
+            gait.orbit = Some(orbit);
+            continue;
+        }
+        if let Some(mut glide) = gait.glide {
+            let (at, pitch_deg, has_arrived) = glide.pass(dt);
+            eye.pitch_deg = pitch_deg;
+            hang(&mut eye, at, &ground);
+            gait.glide = Some(glide).filter(|_| !has_arrived);
+            continue;
+        }
+        turn_head(&mut eye, &mut gait, &intent, &settings, dt);
         if jump.is_under_way() {
             gait.velocity = DVec3::ZERO;
             continue;
@@ -207,31 +261,82 @@ pub(crate) fn stride(
     }
 }
 
-/// Heading, pitch, field of view, eye height, walking or flying.
-fn turn_head(eye: &mut Eye, gait: &mut Gait, intent: &Intent, settings: &WalkerSettings, solid: &SolidCells, dt: f64) {
-    eye.heading_deg = (eye.heading_deg + intent.turn_deg).rem_euclid(360.0);
-    eye.pitch_deg = (eye.pitch_deg + intent.tilt_deg).clamp(-85.0, 85.0);
+/// Puts an eye at an elevation, whatever the ground does.
+fn hang(eye: &mut Eye, at: DVec3, ground: &Ground<'_>) {
+    eye.plan_pos = at.truncate();
+    eye.ground_m = ground.at(eye.plan_pos, at.z - 1.65);
+    eye.eye_m = at.z - eye.ground_m;
+}
+
+/// The field of view turns to what was chosen.
+fn choose_view(eye: &mut Eye, gait: &mut Gait, intent: &Intent, settings: &WalkerSettings, dt: f64) {
     if let Some(fov) = intent.fov.and_then(|i| settings.fovs_deg.get(i)) {
         gait.fov_goal_deg = *fov;
+    }
+    if intent.widen != 0.0 {
+        let from = if gait.fov_goal_deg > 0.0 { gait.fov_goal_deg } else { eye.fov_deg };
+        let [least, .., most] = settings.fovs_deg;
+        gait.fov_goal_deg = (from * intent.widen.exp()).clamp(least.min(most), most.max(least));
     }
     if gait.fov_goal_deg > 0.0 {
         eye.fov_deg += (gait.fov_goal_deg - eye.fov_deg) * (1.0 - (-8.0 * dt).exp());
     }
+}
+
+/// Walks, flies, or goes round a point, as was asked for.
+fn change_gait(eye: &mut Eye, gait: &mut Gait, intent: &Intent, solid: &SolidCells, city: &InCity<'_, '_>, at_once: bool) {
+    let was_examining = gait.orbit.is_some();
+    if intent.toggle_fly {
+        gait.velocity = DVec3::ZERO;
+        // From a point that was examined one flies on.
+        gait.flying = was_examining || !gait.flying;
+        let has_hung = was_examining || gait.glide.is_some();
+        (gait.orbit, gait.glide) = (None, None);
+        if gait.flying && has_hung {
+            steady(eye, city.ground);
+        }
+    } else if intent.toggle_examine && was_examining {
+        (gait.orbit, gait.flying) = (None, false);
+    } else if intent.toggle_examine {
+        gait.glide = None;
+        gait.orbit = Orbit::begin(eye, city);
+        gait.flying &= gait.orbit.is_none();
+        gait.velocity = DVec3::ZERO;
+        return;
+    } else {
+        return;
+    }
+    if !gait.flying {
+        gait.glide = land(eye, gait, solid, city, at_once);
+    }
+}
+
+/// The way down to walkable ground: right here, or in the nearest street for whoever is above a roof or a yard. `None` where he stands already.
+fn land(eye: &Eye, gait: &Gait, solid: &SolidCells, city: &InCity<'_, '_>, at_once: bool) -> Option<Glide> {
+    let here = grid(eye.plan_pos);
+    let to = if solid.hold(here) { eye.plan_pos } else { solid.nearest(here).map_or(eye.plan_pos, GridPos::to_metres) };
+    let foot_m = city.ground.at(to, if to == eye.plan_pos { eye.ground_m } else { f64::INFINITY });
+    let z_m = foot_m + if gait.eye_goal_m > 0.0 { gait.eye_goal_m } else { Eye::default().eye_m };
+    let from = eye.plan_pos.extend(eye.z_m());
+    (from.distance(to.extend(z_m)) > 0.05).then(|| Glide::new(from, eye.pitch_deg, to, z_m, at_once))
+}
+
+/// Takes the ground that a flight rises and sinks with under an eye that has hung at an exact elevation.
+fn steady(eye: &mut Eye, ground: &Ground<'_>) {
+    let z_m = eye.z_m();
+    for _ in 0..2 {
+        eye.ground_m = ground.about(eye.plan_pos, eye.ground_m, eye.eye_m);
+        eye.eye_m = z_m - eye.ground_m;
+    }
+}
+
+/// Heading, pitch, eye height.
+fn turn_head(eye: &mut Eye, gait: &mut Gait, intent: &Intent, settings: &WalkerSettings, dt: f64) {
+    eye.heading_deg = (eye.heading_deg + intent.turn_deg).rem_euclid(360.0);
+    eye.pitch_deg = (eye.pitch_deg + intent.tilt_deg).clamp(-85.0, 85.0);
     let (low, high) = settings.eye_m;
     if gait.eye_goal_m == 0.0 {
         gait.eye_goal_m = eye.eye_m.clamp(low, high);
-    }
-    if intent.toggle_fly {
-        gait.flying = !gait.flying;
-        gait.velocity = DVec3::ZERO;
-        // Whoever lands on a roof or in a yard comes down in the nearest street.
-        if !gait.flying
-            && !solid.hold(grid(eye.plan_pos))
-            && let Some(street) = solid.nearest(grid(eye.plan_pos))
-        {
-            let p = street.to_metres();
-            eye.plan_pos = DVec2::new(p.x, p.y);
-        }
     }
     if !gait.flying {
         gait.eye_goal_m = (gait.eye_goal_m + intent.raise_m).clamp(low, high);

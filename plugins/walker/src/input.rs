@@ -1,11 +1,15 @@
-use bevy::input::gamepad::{Gamepad, GamepadAxis, GamepadButton};
 use bevy::input::mouse::AccumulatedMouseMotion;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy::window::{CursorGrabMode, CursorOptions, PrimaryWindow};
-use veduta_ecs::{Interface, Steering};
+use veduta_controls::{Layers, Presses, Touching};
+use veduta_ecs::Steering;
 
-use crate::{WalkerSettings, WalkerSystems};
+use crate::controls::{
+    Examine, ExamineDrag, Examining, EyeHigher, EyeLower, Farther, Fly, LookDown, LookHold, LookLeft, LookRight, LookUp, Nearer,
+    Rise, Run, Sink, StepLeft, StepRight, ViewNarrow, ViewNatural, ViewNext, ViewWide, WalkBack, WalkForward,
+};
+use crate::{WalkerSettings, WalkerSystems, add_controls};
 
 /// What the visitor wants of this frame. Written by keys, mouse and gamepad, or by whoever plays visitor.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Default)]
@@ -22,15 +26,21 @@ pub struct Intent {
     pub toggle_fly: bool,
     /// Field of view to take, as index of `WalkerSettings::fovs_deg`.
     pub fov: Option<usize>,
+    /// How much wider to make the field of view this frame: the logarithm of a factor.
+    pub widen: f64,
     /// Metres to raise the eye this frame.
     pub raise_m: f64,
+    /// Whether to change between examining what the eye looks at, and walking.
+    pub toggle_examine: bool,
+    /// How much nearer to come this frame to what is examined: the logarithm of a factor.
+    pub near: f64,
 }
 
 impl Intent {
     /// Whether the visitor has touched anything that moves.
     #[must_use]
     pub fn is_moving(&self) -> bool {
-        self.go != DVec3::ZERO || self.turn_deg != 0.0 || self.tilt_deg != 0.0 || self.toggle_fly
+        self.go != DVec3::ZERO || self.turn_deg != 0.0 || self.tilt_deg != 0.0 || self.toggle_fly || self.toggle_examine
     }
 }
 
@@ -42,22 +52,22 @@ pub struct MouseHeld(
 );
 
 pub(crate) fn build(app: &mut App) {
-    app.init_resource::<MouseHeld>().add_systems(Update, (hold_mouse, read_input, hand_over).chain().in_set(WalkerSystems::Input));
+    add_controls(app);
+    app.init_resource::<MouseHeld>()
+        .init_resource::<AccumulatedMouseMotion>()
+        .add_systems(Update, (hold_mouse, read_input, hand_over).chain().in_set(WalkerSystems::Input));
 }
 
-/// The right button holds the mouse as long as it is pressed; Esc lets it go too.
+/// The mouse is held as long as its control is; whoever closes things lets it go too.
 fn hold_mouse(
-    buttons: Res<ButtonInput<MouseButton>>,
-    keys: Res<ButtonInput<KeyCode>>,
+    presses: Presses<'_, '_>,
+    mut layers: ResMut<Layers>,
     mut held: ResMut<MouseHeld>,
     mut cursors: Query<&mut CursorOptions, With<PrimaryWindow>>,
 ) {
-    if buttons.just_pressed(MouseButton::Right) {
-        held.0 = true;
-    }
-    if keys.just_pressed(KeyCode::Escape) || buttons.just_released(MouseButton::Right) {
-        held.0 = false;
-    }
+    let holds = if presses.begins::<LookHold>() { true } else { held.0 && presses.is_down::<LookHold>() };
+    let closes = layers.closes("look", holds);
+    held.set_if_neq(MouseHeld(holds && !closes));
     if !held.is_changed() {
         return;
     }
@@ -67,62 +77,54 @@ fn hold_mouse(
     }
 }
 
-fn axis(keys: &ButtonInput<KeyCode>, minus: &[KeyCode], plus: &[KeyCode]) -> f64 {
-    f64::from(keys.any_pressed(plus.iter().copied())) - f64::from(keys.any_pressed(minus.iter().copied()))
-}
-
 fn read_input(
     time: Res<Time>,
     settings: Res<WalkerSettings>,
-    keys: Res<ButtonInput<KeyCode>>,
+    presses: Presses<'_, '_>,
     motion: Res<AccumulatedMouseMotion>,
-    held: Res<MouseHeld>,
-    gamepads: Query<&Gamepad>,
-    interface: Res<Interface>,
+    (held, touching): (Res<MouseHeld>, Res<Touching>),
     mut last_fov: Local<Option<usize>>,
     mut intent: ResMut<Intent>,
 ) {
-    use KeyCode as K;
-    // Where somebody types, keys are letters.
-    let resting = ButtonInput::default();
-    let keys = if interface.is_typing { &resting } else { &*keys };
     let dt = time.delta_secs_f64();
+    let is_examining = presses.is_heard::<Examining>();
     let mut next = Intent {
         go: DVec3::new(
-            axis(keys, &[K::KeyA], &[K::KeyD]),
-            axis(keys, &[K::KeyS, K::ArrowDown], &[K::KeyW, K::ArrowUp]),
-            axis(keys, &[K::KeyC], &[K::Space]),
+            presses.axis::<StepLeft, StepRight>(),
+            presses.axis::<WalkBack, WalkForward>(),
+            presses.axis::<Sink, Rise>(),
         ),
-        turn_deg: axis(keys, &[K::ArrowLeft], &[K::ArrowRight]) * 70.0 * dt,
-        run: keys.any_pressed([K::ShiftLeft, K::ShiftRight]),
-        toggle_fly: keys.just_pressed(K::KeyF),
-        fov: [K::Digit1, K::Digit2, K::Digit3].iter().position(|&key| keys.just_pressed(key)),
-        raise_m: axis(keys, &[K::PageDown], &[K::PageUp]) * 0.8 * dt,
+        turn_deg: presses.axis::<LookLeft, LookRight>() * settings.stick_deg_s * dt,
+        tilt_deg: presses.axis::<LookDown, LookUp>() * settings.stick_deg_s * 0.6 * dt,
+        run: presses.is_down::<Run>(),
+        toggle_fly: presses.begins::<Fly>(),
+        toggle_examine: presses.begins::<Examine>(),
+        near: presses.axis::<Farther, Nearer>() * NEARS_HZ * dt,
+        fov: [presses.begins::<ViewNarrow>(), presses.begins::<ViewNatural>(), presses.begins::<ViewWide>()]
+            .iter()
+            .position(|begins| *begins),
+        raise_m: presses.axis::<EyeLower, EyeHigher>() * 0.9 * dt,
         ..Intent::default()
     };
-    if held.0 {
-        next.turn_deg += f64::from(motion.delta.x) * settings.mouse_deg;
-        next.tilt_deg -= f64::from(motion.delta.y) * settings.mouse_deg;
+    let dragged = if held.0 || presses.is_down::<ExamineDrag>() { motion.delta } else { Vec2::ZERO } + touching.look_px;
+    next.turn_deg += f64::from(dragged.x) * settings.mouse_deg;
+    next.tilt_deg -= f64::from(dragged.y) * settings.mouse_deg;
+    if touching.pinch > 0.0 {
+        // Fingers that spread enlarge: nearer, or a narrower view.
+        let spread = f64::from(touching.pinch).ln();
+        *(if is_examining { &mut next.near } else { &mut next.widen }) += if is_examining { spread } else { -spread };
     }
-    for pad in &gamepads {
-        let stick = |a| f64::from(pad.get(a).unwrap_or(0.0));
-        next.go += DVec3::new(stick(GamepadAxis::LeftStickX), stick(GamepadAxis::LeftStickY), 0.0);
-        next.go.z += f64::from(pad.get(GamepadButton::RightTrigger2).unwrap_or(0.0))
-            - f64::from(pad.get(GamepadButton::LeftTrigger2).unwrap_or(0.0));
-        next.turn_deg += stick(GamepadAxis::RightStickX) * settings.stick_deg_s * dt;
-        next.tilt_deg += stick(GamepadAxis::RightStickY) * settings.stick_deg_s * 0.6 * dt;
-        next.run |= pad.pressed(GamepadButton::LeftThumb);
-        next.toggle_fly |= pad.just_pressed(GamepadButton::North);
-        next.raise_m += (f64::from(pad.pressed(GamepadButton::DPadRight)) - f64::from(pad.pressed(GamepadButton::DPadLeft))) * dt;
-        if pad.just_pressed(GamepadButton::DPadUp) {
-            // The middle one is where a walk begins.
-            next.fov = Some((last_fov.unwrap_or(1) + 1) % settings.fovs_deg.len());
-        }
+    if presses.begins::<ViewNext>() {
+        // The middle one is where a walk begins.
+        next.fov = Some((last_fov.unwrap_or(1) + 1) % settings.fovs_deg.len());
     }
     *last_fov = next.fov.or(*last_fov);
     next.go = next.go.clamp(DVec3::NEG_ONE, DVec3::ONE);
     intent.set_if_neq(next);
 }
+
+/// Who holds a key comes nearer, or goes off, by e in a second.
+const NEARS_HZ: f64 = 1.0;
 
 /// Touching the controls takes the eye from whoever leads it.
 fn hand_over(intent: Res<Intent>, mut steering: ResMut<Steering>) {
@@ -136,10 +138,16 @@ mod tests {
     use std::time::Duration;
 
     use bevy::input::InputPlugin;
-    use bevy::input::gamepad::{RawGamepadAxisChangedEvent, RawGamepadButtonChangedEvent, RawGamepadEvent};
+    use bevy::input::gamepad::{
+        Gamepad, GamepadAxis, GamepadButton, RawGamepadAxisChangedEvent, RawGamepadButtonChangedEvent, RawGamepadEvent,
+    };
+    use bevy::input::mouse::MouseMotion;
+    use bevy::input::touch::{TouchInput, TouchPhase};
     use bevy::time::TimeUpdateStrategy;
+    use veduta_ecs::Interface;
 
     use super::*;
+    use crate::Walker;
 
     fn app() -> App {
         let mut app = App::new();
@@ -147,9 +155,10 @@ mod tests {
             .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(100)))
             .init_resource::<WalkerSettings>()
             .init_resource::<Intent>()
-            .init_resource::<Steering>()
-            .init_resource::<Interface>();
+            .init_resource::<Steering>();
         build(&mut app);
+        app.finish();
+        app.cleanup();
         app.update();
         app
     }
@@ -203,5 +212,64 @@ mod tests {
             assert_eq!(intent(&mut app).fov, None, "only when it is pressed");
         }
         assert_eq!(seen, [Some(2), Some(0), Some(1)], "one view after another");
+        push(&mut app, GamepadButton::North, 1.0);
+        assert!(intent(&mut app).toggle_fly);
+        push(&mut app, GamepadButton::RightThumb, 1.0);
+        assert!(intent(&mut app).toggle_examine);
+        app.world_mut().despawn(pad);
+        assert_eq!(intent(&mut app), Intent::default(), "its plug was pulled");
+    }
+
+    #[test]
+    fn the_right_button_holds_the_mouse_until_it_or_escape_is_pressed() {
+        let mut app = app();
+        let drag = |app: &mut App| {
+            app.world_mut().write_message(MouseMotion { delta: Vec2::new(10.0, 5.0) });
+            intent(app)
+        };
+        assert_eq!(drag(&mut app), Intent::default(), "a mouse that is not held looks nowhere");
+        app.world_mut().resource_mut::<ButtonInput<MouseButton>>().press(MouseButton::Right);
+        let wish = drag(&mut app);
+        assert!((wish.turn_deg - 1.2).abs() < 1e-9 && (wish.tilt_deg + 0.6).abs() < 1e-9, "{wish:?}");
+        app.world_mut().resource_mut::<ButtonInput<KeyCode>>().press(KeyCode::Escape);
+        app.update();
+        assert_eq!(drag(&mut app), Intent::default(), "let go by Escape");
+    }
+
+    #[test]
+    fn fingers_walk_look_and_widen_the_view() {
+        let mut app = app();
+        let send = |app: &mut App, id, phase, x, y| {
+            let window = Entity::PLACEHOLDER;
+            app.world_mut().write_message(TouchInput { phase, position: Vec2::new(x, y), window, force: None, id });
+        };
+        send(&mut app, 1, TouchPhase::Started, 100.0, 500.0);
+        send(&mut app, 1, TouchPhase::Moved, 100.0, 436.0);
+        send(&mut app, 2, TouchPhase::Started, 900.0, 300.0);
+        send(&mut app, 2, TouchPhase::Moved, 920.0, 300.0);
+        send(&mut app, 2, TouchPhase::Moved, 930.0, 300.0);
+        let wish = intent(&mut app);
+        assert!((wish.go.y - 1.0).abs() < 1e-6 && (wish.turn_deg - 1.2).abs() < 1e-6, "{wish:?}");
+        send(&mut app, 3, TouchPhase::Started, 1030.0, 300.0);
+        app.update();
+        send(&mut app, 3, TouchPhase::Moved, 1130.0, 300.0);
+        let wish = intent(&mut app);
+        assert!((wish.widen + 2_f64.ln()).abs() < 1e-5 && wish.turn_deg == 0.0, "{wish:?}");
+    }
+
+    #[test]
+    fn examining_has_keys_of_its_own() {
+        let mut app = app();
+        let walker = app.world_mut().spawn(Walker).id();
+        app.update();
+        app.world_mut().resource_mut::<ButtonInput<KeyCode>>().press(KeyCode::KeyW);
+        let wish = intent(&mut app);
+        assert_eq!((wish.go.y, wish.near), (1.0, 0.0));
+        app.world_mut().resource_mut::<ButtonInput<KeyCode>>().release(KeyCode::KeyW);
+        app.world_mut().get_mut::<crate::Gait>(walker).expect("a walker has one").examine_for_test();
+        app.update();
+        app.world_mut().resource_mut::<ButtonInput<KeyCode>>().press(KeyCode::KeyW);
+        let wish = intent(&mut app);
+        assert_eq!((wish.go.y, wish.near), (0.0, 0.1));
     }
 }

@@ -1,9 +1,10 @@
 //! The camera controller that all else drives: walk, fly, look; with walls that stop you and portals that wait.
 //!
 //! ```text
-//!  keys, mouse, gamepad ──► Intent ──► walk (rapier's character controller) ─┐
-//!  JumpTo ──► fade, wait for the place ─► stand ─────────────────────────────┼──► Eye
-//!                                      └► fly (no walls, never below ground) ┘
+//!  controls ──► Intent ──┬─► walk (rapier's character controller) ◄─ glide to a street ─┐
+//!                        ├─► fly (no walls, never below ground) ────────────────────────┤──► Eye
+//!                        └─► go round a point (never in a house) ───────────────────────┘
+//!  JumpTo ──► fade, wait for the place, stand ─────────────────────────────────────────────► Eye
 //! ```
 //!
 //! Walking uses bevy_rapier3d's kinematic character controller: it slides along walls and climbs kerbs and steps up to
@@ -22,27 +23,36 @@
 //!     .run();
 //! ```
 //!
-//! | control | keyboard and mouse | gamepad |
-//! |---|---|---|
-//! | walk | W A S D, arrows up, down | left stick |
-//! | look | mouse with the right button held; arrows left, right | right stick |
-//! | run | Shift | left stick pressed |
-//! | fly | F | Y / triangle |
-//! | up, down (flying) | Space, C | triggers |
-//! | field of view 40°, 55°, 75° | 1, 2, 3 | d-pad up: the next |
-//! | eye height 1.6 to 3 m | PageUp, PageDown | d-pad left, right |
+//! Its controls, whose keys a visitor may change ([`veduta_controls`]), stand in [`controls`]; these are they at first:
+//!
+//! | control | keyboard and mouse | gamepad | touch |
+//! |---|---|---|---|
+//! | walk | W A S D, arrows up, down | left stick | a finger on the left half |
+//! | look | mouse with the right button held; arrows left, right | right stick | a finger on the right half |
+//! | run | Shift | left stick pressed | |
+//! | fly, land | F | Y / triangle | |
+//! | up, down (flying) | Space, C | triggers | |
+//! | field of view 40°, 55°, 75° | 1, 2, 3 | d-pad up: the next | two fingers on the right half |
+//! | eye height 1.6 to 3 m | PageUp, PageDown | d-pad left, right | |
+//! | examine, walk on | O | right stick pressed | |
+//! | turn, near (examining) | drag with either button, wheel; arrows, W S | sticks | fingers |
 //!
 //! # Limits
-//! One walker; others may view.
+//! One walker; others may view. Round a point the eye keeps out of houses as the overview has them, upright blocks: an oriel or a tower's
+//! helm it may touch. A gaze into the sky is led down to what lies below.
 //!
 //! # Rejected
+//! An orbit at a fixed distance that slides along walls (it looks through houses that stand between); its eye stays in the line of sight.
 //! A capsule of our own against plan polygons: rapier's controller handles steps, slopes and corners, and games bring rapier
 //! bodies of their own into the street.
 
 mod body;
 mod collide;
+pub mod controls;
+mod glide;
 mod input;
 mod jump;
+mod orbit;
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{NoUserData, RapierPhysicsPlugin};
@@ -50,6 +60,7 @@ use veduta_ecs::VedutaSystems;
 
 pub use body::{Gait, Walker, WalkerBody};
 pub use collide::SolidCells;
+pub use controls::add_controls;
 pub use input::{Intent, MouseHeld};
 pub use jump::Jump;
 
