@@ -76,6 +76,7 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) -> boo
             check(ui, &words.say("settings-map-tour"), &mut settings.map_tour);
             check(ui, &words.say("settings-panel"), &mut settings.place_panel);
             check(ui, &words.say("settings-captions"), &mut settings.captions);
+            check(ui, &words.say("settings-life"), &mut settings.life);
             check(ui, &words.say("settings-bar"), &mut settings.bar_stays);
         });
     });
@@ -194,6 +195,7 @@ mod tests {
             "Map: where the tour leads",
             "What stands near",
             "Captions of tours",
+            "Life: pigeons, flags, water, clocks",
             "The bar stays",
         ] {
             harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, name).click();
@@ -218,6 +220,7 @@ mod tests {
             map_tour: false,
             place_panel: false,
             captions: false,
+            life: false,
             bar_stays: true,
             ..Settings::default()
         };
