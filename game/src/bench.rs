@@ -170,6 +170,8 @@ enum Way {
     Streamed,
     /// As streaming does it, with all that a visitor sees over the picture.
     Visited,
+    /// As streaming does it, with all that lives.
+    Lived,
     /// All that is so near, in metres, whatever stands between; read and built on the main thread, as soon as it is wanted.
     Naive { around_m: f64 },
 }
@@ -312,7 +314,7 @@ fn memory(world: &World) -> u64 {
 fn quiet_app(city: &Path, way: Way) -> App {
     let mut app = App::new();
     let (fetching, building) = match way {
-        Way::Streamed | Way::Visited => (Fetching::Threads(2), Building::Pool),
+        Way::Streamed | Way::Visited | Way::Lived => (Fetching::Threads(2), Building::Pool),
         Way::Naive { .. } => (Fetching::Inline, Building::Inline),
     };
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), bevy::transform::TransformPlugin))
@@ -345,6 +347,9 @@ fn quiet_app(city: &Path, way: Way) -> App {
         visitor::add_interface(&mut app);
     } else {
         app.add_plugins((TourPlugin { interface: false }, GuidePlugin { interface: false }));
+    }
+    if way == Way::Lived {
+        visitor::add_life(&mut app);
     }
     if let Way::Naive { around_m } = way {
         let mut settings = app.world_mut().resource_mut::<StreamingSettings>();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anstream::eprintln;
 use indicatif::{ProgressBar, ProgressStyle};
 use veduta_bake::{BakeSettings, Input, InputKind, Stage, bake, files_of_overrides, overrides_beside};
-use veduta_city::{GraphOverrides, Tour, file};
+use veduta_city::{GraphOverrides, Life, Tour, file};
 use veduta_store::{FORMAT_VERSION, INDEX_NAME};
 
 use crate::Failure;
@@ -23,6 +23,46 @@ pub fn project_root() -> PathBuf {
     let here = std::env::current_dir().unwrap_or_default();
     let above = here.ancestors().find(|folder| folder.join("scenes/old_prague").is_dir());
     above.map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_owned(), Path::to_owned)
+}
+
+/// The file of a kind that lies in a folder: the first by name.
+#[must_use]
+pub fn file_in(folder: &Path, ending: &str) -> Option<String> {
+    let files =
+        std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+    files.filter(|name| name.ends_with(ending)).min()
+}
+
+/// What lives in the city of a folder: what is told there; what lives by rule where nothing is.
+///
+/// # Errors
+/// If the file cannot be read, or there are mistakes in it.
+pub fn life_in(folder: &Path) -> Result<Life, Failure> {
+    let Some(name) = file_in(folder, ".life.ron") else { return Ok(Life::default()) };
+    let path = folder.join(name);
+    let life: Life = file::read(&path)?;
+    match life.validate().first() {
+        Some(mistake) => Err(format!("{}: {mistake}", path.display()).into()),
+        None => Ok(life),
+    }
+}
+
+/// The folder in which tours of a city lie, its guide and what lives in it.
+#[must_use]
+pub fn scene_of(city: Option<&str>) -> PathBuf {
+    match city {
+        None => sample_scene(),
+        Some(city) if city.contains("://") => PathBuf::from("."),
+        // A folder that is no baked city is a scene itself.
+        Some(city) if Path::new(city).is_dir() && !Path::new(city).join(INDEX_NAME).is_file() => PathBuf::from(city),
+        Some(city) => folder_of(Path::new(city)),
+    }
+}
+
+/// The folder that a file lies in.
+#[must_use]
+pub fn folder_of(path: &Path) -> PathBuf {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).map_or_else(|| PathBuf::from("."), Path::to_owned)
 }
 
 /// What streaming can open: a URL or the directory of a baked city. Maps, graphs and scenes are baked into the user's

@@ -1,12 +1,11 @@
 //! The command line.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anstream::eprintln;
 use clap::{Parser, Subcommand};
 use veduta::city::{Tour, file};
-use veduta_store::INDEX_NAME;
 
 use crate::film::FilmOrder;
 use crate::gallery::{GalleryOrder, Sheet};
@@ -145,19 +144,10 @@ enum Command {
     },
 }
 
-/// Walks in the city that is named, else in the tour's, else in the sample with the sample tour on T. Tours and the guide are those
+/// Walks in the city that is named, else in the tour's, else in the sample with the sample tour on T. Tours, the guide and what lives are those
 /// beside the tour, else beside the city.
 fn walk(city: Option<&str>, tour: Option<PathBuf>, order: WalkOrder) -> Result<(), Failure> {
-    let folder =
-        |path: &Path| path.parent().filter(|p| !p.as_os_str().is_empty()).map_or_else(|| PathBuf::from("."), Path::to_owned);
-    let scene = match (city, &tour) {
-        (_, Some(tour)) => folder(tour),
-        (Some(city), None) if city.contains("://") => PathBuf::from("."),
-        // A folder that is no baked city is a scene itself.
-        (Some(city), None) if Path::new(city).is_dir() && !Path::new(city).join(INDEX_NAME).is_file() => PathBuf::from(city),
-        (Some(city), None) => folder(Path::new(city)),
-        (None, None) => cities::sample_scene(),
-    };
+    let scene = tour.as_deref().map_or_else(|| cities::scene_of(city), cities::folder_of);
     let first = match (city, tour) {
         (_, Some(path)) => Some(FirstTour { path, at_once: true }),
         (None, None) => Some(FirstTour { path: cities::sample_scene().join("royal_route.tour.ron"), at_once: false }),
@@ -215,7 +205,9 @@ fn command(command: Option<Command>) -> Result<(), Failure> {
             film::film(&FilmOrder { tour, out, size, fps, profile, from_s: from, to_s: to, json })
         }
         Some(Command::Shot { city, at, out, size, hour, day, wet, fov, profile }) => {
-            shot::shot(&ShotOrder { city: cities::open(city.as_deref())?, at, out, size, hour, day, wet, fov_deg: fov, profile })
+            let life = Some(cities::life_in(&cities::scene_of(city.as_deref()))?);
+            let city = cities::open(city.as_deref())?;
+            shot::shot(&ShotOrder { city, at, out, size, hour, day, wet, fov_deg: fov, profile, life })
         }
         Some(Command::Gallery { views, out, sheets, only, size, profile }) => {
             gallery::gallery(&GalleryOrder { out, views, sheets, only, size, profile })

@@ -70,7 +70,9 @@ pub fn film(order: &FilmOrder) -> Result<(), Failure> {
     if let Some(parent) = order.out.parent().filter(|p| !p.as_os_str().is_empty()) {
         std::fs::create_dir_all(parent).map_err(|e| format!("{}: {e}", parent.display()))?;
     }
+    let life = cities::life_in(&cities::folder_of(&order.tour))?;
     let mut studio = Studio::open(&city, order.size, order.profile)?;
+    studio.enliven(life, order.profile);
     let duration_s = begin(&mut studio, tour, order)?;
     let to_s = order.to_s.unwrap_or(duration_s).min(duration_s);
     if !(order.from_s >= 0.0 && order.from_s < to_s) {

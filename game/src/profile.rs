@@ -9,6 +9,7 @@ use bevy::render::render_resource::WgpuAdapterInfo;
 use bevy::render::renderer::RenderAdapterInfo;
 use veduta::buildings::BuildSettings;
 use veduta::facade::{Shading, TileFormat, TileQuality};
+use veduta::life::{LifeKinds, LifeSettings};
 use veduta::prelude::*;
 
 use crate::settings::Settings;
@@ -99,6 +100,28 @@ impl Profile {
         BuildSettings { relief_m: f64::from(self.levels().far[2]), ..default() }
     }
 
+    /// What lives, and what it may cost.
+    #[must_use]
+    pub fn life(self) -> LifeSettings {
+        let plain_light = self == Self::Low;
+        let of = |reach, most_pigeons, most_drops, most_fires, most_vertices| LifeSettings {
+            reach,
+            most_pigeons,
+            most_drops,
+            most_fires,
+            most_vertices,
+            plain_light,
+            ..default()
+        };
+        match self {
+            // What is seen through costs a processor that draws each pixel once more.
+            Self::Low => LifeSettings { kinds: LifeKinds { smoke: false, ..LifeKinds::ALL }, ..of(0.6, 18, 0, 0, 12_000) },
+            Self::Medium => of(0.85, 60, 120, 16, 40_000),
+            Self::High => of(1.0, 90, 220, 28, 80_000),
+            Self::Ultra => of(1.3, 160, 400, 60, 200_000),
+        }
+    }
+
     /// Inserts what the profile sets, and sees to cameras.
     pub fn apply(self, app: &mut App) {
         self.insert(app.world_mut());
@@ -113,6 +136,7 @@ impl Profile {
         world.insert_resource(self.shading());
         world.insert_resource(self.streaming());
         world.insert_resource(self.buildings());
+        world.insert_resource(self.life());
     }
 }
 

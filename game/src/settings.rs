@@ -10,6 +10,7 @@ use veduta::controls::{ControlList, Controls, ControlsSystems, WrittenControls};
 use veduta::ecs::{Interface, Words};
 use veduta::facade::{AutoLevels, LevelReach};
 use veduta::guide::PanelSettings;
+use veduta::life::{LifeKinds, LifeSettings};
 use veduta::prelude::*;
 use veduta::streaming::Link;
 use veduta::tour::CaptionSettings;
@@ -44,6 +45,8 @@ pub(crate) struct Settings {
     pub place_panel: bool,
     pub place_unfolded: bool,
     pub captions: bool,
+    /// Whether the city lives: pigeons, flags, water, clocks.
+    pub life: bool,
     /// Whether the bar stays; else it hides itself.
     pub bar_stays: bool,
     /// Whether the first minute has been gone through or skipped.
@@ -74,6 +77,7 @@ impl Default for Settings {
             place_panel: true,
             place_unfolded: true,
             captions: true,
+            life: true,
             bar_stays: false,
             knows_the_way: false,
             keys: WrittenControls::new(),
@@ -198,7 +202,7 @@ impl Plugin for SettingsPlugin {
         app.add_systems(PreUpdate, gather.after(ControlsSystems::Sense))
             .init_resource::<DroppedKeys>()
             .add_systems(PostStartup, read_controls)
-            .add_systems(Update, (speak, dress, reach, bind).run_if(resource_changed::<Settings>))
+            .add_systems(Update, (speak, dress, reach, bind, enliven.after(reach)).run_if(resource_changed::<Settings>))
             .add_systems(Update, follow.after(reach))
             .add_systems(PostUpdate, keep)
             .add_systems(Last, keep_at_the_end);
@@ -324,6 +328,12 @@ fn reach(
         }
         (None, false) => {}
     }
+}
+
+/// What lives: what the profile allows, if the visitor does.
+fn enliven(settings: Res<Settings>, profile: Res<Profile>, mut life: ResMut<LifeSettings>) {
+    let allowed = profile.life();
+    life.set_if_neq(if settings.life { allowed } else { LifeSettings { kinds: LifeKinds::NONE, ..allowed } });
 }
 
 /// Seconds that choices rest before they are written: a slider is not written at every step.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use anstream::println;
 use bevy::math::DVec2;
+use veduta::city::Life;
 use veduta::facade::FadeSettings;
 use veduta::prelude::*;
 
@@ -62,6 +63,8 @@ pub struct ShotOrder {
     pub fov_deg: f64,
     /// Quality.
     pub profile: Profile,
+    /// What lives in the city; `None` for nothing.
+    pub life: Option<Life>,
 }
 
 /// A picture, and what drew it.
@@ -105,6 +108,9 @@ pub fn picture(order: &ShotOrder) -> Result<Picture, Failure> {
     // A picture has no before: levels stand at once.
     studio.world().resource_mut::<FadeSettings>().seconds = 0.0;
     studio.advance(core::time::Duration::ZERO);
+    if let Some(life) = &order.life {
+        studio.enliven(life.clone(), order.profile);
+    }
     let missing = studio.settle();
     if !missing.is_empty() {
         return Err(format!("{}: {missing} are in sight but could not be loaded", order.city).into());

@@ -18,8 +18,10 @@ use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use image::RgbaImage;
 use veduta::buildings::{BuildSettings, Building, BuildingsPlugin};
+use veduta::city::Life;
 use veduta::ecs::StandingCells;
 use veduta::facade::{FacadePlugin, Painting};
+use veduta::life::{CityLife, LifeKinds, LifePlugin, LifeSettings};
 use veduta::prelude::*;
 use veduta::streaming::{Fetching, RetryTime, Wanted};
 use veduta::tour::TourState;
@@ -166,7 +168,10 @@ impl Studio {
             FacadePlugin { tiles: profile.tiles(), painting: Painting::Inline },
             SkyPlugin,
             TourPlugin::default(),
+            LifePlugin,
         ))
+        // Whoever takes the picture says whether anything lives.
+        .insert_resource(LifeSettings { kinds: LifeKinds::NONE, ..profile.life() })
         .insert_resource(BuildSettings { vertices_a_frame: usize::MAX, in_the_making: 64, ..profile.buildings() })
         .insert_resource(OpenCity(city.to_owned()));
         let target = film(&mut app, size);
@@ -215,6 +220,11 @@ impl Studio {
             std::thread::sleep(Duration::from_millis(1));
         }
         self.app.world_mut().resource_mut::<RetryTime>().0 += began.elapsed().as_secs_f64();
+    }
+
+    /// Lets the city live, as a profile allows.
+    pub fn enliven(&mut self, life: Life, profile: Profile) {
+        self.app.insert_resource(CityLife::of(life)).insert_resource(profile.life());
     }
 
     /// Where the camera stands and looks.

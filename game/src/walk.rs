@@ -1,11 +1,12 @@
 //! `veduta walk`: the window.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use bevy::asset::io::AssetSourceBuilder;
 use bevy::prelude::*;
 use veduta::facade::FacadePlugin;
 use veduta::guide::OpenGuide;
+use veduta::life::{LifePlugin, OpenLife};
 use veduta::prelude::*;
 use veduta::streaming::{Journal, StreamingCache};
 
@@ -37,7 +38,7 @@ pub struct WalkOrder {
     pub language: Option<String>,
     /// The tour that T begins with.
     pub first: Option<FirstTour>,
-    /// Folder of tours and the guide.
+    /// Folder of tours, the guide and what lives.
     pub scene: PathBuf,
     /// Size of the window; 1280 × 720 if it was not told.
     pub size: Option<Size>,
@@ -87,6 +88,7 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
         TourPlugin::default(),
         MinimapPlugin,
         GuidePlugin::default(),
+        LifePlugin,
         SettingsPlugin,
         hud::HudPlugin,
         expert::ExpertPlugin,
@@ -106,20 +108,16 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
         app.insert_resource(first.clone());
     }
     app.add_systems(Update, offer_tour.run_if(resource_exists::<FirstTour>));
-    if let Some(guide) = guide_in(&scene) {
+    if let Some(guide) = cities::file_in(&scene, ".guide.ron") {
         app.world_mut().write_message(OpenGuide(format!("tours://{guide}")));
+    }
+    if let Some(life) = cities::file_in(&scene, ".life.ron") {
+        app.world_mut().write_message(OpenLife(format!("tours://{life}")));
     }
     match app.run() {
         AppExit::Success => Ok(()),
         AppExit::Error(code) => Err(format!("ended with code {code}").into()),
     }
-}
-
-/// The guide that lies in a folder: the first by name.
-fn guide_in(folder: &Path) -> Option<String> {
-    let files =
-        std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
-    files.filter(|name| name.ends_with(".guide.ron")).min()
 }
 
 fn spawn_walker(mut commands: Commands) {

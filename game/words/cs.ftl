@@ -91,6 +91,7 @@ settings-map-trail = Mapa: kudy jste šli
 settings-map-tour = Mapa: kudy vede prohlídka
 settings-panel = Co stojí poblíž
 settings-captions = Titulky prohlídek
+settings-life = Život: holubi, vlajky, voda, hodiny
 settings-bar = Lišta zůstává
 settings-reset = Jako na začátku
 settings-tiles = Jemnost malby zdí se změní při příštím spuštění.

@@ -91,6 +91,7 @@ settings-map-trail = Map: where you have been
 settings-map-tour = Map: where the tour leads
 settings-panel = What stands near
 settings-captions = Captions of tours
+settings-life = Life: pigeons, flags, water, clocks
 settings-bar = The bar stays
 settings-reset = As at first
 settings-tiles = How finely walls are painted changes at the next start.

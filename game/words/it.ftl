@@ -91,6 +91,7 @@ settings-map-trail = Mappa: dove siete stati
 settings-map-tour = Mappa: dove porta la visita
 settings-panel = Che cosa c'è vicino
 settings-captions = Didascalie delle visite
+settings-life = Vita: piccioni, bandiere, acqua, orologi
 settings-bar = La barra resta
 settings-reset = Come all'inizio
 settings-tiles = La finezza dei muri dipinti cambia al prossimo avvio.

@@ -61,7 +61,7 @@ fn stills_look_as_agreed() {
         let at: Option<At> = Some(at.parse().expect("five numbers"));
         let city = city.display().to_string();
         let order =
-            ShotOrder { city, at, out: PathBuf::new(), size: SIZE, hour, day: 160, wet: 0.0, fov_deg, profile: Profile::Medium };
+            ShotOrder { city, at, out: PathBuf::new(), size: SIZE, hour, day: 160, wet: 0.0, fov_deg, profile: Profile::Medium, life: None };
         let taken = picture(&order).unwrap_or_else(|e| panic!("{name}: {e}"));
         if !taken.is_software {
             println!("skipped: {} draws here, and the goldens are Mesa's software renderer's", taken.renderer);

@@ -49,12 +49,32 @@ pub(super) fn visitor(scene: &Path) -> Result<(), Failure> {
         line(&format!("{name}_interface_ms"), cost, "ms");
         costs.push(cost);
     }
+    line("sample_life_ms", life_cost(&sample, &tour)?, "ms");
     line("town_houses", houses as f64, "1");
     line("interface_ratio", costs[1] / costs[0], "1");
     search();
     ways(&town)?;
     std::fs::remove_dir_all(&dir)?;
     Ok(())
+}
+
+/// What life costs the main thread in a frame of the tour, milliseconds.
+fn life_cost(city: &Path, tour: &Tour) -> Result<f64, Failure> {
+    let mut extra = Vec::new();
+    for _ in 0..REPEAT {
+        let mut bare = Walk::run(city, tour, Way::Streamed)?;
+        let mut lived = Walk::run(city, tour, Way::Lived)?;
+        extra.push(median(&mut lived.frames) - median(&mut bare.frames));
+    }
+    Ok(median(&mut extra) / 1e3)
+}
+
+/// All that lives in the sample city, as on a graphics card.
+pub(super) fn add_life(app: &mut App) {
+    let life = cities::life_in(&cities::sample_scene()).unwrap_or_default();
+    app.add_plugins(veduta::life::LifePlugin)
+        .insert_resource(veduta::life::CityLife::of(life))
+        .insert_resource(Profile::High.life());
 }
 
 /// Everything that is drawn over the picture, and the keys.

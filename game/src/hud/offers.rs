@@ -92,7 +92,7 @@ pub(super) fn take(
             "day" => clock.day = value.parse().unwrap_or(clock.day),
             "wet" => {
                 let wet = value.parse().unwrap_or(weather.wet);
-                *weather = Weather { wet, clouds: if wet > 0.5 { 0.85 } else { Weather::default().clouds } };
+                *weather = Weather { wet, clouds: if wet > 0.5 { 0.85 } else { Weather::default().clouds }, ..*weather };
             }
             "language" => settings.language = Some(value.to_owned()),
             "quality" => settings.profile = Profile::from_str(value, true).ok(),

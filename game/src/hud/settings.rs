@@ -108,6 +108,7 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) {
             check(ui, &words.say("settings-map-tour"), &mut settings.map_tour);
             check(ui, &words.say("settings-panel"), &mut settings.place_panel);
             check(ui, &words.say("settings-captions"), &mut settings.captions);
+            check(ui, &words.say("settings-life"), &mut settings.life);
             check(ui, &words.say("settings-bar"), &mut settings.bar_stays);
         });
     });
@@ -225,6 +226,7 @@ mod tests {
             "Map: where the tour leads",
             "What stands near",
             "Captions of tours",
+            "Life: pigeons, flags, water, clocks",
             "The bar stays",
         ] {
             harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, name).click();
@@ -249,6 +251,7 @@ mod tests {
             map_tour: false,
             place_panel: false,
             captions: false,
+            life: false,
             bar_stays: true,
             ..Settings::default()
         };

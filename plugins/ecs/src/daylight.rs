@@ -8,11 +8,15 @@ pub struct Weather {
     pub clouds: f32,
     /// How wet streets and roofs are, 0 (dry) to 1 (puddles after rain).
     pub wet: f32,
+    /// Mean speed of the wind, metres a second.
+    pub wind_m_s: f32,
+    /// Where it comes from, degrees clockwise from north.
+    pub wind_from_deg: f32,
 }
 
 impl Default for Weather {
     fn default() -> Self {
-        Self { clouds: 0.45, wet: 0.0 }
+        Self { clouds: 0.45, wet: 0.0, wind_m_s: 3.2, wind_from_deg: 255.0 }
     }
 }
 

@@ -77,4 +77,5 @@ pub use object::{lantern, objects, tree_cards, trees};
 pub use painted::{PANE, PANES_APART, PANES_TOLD, painted};
 pub use relief::level4;
 pub use roof::{roof_bodies, roof_coverings, roof_details, roofs};
+pub use roof_detail::chimney_tops;
 pub use wall::{facades, level1, level2};

@@ -466,7 +466,8 @@ pub(crate) fn play(
     if let Some(wet) = player.compiled.as_ref().and_then(|tour| tour.wet(player.t_s)) {
         let wet = wet as f32;
         let usual = Weather::default().clouds;
-        weather.set_if_neq(Weather { wet, clouds: usual + (RAIN_CLOUDS - usual) * wet });
+        let next = Weather { wet, clouds: usual + (RAIN_CLOUDS - usual) * wet, ..*weather };
+        weather.set_if_neq(next);
     }
     for mut eye in &mut viewers {
         let ground_m = eye.ground_m;

@@ -96,6 +96,7 @@ pub mod prelude {
     };
     pub use crate::facade::{FacadePlugin, LevelDistances};
     pub use crate::guide::GuidePlugin;
+    pub use crate::life::{LifePlugin, LifeSettings};
     pub use crate::minimap::{MinimapPlugin, MinimapSettings};
     pub use crate::sky::SkyPlugin;
     pub use crate::streaming::{StreamingPlugin, StreamingSettings};

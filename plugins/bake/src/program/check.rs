@@ -2,12 +2,12 @@ use std::path::{Path, PathBuf};
 
 use anstream::{eprintln, println};
 use glam::DVec2;
-use veduta_city::{CityGraph, CityPlan, GraphOverrides, Guide, Monuments, StyleDraft, Tour, Views, file};
+use veduta_city::{CityGraph, CityPlan, GraphOverrides, Guide, Life, Monuments, StyleDraft, Tour, Views, file};
 use veduta_growth::plan::{Repetition, Stock, repetition};
 use veduta_survey::CityWords;
 
 use super::Failure;
-use super::town::{Towns, check_guide, check_tour};
+use super::town::{Towns, check_guide, check_life, check_tour};
 
 /// Checks every file and names every mistake; fails if there is one.
 pub(crate) fn check(files: &[PathBuf]) -> Result<(), Failure> {
@@ -80,6 +80,10 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
         let guide: Guide = file::read(path).map_err(one)?;
         return check_guide(path, &guide, towns);
     }
+    if name.ends_with(".life.ron") {
+        let life: Life = file::read(path).map_err(one)?;
+        return check_life(path, &life, towns);
+    }
     if name.ends_with(".views.ron") {
         let views: Views = file::read(path).map_err(one)?;
         return told(path, views.validate(), format!("{} stills, {} houses", views.stills.len(), views.houses.len()));
@@ -95,7 +99,7 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
         return told(path, Stock::new().with(&[draft], Vec::new(), Vec::new()).err().unwrap_or_default(), words);
     }
     Err(vec![format!(
-        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .facade.ron, .plan.ron, .words.ron, .style.ron, .monuments.ron, .tour.ron, .guide.ron or .views.ron, or lie \
+        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .facade.ron, .plan.ron, .words.ron, .style.ron, .monuments.ron, .tour.ron, .guide.ron, .life.ron or .views.ron, or lie \
          in a folder `styles` or `monuments`",
         path.display()
     )])

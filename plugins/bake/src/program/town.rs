@@ -2,7 +2,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use veduta_bake::{BakeSettings, Input, plan};
-use veduta_city::{Guide, Overview, Tour};
+use veduta_city::{Guide, Life, Overview, Tour, Where};
 use veduta_route::{Gazetteer, StepProblem, StreetNet, TourError, compile};
 use veduta_store::{DirReader, INDEX_NAME, read_index, read_overview};
 
@@ -44,6 +44,21 @@ pub(crate) fn check_guide(path: &Path, guide: &Guide, towns: &mut Towns) -> Resu
         Some(Ok(town)) => wrong.extend(guide.places.iter().filter_map(|place| town.lacks(&place.name))),
         Some(Err(error)) => wrong.push(format!("its city cannot be opened: {error}")),
         None => words.push_str("; names were not looked for, for its city is not here"),
+    }
+    if wrong.is_empty() { Ok(words) } else { Err(wrong.iter().map(|w| format!("{}: {w}", path.display())).collect()) }
+}
+
+/// Checks what is told of a city's life: what stands in it, and, where its city lies beside it, whether that has the places.
+pub(crate) fn check_life(path: &Path, life: &Life, towns: &mut Towns) -> Result<String, Vec<String>> {
+    let mut words = format!("{} living things", life.things.len());
+    let mut wrong = life.validate();
+    match city_of(path, &life.city).map(|city| towns.0.entry(city).or_insert_with_key(|city| open(city))) {
+        Some(Ok(town)) => wrong.extend(life.things.iter().filter_map(|thing| match &thing.at {
+            Where::Place(place) => Some(format!("{} “{}”: {}", thing.kind.word(), thing.name, town.lacks(place)?)),
+            Where::At(..) => None,
+        })),
+        Some(Err(error)) => wrong.push(format!("its city cannot be opened: {error}")),
+        None => words.push_str("; places were not looked for, for its city is not here"),
     }
     if wrong.is_empty() { Ok(words) } else { Err(wrong.iter().map(|w| format!("{}: {w}", path.display())).collect()) }
 }

@@ -2,12 +2,12 @@
 
 use glam::{DVec2, DVec3};
 use veduta_city::draw::Draw;
-use veduta_city::{Opening, Rgb, RoofShape, Tile};
+use veduta_city::{CellShell, Opening, Rgb, RoofShape, Tile};
 
 use super::data::{MeshData, Paint};
 use super::form::{Form, RoofForm, level_neighbours};
 use super::hip::inset;
-use super::outline::{Edge, area, engine, wall_count, wall_edge};
+use super::outline::{Edge, area, draw_at, engine, wall_count, wall_edge};
 use super::roof::{Roofer, covering};
 use super::shape::Block;
 
@@ -39,13 +39,41 @@ pub(super) fn details(draw: Draw, form: &RoofForm<'_>, roofer: &mut Roofer, mesh
     for wall in 0..wall_count(&form.volume.footprint) {
         overhang(form, wall, reach, [top, under], &mut roofer.along, mesh);
     }
-    let has_attic = matches!(form.form, Form::Ridge(_) | Form::Planes(..) | Form::Hip) && form.height > 2.0;
-    if has_attic && (40.0..1500.0).contains(&size) && form.volume.roof.shape != RoofShape::Skillion {
+    if has_attic(form, size) {
         chimneys(draw, form, roofer, mesh);
         if draw.chance("dormers", 0.55) {
             dormers(form, roofer, mesh);
         }
     }
+}
+
+/// Whether people live under a roof over so many square metres: it has chimneys and may have dormers.
+fn has_attic(form: &RoofForm<'_>, size: f64) -> bool {
+    let is_steep = matches!(form.form, Form::Ridge(_) | Form::Planes(..) | Form::Hip) && form.height > 2.0;
+    is_steep && (40.0..1500.0).contains(&size) && form.volume.roof.shape != RoofShape::Skillion
+}
+
+/// Tops of chimneys, one for each house that is picked by a draw of its own, in the mesh's axes.
+#[must_use]
+pub fn chimney_tops(shell: &CellShell, is_picked: impl Fn(Draw) -> bool) -> Vec<[f32; 3]> {
+    let (mut roofer, mut scratch, mut tops) = (Roofer::default(), MeshData::default(), Vec::new());
+    for house in shell.houses.iter().filter(|house| !house.is_monument) {
+        let top = house.volumes.iter().filter(|volume| volume.has_roof).find_map(|volume| {
+            let corner = volume.footprint.outer.first().copied()?;
+            if !is_picked(draw_at(shell, corner, "hearth")) {
+                return None;
+            }
+            let form = roofer.start(volume)?;
+            let size = area(&roofer.rings[0]);
+            if !has_attic(&form, size) {
+                return None;
+            }
+            roofer.cover(&form, &mut scratch);
+            stacks(draw_at(shell, corner, "roof"), &form, &roofer).next().map(|stack| engine(stack.block.middle, stack.top + CAP_M))
+        });
+        tops.extend(top.map(|top| top.as_vec3().to_array()));
+    }
+    tops
 }
 
 /// Where the outer line of a moulding of a given reach passes a corner between two edges, per metre of reach; `None` where
@@ -110,8 +138,18 @@ fn rise(form: &RoofForm<'_>, roofer: &Roofer, p: DVec2) -> Option<f64> {
 
 const BRICK: Rgb = Rgb(0x8E, 0x62, 0x50);
 
+/// A chimney: its shaft from the roof up to its cap.
+struct Stack {
+    block: Block,
+    foot: f64,
+    top: f64,
+}
+
+/// Height of a chimney's cap.
+const CAP_M: f64 = 0.14;
+
 /// Chimneys near the ends of the ridge, where party walls are.
-fn chimneys(draw: Draw, form: &RoofForm<'_>, roofer: &Roofer, mesh: &mut MeshData) {
+fn stacks(draw: Draw, form: &RoofForm<'_>, roofer: &Roofer) -> impl Iterator<Item = Stack> {
     let along = match form.form {
         Form::Ridge(ridge) => ridge.along,
         _ => longest(form).map_or(DVec2::Y, |edge| edge.along),
@@ -120,13 +158,10 @@ fn chimneys(draw: Draw, form: &RoofForm<'_>, roofer: &Roofer, mesh: &mut MeshDat
     let ring = &roofer.rings[0];
     let span = |d: DVec2| ring.iter().map(|p| p.dot(d)).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     let ((s0, s1), (d0, d1)) = (span(along), span(across));
-    let is_plastered = draw.chance("plastered chimneys", 0.6);
-    let colour = if is_plastered { form.volume.colour.scaled(0.85) } else { BRICK };
-    let paint = Paint::new(covering(form.volume).centre, colour, Tile::Plaster);
-    for k in 0..3 {
+    (0..3).filter_map(move |k| {
         let part = draw.part(k);
         if k == 2 && (s1 - s0 < 12.0 || !part.chance("third chimney", 0.5)) {
-            continue;
+            return None;
         }
         let inset = part.between("chimney inset", 0.7, 1.1);
         let s = [s0 + inset, s1 - inset, (s0 + s1) / 2.0 + part.between("chimney middle", -1.5, 1.5)][k as usize];
@@ -137,12 +172,21 @@ fn chimneys(draw: Draw, form: &RoofForm<'_>, roofer: &Roofer, mesh: &mut MeshDat
         let block = Block { middle, along, half: DVec2::new(width / 2.0, depth / 2.0) };
         let corners = block.corners();
         let mut rises = corners.iter().map(|&p| rise(form, roofer, p));
-        let Some(lowest) = rises.try_fold(f64::INFINITY, |low, r| r.map(|r| low.min(r))) else { continue };
+        let lowest = rises.try_fold(f64::INFINITY, |low, r| r.map(|r| low.min(r)))?;
         let top = form.eaves + (form.height + part.between("chimney above", 0.2, 0.7)).min(lowest + 2.4);
-        block.walls(mesh, form.eaves + (lowest - 0.3).max(0.0), top, paint);
+        Some(Stack { block, foot: form.eaves + (lowest - 0.3).max(0.0), top })
+    })
+}
+
+fn chimneys(draw: Draw, form: &RoofForm<'_>, roofer: &Roofer, mesh: &mut MeshData) {
+    let is_plastered = draw.chance("plastered chimneys", 0.6);
+    let colour = if is_plastered { form.volume.colour.scaled(0.85) } else { BRICK };
+    let paint = Paint::new(covering(form.volume).centre, colour, Tile::Plaster);
+    for Stack { block, foot, top } in stacks(draw, form, roofer) {
+        block.walls(mesh, foot, top, paint);
         let cap = Block { half: block.half + 0.07, ..block };
-        cap.walls(mesh, top, top + 0.14, paint.with_tile(Tile::Stone));
-        cap.cap(mesh, top + 0.14, paint.with_tile(Tile::Stone));
+        cap.walls(mesh, top, top + CAP_M, paint.with_tile(Tile::Stone));
+        cap.cap(mesh, top + CAP_M, paint.with_tile(Tile::Stone));
         cap.floor(mesh, top, paint);
     }
 }
@@ -208,4 +252,45 @@ fn dormer(form: &RoofForm<'_>, roofer: &Roofer, edge: &Edge, share: f64, mesh: &
     let under: [DVec3; 4] = [top[3], top[2], top[1], top[0]];
     mesh.polygon(&under, paint.with_tile(Tile::Wood));
     Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use veduta_city::{Gable, GridPolygon, GridPos, HouseShell, PlanRoof, VolumeShell};
+
+    use super::*;
+
+    fn house(x: i32, shape: RoofShape, is_monument: bool) -> HouseShell {
+        let at = |dx: i32, y: i32| GridPos((x + dx) * 1024, y * 1024);
+        let volume = VolumeShell {
+            footprint: GridPolygon::simple(vec![at(0, 0), at(14, 0), at(14, 10), at(0, 10)]),
+            bottom: 0,
+            eaves: 12 * 1024,
+            colour: Rgb(200, 180, 150),
+            trim: Rgb(220, 200, 170),
+            roof: PlanRoof { shape, height: 6 * 1024, direction: 90, colour: Rgb(160, 80, 60) },
+            gable: Gable::Plain,
+            has_roof: true,
+            walls: vec![0, 1, 2, 3],
+            arcades: Vec::new(),
+        };
+        HouseShell { style: 0, floor: 0, volumes: vec![volume], is_monument }
+    }
+
+    #[test]
+    fn smoke_rises_from_the_top_of_a_chimney_that_is_drawn() {
+        let houses = vec![house(0, RoofShape::Gabled, false), house(20, RoofShape::Hipped, false), house(40, RoofShape::Gabled, true)];
+        let flat = house(60, RoofShape::Flat, false);
+        let shell = CellShell { houses: houses.into_iter().chain([flat]).collect(), ..CellShell::default() };
+        let tops = chimney_tops(&shell, |_| true);
+        assert_eq!(tops.len(), 2, "neither monuments nor flat roofs have chimneys: {tops:?}");
+        let drawn = super::super::roof::roof_details(&shell);
+        for top in tops {
+            let [x, y, z] = top;
+            let near = drawn.positions.iter().filter(|p| (p[0] - x).abs() < 0.75 && (p[2] - z).abs() < 0.75);
+            let highest = near.map(|p| p[1]).fold(f32::NEG_INFINITY, f32::max);
+            assert!((highest - y).abs() < 1e-3, "{top:?} lies on a cap, not at {highest}");
+        }
+        assert!(chimney_tops(&shell, |_| false).is_empty());
+    }
 }
