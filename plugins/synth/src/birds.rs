@@ -15,7 +15,6 @@ pub(crate) struct Songbirds {
     turn: u64,
     turns: u64,
     chirps: Vec<Chirp>,
-    phase_at_end: f64,
     gain: f64,
 }
 
@@ -41,9 +40,8 @@ impl Songbirds {
             turn: (60.0 / calls * rate_hz) as u64,
             turns: 0,
             chirps: Vec::with_capacity(MOST_CHIRPS),
-            phase_at_end: 0.0,
             // The rarer they call, the louder a call must be for the same mean; but none shouts.
-            gain: (0.42 / libm::sqrt(calls / 60.0)).clamp(0.3, 0.9),
+            gain: (0.6 / libm::sqrt(calls / 60.0)).clamp(0.4, 0.95),
         }
     }
 

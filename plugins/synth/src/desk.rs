@@ -9,6 +9,8 @@ pub const BLOCK: usize = 128;
 const MOST_CHANNELS: usize = 48;
 /// Seconds in which a level comes two thirds of the way to what was ordered.
 const GLIDE_S: f64 = 0.025;
+/// The same of what is held or stopped: little of it is to be lost.
+const LEAVE_S: f64 = 0.006;
 /// Below this nothing is heard.
 const SILENT: f64 = 3e-5;
 /// No sample is louder.
@@ -238,9 +240,11 @@ impl Desk {
     fn next_block(&mut self) {
         let mut mixed = [0.0; 2 * BLOCK];
         let rate_hz = f64::from(self.rate_hz);
-        let glide = 1.0 - libm::exp(-(BLOCK as f64) / (GLIDE_S * rate_hz));
+        let share_in = |seconds: f64| 1.0 - libm::exp(-(BLOCK as f64) / (seconds * rate_hz));
+        let (glide, leave) = (share_in(GLIDE_S), share_in(LEAVE_S));
         for channel in &mut self.channels {
-            add(channel, &mut mixed, glide, rate_hz);
+            let leaves = channel.is_held || channel.is_leaving;
+            add(channel, &mut mixed, if leaves { leave } else { glide }, rate_hz);
         }
         self.channels.retain(|channel| !channel.is_over);
         let before = self.master;

@@ -31,7 +31,7 @@ impl Murmur {
             talkers,
             far: (OnePole::new(1_900.0, rate_hz), OnePole::new(3_200.0, rate_hz)),
             smear,
-            gain: 0.62 / libm::sqrt(f64::from(people)),
+            gain: 3.8 / libm::sqrt(f64::from(people)),
         }
     }
 }

@@ -18,7 +18,7 @@ impl Night {
         Self {
             crickets: (0..u64::from(crickets)).map(|n| Cricket::new(draw.part(n), rate_hz)).collect(),
             dog: dog.then(|| Dog::new(draw, rate_hz)),
-            gain: 0.55 / libm::sqrt(f64::from(crickets.max(1))),
+            gain: 1.15 / libm::sqrt(f64::from(crickets.max(1))),
         }
     }
 }

@@ -13,7 +13,8 @@ use crate::voice::Voice;
 pub struct Recording {
     bytes: Arc<[u8]>,
     rate_hz: u32,
-    seconds: f64,
+    /// As its last page tells.
+    frames: Option<u64>,
 }
 
 /// A recording that cannot be played.
@@ -56,14 +57,14 @@ impl Recording {
         if !((1..=8).contains(&channels) && (8_000..=192_000).contains(&rate_hz)) {
             return Err(RecordingError::Odd { channels, rate_hz });
         }
-        let seconds = last_position(&bytes).map_or(0.0, |frames| frames as f64 / f64::from(rate_hz));
-        Ok(Self { bytes, rate_hz, seconds })
+        let frames = last_position(&bytes);
+        Ok(Self { bytes, rate_hz, frames })
     }
 
-    /// How long it plays, as its last page tells; seconds.
+    /// How long it plays, as its last page tells; seconds. 0 where it does not.
     #[must_use]
     pub fn seconds(&self) -> f64 {
-        self.seconds
+        self.frames.unwrap_or(0) as f64 / f64::from(self.rate_hz)
     }
 
     /// A voice that plays it at a rate, once or over and over. Where it turns out to be broken, it ends.
@@ -77,6 +78,7 @@ impl Recording {
             is_repeated,
             is_read: false,
             waiting: VecDeque::new(),
+            read: 0,
             window: [0.0; 4],
             gone: 0,
             fade,
@@ -103,6 +105,8 @@ struct Playing {
     /// Whether this round has been read to its end.
     is_read: bool,
     waiting: VecDeque<f32>,
+    /// Frames read of this round.
+    read: u64,
     /// Four samples about the place that is heard: between the second and the third.
     window: [f32; 4],
     /// Samples taken of this round.
@@ -126,7 +130,10 @@ impl Playing {
                 return;
             };
             let share = 1.0 / channels.len().max(1) as f32;
-            let frames = channels.first().map_or(0, Vec::len);
+            // The last packet is filled up: what goes beyond the end is none of it.
+            let left = self.recording.frames.map_or(u64::MAX, |frames| frames.saturating_sub(self.read));
+            let frames = channels.first().map_or(0, Vec::len).min(usize::try_from(left).unwrap_or(usize::MAX));
+            self.read += frames as u64;
             let mixed = (0..frames).map(|n| channels.iter().filter_map(|c| c.get(n)).sum::<f32>() * share);
             self.waiting.extend(mixed.map(|x| if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 }));
         }
@@ -140,7 +147,7 @@ impl Playing {
             if !self.is_repeated || self.gone == 0 {
                 return None;
             }
-            (self.is_read, self.gone) = (false, 0);
+            (self.is_read, self.gone, self.read) = (false, 0, 0);
             self.read_on();
             return self.waiting.pop_front().map(|_| 0.0);
         };

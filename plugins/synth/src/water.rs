@@ -18,7 +18,7 @@ pub(crate) struct Water {
     white: White,
     rush: (StateVariable, OnePole),
     drops: (StateVariable, OnePole),
-    wash: StateVariable,
+    wash: (StateVariable, OnePole),
     flow_wander: Wander,
     spray_wander: Wander,
     wave_wander: Wander,
@@ -37,7 +37,7 @@ impl Water {
     /// Flow, spray, bubbles, lapping: 0 to 1 each.
     pub fn new([flow, spray, bubbles, lapping]: [f64; 4], draw: Draw, rate_hz: f64) -> Self {
         // Mean powers of its parts, as measured; so that every mixture has the mean that is promised.
-        let power = 0.075 * flow * flow + 0.052 * spray * spray + 0.03 * bubbles * bubbles + 0.016 * lapping * lapping;
+        let power = 0.035 * flow * flow + 0.052 * spray * spray + 0.03 * bubbles * bubbles + 0.006 * lapping * lapping;
         Self {
             rate_hz,
             flow,
@@ -46,9 +46,9 @@ impl Water {
             lapping,
             gain: 0.1 / libm::sqrt(power).max(0.02),
             white: White::new(draw, "white"),
-            rush: (StateVariable::new(420.0, 0.5, rate_hz), OnePole::new(90.0, rate_hz)),
+            rush: (StateVariable::new(330.0, 0.5, rate_hz), OnePole::new(90.0, rate_hz)),
             drops: (StateVariable::new(1_900.0, 0.6, rate_hz), OnePole::new(6_500.0, rate_hz)),
-            wash: StateVariable::new(620.0, 0.7, rate_hz),
+            wash: (StateVariable::new(520.0, 0.7, rate_hz), OnePole::new(800.0, rate_hz)),
             flow_wander: Wander::new(draw, "flow", 1.7, rate_hz),
             spray_wander: Wander::new(draw, "spray", 0.13, rate_hz),
             wave_wander: Wander::new(draw, "waves", 1.15, rate_hz),
@@ -98,7 +98,7 @@ impl Sampled for Water {
             x += 0.8 * self.spray * drops * (0.6 + 0.8 * self.spray_wander.next());
         }
         if self.lapping > 0.0 {
-            x += 1.4 * self.lapping * self.wash.band(white) * wave * wave * wave;
+            x += 2.0 * self.lapping * self.wash.1.low(self.wash.0.band(white)) * wave * wave * wave;
         }
         if self.bubbles > 0.0 {
             x += 0.35 * self.bubbles * self.ringing.iter_mut().map(Ringing::next).sum::<f64>();

@@ -12,7 +12,8 @@ pub(crate) struct Wind {
     gust: Wander,
     breath: Wander,
     whistle: [(StateVariable, Wander); 2],
-    rumble: OnePole,
+    rumble: [OnePole; 2],
+    far: [OnePole; 2],
     n: u32,
 }
 
@@ -29,7 +30,8 @@ impl Wind {
             gust: Wander::new(draw, "gust", 2.6, rate_hz),
             breath: Wander::new(draw, "breath", 0.45, rate_hz),
             whistle: [whistle("low", 1.9), whistle("high", 1.3)],
-            rumble: OnePole::new(110.0, rate_hz),
+            rumble: [OnePole::new(150.0, rate_hz); 2],
+            far: [OnePole::new(1_100.0, rate_hz); 2],
             n: 0,
         }
     }
@@ -39,8 +41,7 @@ impl Sampled for Wind {
     fn sample(&mut self) -> Option<f64> {
         let gust = 0.75 * self.gust.next() + 0.25 * self.breath.next();
         let white = self.white.next();
-        let rumble = self.rumble.low(white);
-        let mut x = 2.2 * rumble;
+        let mut x = 3.0 * self.rumble.iter_mut().fold(white, |x, low| low.low(x));
         for ((filter, wander), (low_hz, span_hz, level)) in self.whistle.iter_mut().zip([(170.0, 260.0, 2.6), (420.0, 650.0, 1.0)]) {
             let where_to = wander.next();
             if self.n == 0 {
@@ -49,9 +50,11 @@ impl Sampled for Wind {
             }
             x += level * filter.band(white);
         }
+        // Resonances have long skirts: what hisses in them is lost on the way.
+        let x = self.far.iter_mut().fold(x, |x, low| low.low(x));
         self.n = (self.n + 1) % TUNED_EVERY;
         let swell = 0.35 + (0.5 + 0.6 * self.strength) * gust * gust;
-        Some(0.38 * x * swell)
+        Some(1.05 * x * swell)
     }
 }
 
@@ -92,7 +95,7 @@ impl Rain {
             breath: Wander::new(draw, "breath", 1.4, rate_hz),
             struck,
             chance: drops_s / rate_hz,
-            gain: 0.1 / (0.09 + 0.18 * strength),
+            gain: 0.1 / (0.058 + 0.163 * strength),
         }
     }
 }
