@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use veduta::facade::FacadePlugin;
 use veduta::guide::OpenGuide;
 use veduta::prelude::*;
+use veduta::sound::{OpenSounds, SoundPlugin};
 use veduta::streaming::{Journal, StreamingCache};
 
 use crate::camera::camera;
@@ -87,6 +88,7 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
         TourPlugin::default(),
         MinimapPlugin,
         GuidePlugin::default(),
+        SoundPlugin,
         SettingsPlugin,
         hud::HudPlugin,
         expert::ExpertPlugin,
@@ -106,8 +108,11 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
         app.insert_resource(first.clone());
     }
     app.add_systems(Update, offer_tour.run_if(resource_exists::<FirstTour>));
-    if let Some(guide) = guide_in(&scene) {
+    if let Some(guide) = first_in(&scene, ".guide.ron") {
         app.world_mut().write_message(OpenGuide(format!("tours://{guide}")));
+    }
+    if let Some(sounds) = first_in(&scene, ".sound.ron") {
+        app.world_mut().write_message(OpenSounds(format!("tours://{sounds}")));
     }
     match app.run() {
         AppExit::Success => Ok(()),
@@ -115,11 +120,11 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
     }
 }
 
-/// The guide that lies in a folder: the first by name.
-fn guide_in(folder: &Path) -> Option<String> {
+/// The file of a kind that lies in a folder: the first by name.
+pub(crate) fn first_in(folder: &Path, ending: &str) -> Option<String> {
     let files =
         std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
-    files.filter(|name| name.ends_with(".guide.ron")).min()
+    files.filter(|name| name.ends_with(ending)).min()
 }
 
 fn spawn_walker(mut commands: Commands) {

@@ -53,9 +53,9 @@ pub(crate) fn play(
     mut output: ResMut<Output>,
     mut told: MessageWriter<CityFailed>,
 ) {
-    let now = &mut *now;
+    let (now, output) = (&mut *now, &mut *output);
     for wish in asked.read() {
-        obey(now, wish, &server, &mut output);
+        obey(now, wish, &server, output);
     }
     for failure in failed.read() {
         let Some(file) = now.prepared.iter().find(|(_, handle)| handle.id() == failure.id).map(|(file, _)| file.clone()) else { continue };

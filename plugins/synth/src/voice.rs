@@ -10,13 +10,13 @@ use crate::water::Water;
 use crate::weather::{Rain, Wind};
 
 /// A sound that is being made: one channel of samples in ±1, one block after another.
-pub trait Voice: Send {
+pub trait Voice: Send + Sync {
     /// Fills a block with the samples that follow, and gives back how many there were: fewer than asked for once it is over.
     fn fill(&mut self, out: &mut [f32]) -> usize;
 }
 
 /// What makes samples one by one; `None` once it is over.
-pub(crate) trait Sampled: Send {
+pub(crate) trait Sampled: Send + Sync {
     fn sample(&mut self) -> Option<f64>;
 }
 
