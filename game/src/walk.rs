@@ -8,6 +8,7 @@ use veduta::facade::FacadePlugin;
 use veduta::guide::OpenGuide;
 use veduta::life::{LifePlugin, OpenLife};
 use veduta::prelude::*;
+use veduta::sound::{OpenSounds, SoundPlugin};
 use veduta::streaming::{Journal, StreamingCache};
 
 use crate::camera::camera;
@@ -89,6 +90,7 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
         MinimapPlugin,
         GuidePlugin::default(),
         LifePlugin,
+        SoundPlugin,
         SettingsPlugin,
         hud::HudPlugin,
         expert::ExpertPlugin,
@@ -113,6 +115,9 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
     }
     if let Some(life) = cities::file_in(&scene, ".life.ron") {
         app.world_mut().write_message(OpenLife(format!("tours://{life}")));
+    }
+    if let Some(sounds) = cities::file_in(&scene, ".sound.ron") {
+        app.world_mut().write_message(OpenSounds(format!("tours://{sounds}")));
     }
     match app.run() {
         AppExit::Success => Ok(()),

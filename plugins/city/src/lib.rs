@@ -50,6 +50,8 @@ mod painted;
 mod place;
 mod plan;
 mod season;
+mod sound;
+mod soundscape;
 mod span;
 mod style;
 mod terrain;
@@ -94,6 +96,8 @@ pub use plan::{
     SurfaceKind, Volume, Wall, WallKind,
 };
 pub use season::Season;
+pub use sound::{Footfall, Sound, is_beside};
+pub use soundscape::{Bed, CueSound, Follows, Heard, Setting, SoundSource, Soundscape};
 pub use span::{BoreEnd, SpanForm, SpanMarking, SpanStation, WaySpan};
 pub use style::{Gable, Palette, Range, Stand, Style, StyleDraft, StyleError, Styles};
 pub use terrain::{PlanTerrain, Terrain};

@@ -35,7 +35,7 @@ pub use cell::{
     CellStands, LevelFade, MaterialsProvided, OpenCells, StandingCells,
 };
 pub use clock::CityClock;
-pub use cue::Cue;
+pub use cue::{Accompany, Cue, Part};
 pub use daylight::{Daylight, Weather};
 pub use eye::{Eye, Itinerary, Steering, Stop, Viewer};
 pub use ground::{Footing, Ground};
@@ -86,6 +86,7 @@ impl Plugin for EcsPlugin {
             .add_message::<WalkTo>()
             .add_message::<ShowOnMap>()
             .add_message::<Cue>()
+            .add_message::<Accompany>()
             .configure_sets(
                 Update,
                 (VedutaSystems::Steer, VedutaSystems::Stream, VedutaSystems::Build, VedutaSystems::Show).chain(),

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use anstream::{eprintln, println};
 use glam::DVec2;
-use veduta_city::{CityGraph, CityPlan, GraphOverrides, Guide, Life, Monuments, StyleDraft, Tour, Views, file};
+use veduta_city::{CityGraph, CityPlan, GraphOverrides, Guide, Life, Monuments, Soundscape, StyleDraft, Tour, Views, file};
 use veduta_growth::plan::{Repetition, Stock, repetition};
 use veduta_survey::CityWords;
 
@@ -84,6 +84,13 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
         let life: Life = file::read(path).map_err(one)?;
         return check_life(path, &life, towns);
     }
+    if name.ends_with(".sound.ron") {
+        let sounds: Soundscape = file::read(path).map_err(one)?;
+        let files = sounds.files();
+        let recordings = files.iter().filter_map(|file| recording_beside(path, file).err());
+        let words = format!("{} sources, {} cues, {} recordings", sounds.sources.len(), sounds.cues.len(), files.len());
+        return told(path, sounds.validate().into_iter().chain(recordings).collect(), words);
+    }
     if name.ends_with(".views.ron") {
         let views: Views = file::read(path).map_err(one)?;
         return told(path, views.validate(), format!("{} stills, {} houses", views.stills.len(), views.houses.len()));
@@ -99,10 +106,21 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
         return told(path, Stock::new().with(&[draft], Vec::new(), Vec::new()).err().unwrap_or_default(), words);
     }
     Err(vec![format!(
-        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .facade.ron, .plan.ron, .words.ron, .style.ron, .monuments.ron, .tour.ron, .guide.ron, .life.ron or .views.ron, or lie \
+        "{}: not a file of ours; it should end in .graph.ron, .overrides.ron, .facade.ron, .plan.ron, .words.ron, .style.ron, .monuments.ron, .tour.ron, .guide.ron, .life.ron, .sound.ron or .views.ron, or lie \
          in a folder `styles` or `monuments`",
         path.display()
     )])
+}
+
+/// How long a recording beside a file plays, seconds; or why it cannot be played, in words.
+pub(super) fn recording_beside(path: &Path, file: &str) -> Result<f64, String> {
+    if !veduta_city::is_beside(file) {
+        return Err(format!("the recording `{file}` must lie in or below the folder of this file"));
+    }
+    let at = path.with_file_name("").join(file);
+    let bytes = std::fs::read(&at).map_err(|error| format!("the recording {}: {error}", at.display()))?;
+    let recording = veduta_synth::Recording::new(bytes).map_err(|error| format!("the recording {}: {error}", at.display()))?;
+    Ok(recording.seconds())
 }
 
 /// A file read as monuments, if it is meant to be one of them by its name or folder.
