@@ -329,7 +329,7 @@ mod tests {
             hasher.update(&encode_region(region, number, &index().regions));
         }
         let form = hasher.finalize().to_hex();
-        assert_eq!((FORMAT_VERSION, &form[..16]), (16, "de3a41a02ce65d93"), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((FORMAT_VERSION, &form[..16]), (17, "de3a41a02ce65d93"), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]
