@@ -88,6 +88,7 @@ mod way;
 pub use compile::{CompiledTour, StepSpan, compile, compile_with};
 pub use error::{LONGEST_LEG_M, LONGEST_TOUR_S, MOST_STEPS, Range, StepKind, StepProblem, TourError, WALK_EYE_M};
 pub use gazetteer::Gazetteer;
+pub use letters::fold;
 pub use net::{Foot, JOIN_M, StreetNet};
 pub use path::CORNER_M;
 pub use pose::{Pose, turn_deg};
