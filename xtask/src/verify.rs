@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::{cargo, run, setup, wasm};
 
 /// The crates that need no engine: their tests are built in seconds.
-pub const CORE: [&str; 11] = [
+pub const CORE: [&str; 12] = [
     "veduta-city",
     "veduta-survey",
     "veduta-growth",
@@ -14,6 +14,7 @@ pub const CORE: [&str; 11] = [
     "veduta-cells",
     "veduta-route",
     "veduta-synth",
+    "veduta-cartography",
     "veduta-store",
     "veduta-bake",
     "veduta-digests",

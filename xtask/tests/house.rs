@@ -6,8 +6,16 @@ use std::path::{Path, PathBuf};
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 
 /// Crates that know no engine, apart from the model and the pipeline.
-const CORE: [&str; 7] =
-    ["veduta-survey", "veduta-growth", "veduta-texture", "veduta-cells", "veduta-route", "veduta-synth", "veduta-store"];
+const CORE: [&str; 8] = [
+    "veduta-survey",
+    "veduta-growth",
+    "veduta-texture",
+    "veduta-cells",
+    "veduta-route",
+    "veduta-synth",
+    "veduta-cartography",
+    "veduta-store",
+];
 /// Plugins, none of which knows another.
 const PLUGINS: [&str; 10] = [
     "veduta-streaming",

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  OSM, GeoJSON, Shapefile, picture ─survey─► graph ─overrides─► grow ─► plan ─► partition ─► cells ─► packets ─► DIR.city
-//!                    *.graph.ron ──┘      ▲           *.plan.ron ──┼─► X.glb, X.svg
+//!                    *.graph.ron ──┘      ▲           *.plan.ron ──┼─► X.glb, X.svg, X.png
 //!                                         └── models, edits ◄── adopt ◄── X.glb, changed in a modeller
 //! ```
 //!
@@ -36,7 +36,6 @@ mod pipeline;
 mod proof;
 mod raster_map;
 mod scene;
-mod svg;
 mod terrain;
 mod vector_map;
 
@@ -51,7 +50,6 @@ pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, bake_input, cut, p
 pub use proof::{Missing, Proof, ProofSettings, prove};
 pub use raster_map::{RasterMap, RasterSurvey};
 pub use scene::overrides_beside;
-pub use svg::map_svg;
 pub use terrain::lay_on_ground;
 pub use vector_map::{LayerFile, VectorMap};
 pub use veduta_cells::PARTITION_VERSION;

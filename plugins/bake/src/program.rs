@@ -3,6 +3,7 @@ mod bench;
 mod check;
 mod export;
 mod inspect;
+mod map;
 mod report;
 mod serve;
 mod source;
@@ -15,7 +16,7 @@ use std::time::Instant;
 use anstream::{eprintln, println};
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use veduta_bake::{BakeSettings, ExportSettings, Planned, Stage, bake_input, lay_on_ground, map_svg, plan, survey_bare};
+use veduta_bake::{BakeSettings, ExportSettings, Planned, Stage, bake_input, lay_on_ground, plan, survey_bare};
 use veduta_city::file;
 use veduta_survey::{GeoJsonSettings, to_geojson};
 
@@ -99,13 +100,15 @@ enum Command {
         #[arg(required = true)]
         files: Vec<PathBuf>,
     },
-    /// Draw the map of a plan, graph or map as SVG.
+    /// Draw the map of a baked city, plan, graph or map for print, as SVG or PNG.
     Map {
         #[command(flatten)]
         source: Source,
-        /// Where to write the picture.
+        /// Where to write it: .svg or .png.
         #[arg(short, long)]
         output: PathBuf,
+        #[command(flatten)]
+        wishes: Box<map::Wishes>,
     },
     /// Write a plan, graph or map as binary glTF, with named houses, façades and objects, for modellers and other engines; or a
     /// file of monuments.
@@ -241,11 +244,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
         }
         Command::Inspect { city, json, proof } => inspect::inspect(&city, json, &proof)?,
         Command::Check { files } => check::check(&files)?,
-        Command::Map { source, output } => {
-            let planned = planned(&source, None, quiet)?;
-            file::write_text(&map_svg(&planned.plan), &output)?;
-            println!("{}", output.display());
-        }
+        Command::Map { source, output, wishes } => map::map(&source, &output, &wishes, quiet)?,
         Command::Export { source, output, by_cell, house, monument, with, texture } => {
             let settings = ExportSettings { texture_px: texture };
             match source.only().and_then(|path| Some((path, check::as_monuments(path)?))) {

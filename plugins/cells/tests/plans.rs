@@ -299,7 +299,7 @@ fn cells_are_named_after_square_or_street() {
         line: vec![at(0.0, y), at(200.0, y)],
         width: GridPos::steps(10.0),
         walkable: true,
-        layer: 0,
+        ..PlanStreet::default()
     };
     plan.streets = vec![street(15.0, "South Street"), street(45.0, "North Street")];
     let square = DVec2::new(5.0, 30.0);

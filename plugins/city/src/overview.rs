@@ -132,6 +132,15 @@ pub struct HouseName {
     pub name: String,
     /// House number, may be empty if there is a name.
     pub number: String,
+    /// So many entries, from the first on, are the house.
+    #[serde(default = "HouseName::one")]
+    pub parts: u32,
+}
+
+impl HouseName {
+    const fn one() -> u32 {
+        1
+    }
 }
 
 impl Overview {
@@ -254,7 +263,8 @@ impl<'a> OverviewParts<'a> {
                 let is_called = !house.name.is_empty() || !house.number.is_empty();
                 if is_called && overview.houses.len() > first {
                     let (name, number) = (house.name.clone(), house.number.clone());
-                    overview.names.push(HouseName { house: first as u32, name, number });
+                    let parts = (overview.houses.len() - first) as u32;
+                    overview.names.push(HouseName { house: first as u32, name, number, parts });
                 }
             }
             let after = [overview.ground.len(), overview.houses.len(), overview.spans.len()];
@@ -317,7 +327,7 @@ mod tests {
         let overview = Overview::of(&plan);
         let told = |massing: &Massing| (massing.outline.clone(), massing.height, massing.roof.height);
         assert_eq!(overview.houses[..2].iter().map(told).collect::<Vec<_>>(), [(outline(0), 3072, 256), (outline(512), 512, 256)]);
-        assert_eq!(overview.names, [HouseName { house: 2, name: String::new(), number: "12".to_owned() }]);
+        assert_eq!(overview.names, [HouseName { house: 2, name: String::new(), number: "12".to_owned(), parts: 2 }]);
         assert!(overview.districts.is_empty());
     }
 
@@ -350,7 +360,7 @@ mod tests {
             line: vec![at(i), at(i + 1)],
             width: 4096,
             walkable: true,
-            layer: 0,
+            ..PlanStreet::default()
         };
         let plan = CityPlan {
             streets: (0..6).map(street).collect(),

@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Anchor, Arcade, Course, Design, Gable, GridPolygon, GridPos, Id, ObjectKind, Ornament, Place, PlacedMonument, PlanFacade,
-    PlanTerrain, Rgb, RoofShape, Styles, Viewpoint, WaySpan,
+    PlanTerrain, Rgb, RoofShape, StreetClass, Styles, Viewpoint, WaySpan,
 };
 
 /// The city plan: everything that will stand and lie in the city, on the grid, with every choice made that looks at
@@ -386,7 +386,7 @@ impl Marking {
 }
 
 /// A street's centre line.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanStreet {
     /// Stable id of the link.
@@ -403,6 +403,9 @@ pub struct PlanStreet {
     /// Layer: 0 ground.
     #[serde(default)]
     pub layer: i8,
+    /// Class of the link: what names on maps go by, and which of them are stairs.
+    #[serde(default)]
+    pub class: StreetClass,
 }
 
 #[cfg(test)]

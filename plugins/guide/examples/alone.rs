@@ -33,7 +33,7 @@ const SIGHTS: [(&str, (f64, f64), &str); 3] = [
 /// Tells the guide of places and paths, without any city of ours.
 fn garden(app: &mut App) {
     let line = [(0, -30), (0, 12), (34, 16), (36, -12)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec();
-    let path = PlanStreet { id: Id(1), name: "Garden path".into(), line, width: 2 * 1024, walkable: true, layer: 0 };
+    let path = PlanStreet { id: Id(1), name: "Garden path".into(), line, width: 2 * 1024, walkable: true, ..PlanStreet::default() };
     let place = |(n, (name, pos, _)): (usize, &(&str, (f64, f64), &str))| Place {
         id: Id(10 + n as u64),
         name: (*name).into(),

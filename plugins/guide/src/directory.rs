@@ -226,7 +226,7 @@ mod tests {
     fn town() -> Overview {
         let line = [(0, 0), (50, 0), (100, 0)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec();
         let street =
-            |name: &str| PlanStreet { id: Id(7), name: name.into(), line: line.clone(), width: 6 * 1024, walkable: true, layer: 0 };
+            |name: &str| PlanStreet { id: Id(7), name: name.into(), line: line.clone(), width: 6 * 1024, walkable: true, ..PlanStreet::default() };
         let place = |id, name: &str, kind| Place { id: Id(id), name: name.into(), kind, ..Place::default() };
         Overview {
             streets: vec![street("Celetná"), street("Karlova")],
@@ -257,7 +257,7 @@ mod tests {
     fn houses_are_found_by_street_and_number() {
         let corner = |x: i32, y: i32| GridPos((40 + x) * 1024, (12 + y) * 1024);
         let outline = GridPolygon::simple(vec![corner(-5, -5), corner(5, -5), corner(5, 5), corner(-5, 5)]);
-        let names = vec![HouseName { house: 0, name: String::new(), number: "12a".into() }];
+        let names = vec![HouseName { house: 0, name: String::new(), number: "12a".into(), parts: 1 }];
         let part = Overview { houses: vec![Massing::block(outline, 9 * 1024)], names, ..town() };
         let directory = Directory::of([&part], &Guide::default(), &Offers::default());
         let (found, name) = directory.find("celetna 12a", DVec2::ZERO, 1).remove(0);

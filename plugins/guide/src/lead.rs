@@ -322,7 +322,7 @@ mod tests {
         app.add_plugins((MinimalPlugins, AssetPlugin::default(), crate::GuidePlugin { interface: false }))
             .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(50)));
         let line = [(0, 0), (200, 0)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec();
-        let street = PlanStreet { id: Id(1), name: "Long".into(), line, width: 6 * 1024, walkable: true, layer: 0 };
+        let street = PlanStreet { id: Id(1), name: "Long".into(), line, width: 6 * 1024, walkable: true, ..PlanStreet::default() };
         let overview = Overview { streets: vec![street], ..Overview::default() };
         app.insert_resource(City { overviews: Overviews::whole(overview), ..City::default() });
         let viewer = app.world_mut().spawn((Viewer, Eye { plan_pos: DVec2::new(5.0, 0.0), ..Eye::default() })).id();

@@ -36,7 +36,8 @@ const MARKED: [(&str, &str); 31] = [
 ];
 
 /// A name in small letters without marks, with single spaces for hyphens and runs of space.
-pub(crate) fn fold(name: &str) -> String {
+#[must_use]
+pub fn fold(name: &str) -> String {
     let mut folded = String::with_capacity(name.len());
     for c in name.chars().flat_map(char::to_lowercase) {
         match c {

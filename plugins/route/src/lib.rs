@@ -21,7 +21,7 @@
 //! use veduta_route::{Gazetteer, StreetNet, compile};
 //!
 //! let line = [(0.0, 0.0), (80.0, 0.0), (80.0, 60.0)].map(|p| GridPos::from_metres(p.into())).to_vec();
-//! let street = PlanStreet { id: Id(1), name: "Celetná".into(), line, width: 6 * 1024, walkable: true, layer: 0 };
+//! let street = PlanStreet { id: Id(1), name: "Celetná".into(), line, width: 6 * 1024, walkable: true, ..PlanStreet::default() };
 //! let text = r#"(title: "A walk", city: "old.city", steps: [
 //!     Start(at: At(0, 0)),
 //!     Say(text: "Round the corner"),
@@ -55,7 +55,8 @@
 //! - A tour lasts six hours at most, a leg is 100 km long at most, and heights are above the ground: slopes are for the one
 //!   who knows the ground.
 //! - Where a path bends too sharply for its speed (3 m/s² across for walkers, 6 for flights) it is gone along more slowly.
-//! - Ways are the shortest; hills, stairs and crossings cost nothing.
+//! - Ways are the shortest; hills and crossings cost nothing. Stairs are left out on request, all of them
+//!   ([`StreetNet::without_steps`]).
 //!
 //! # Rejected
 //! Springs and filters that run with the clock (other poses at other frame rates, and no seeking); one table of whole poses
@@ -87,6 +88,7 @@ mod way;
 pub use compile::{CompiledTour, StepSpan, compile, compile_with};
 pub use error::{LONGEST_LEG_M, LONGEST_TOUR_S, MOST_STEPS, Range, StepKind, StepProblem, TourError, WALK_EYE_M};
 pub use gazetteer::Gazetteer;
+pub use letters::fold;
 pub use net::{Foot, JOIN_M, StreetNet};
 pub use path::CORNER_M;
 pub use pose::{Pose, turn_deg};

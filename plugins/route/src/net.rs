@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 use rstar::{
-    RTree,
+    AABB, RTree,
     primitives::{GeomWithData, Line},
 };
-use veduta_city::{GridPos, Id, PlanStreet, PlanTerrain, metres};
+use veduta_city::{GridPos, Id, PlanStreet, PlanTerrain, StreetClass, metres};
 
 /// Ends of lines that lie this near to another line are joined to it, in metres.
 pub const JOIN_M: f64 = 0.5;
@@ -68,6 +68,8 @@ pub struct StreetNet {
     pub(crate) tree: RTree<Entry>,
     /// Nodes at which a street ends and no other goes on.
     pub(crate) dead_ends: RTree<GeomWithData<[f64; 2], u32>>,
+    /// Straight pieces of stairs that nothing leads over.
+    pub(crate) barred: RTree<Line<[f64; 2]>>,
 }
 
 impl StreetNet {
@@ -75,13 +77,36 @@ impl StreetNet {
     /// left out.
     #[must_use]
     pub fn new(streets: &[PlanStreet]) -> Self {
+        Self::of(streets, |_| true)
+    }
+
+    /// The same without stairs: for wheelchairs and prams. Nothing leads along them, and no line across free space over them.
+    #[must_use]
+    pub fn without_steps(streets: &[PlanStreet]) -> Self {
+        let is_stair = |street: &PlanStreet| street.class == StreetClass::Steps;
+        let stairs = streets.iter().filter(|street| street.walkable && is_stair(street));
+        let pieces = stairs.flat_map(|street| street.line.windows(2)).map(|w| {
+            let [a, b] = [w[0], w[1]].map(|pos| pos.to_metres().to_array());
+            Line::new(a, b)
+        });
+        Self { barred: RTree::bulk_load(pieces.collect()), ..Self::of(streets, |street| !is_stair(street)) }
+    }
+
+    fn of(streets: &[PlanStreet], is_used: impl Fn(&PlanStreet) -> bool) -> Self {
         let mut draft = Draft::default();
         let ends = End::collect(streets);
-        for (index, street) in streets.iter().enumerate().filter(|(_, s)| s.walkable) {
+        for (index, street) in streets.iter().enumerate().filter(|(_, s)| s.walkable && is_used(s)) {
             draft.add(index, street, &ends);
         }
         draft.join_ends();
         draft.finish()
+    }
+
+    /// Whether the straight line between two positions leads over stairs that are barred.
+    pub(crate) fn is_barred(&self, a: DVec2, b: DVec2) -> bool {
+        let (low, high) = (a.min(b), a.max(b));
+        let near = self.barred.locate_in_envelope_intersecting(&AABB::from_corners(low.to_array(), high.to_array()));
+        near.into_iter().any(|stair| crosses([a, b], [stair.from, stair.to].map(DVec2::from)))
     }
 
     /// The same on the ground of a city, so that who walks there looks up and down at what stands higher and lower.
@@ -147,6 +172,12 @@ impl StreetNet {
         let segment = self.segments.get(segment as usize)?;
         self.piece.get(segment.from as usize).copied()
     }
+}
+
+/// Whether two straight pieces cross, ends apart.
+fn crosses([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
+    let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
+    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
 }
 
 /// The nearest point to `p` on the line from `a` to `b`, and how far along it lies, 0 to 1.
@@ -288,8 +319,8 @@ impl Draft {
         let piece = vec![u32::MAX; self.nodes.len()];
         let Self { nodes, segments, streets, .. } = self;
         let dead_ends = RTree::bulk_load(dead_ends);
-        let mut net =
-            StreetNet { terrain: PlanTerrain::default(), nodes, segments, streets, first, neighbours, piece, tree, dead_ends };
+        let (terrain, barred) = (PlanTerrain::default(), RTree::new());
+        let mut net = StreetNet { terrain, nodes, segments, streets, first, neighbours, piece, tree, dead_ends, barred };
         net.find_pieces();
         net
     }

@@ -5,7 +5,7 @@ use veduta_city::{GridPos, Id, PlanStreet};
 /// A walkable street, 6 m wide.
 pub(crate) fn street(line: &[(f64, f64)]) -> PlanStreet {
     let line = line.iter().map(|&p| GridPos::from_metres(p.into())).collect();
-    PlanStreet { id: Id(7), name: "Street".to_owned(), line, width: 6 * 1024, walkable: true, layer: 0 }
+    PlanStreet { id: Id(7), name: "Street".to_owned(), line, width: 6 * 1024, walkable: true, ..PlanStreet::default() }
 }
 
 /// A town of `n` streets each way.

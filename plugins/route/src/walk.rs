@@ -20,7 +20,7 @@ use crate::{
 /// use veduta_route::{Pose, StreetNet, Walk};
 ///
 /// let line = [(0.0, 0.0), (90.0, 0.0)].map(|p: (f64, f64)| GridPos::from_metres(p.into()));
-/// let street = PlanStreet { id: Id(1), name: "Celetná".into(), line: line.into(), width: 6 * 1024, walkable: true, layer: 0 };
+/// let street = PlanStreet { id: Id(1), name: "Celetná".into(), line: line.into(), width: 6 * 1024, walkable: true, ..PlanStreet::default() };
 /// let net = StreetNet::new(&[street]);
 /// let here = Pose { plan_pos: (5.0, 0.0).into(), eye_m: 1.65, ..Pose::default() };
 /// let there = Pose { plan_pos: (85.0, 0.0).into(), heading_deg: 180.0, ..here };

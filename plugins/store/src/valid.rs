@@ -276,6 +276,9 @@ pub(crate) fn check_overview(overview: &Overview) -> Check {
         if name.house as usize >= overview.houses.len() {
             return Err(format!("a name is given to house number {} of {}", name.house, overview.houses.len()));
         }
+        if name.parts == 0 || name.parts as usize > overview.houses.len() - name.house as usize {
+            return Err(format!("the house `{}` has {} parts", name.name, name.parts));
+        }
     }
     Ok(())
 }

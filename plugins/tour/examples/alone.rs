@@ -46,7 +46,7 @@ fn village() -> City {
         line: [from, to].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec(),
         width: 6 * 1024,
         walkable: true,
-        layer: 0,
+        ..PlanStreet::default()
     };
     let streets = vec![street(1, "East Street", (0, 0), (60, 0)), street(2, "North Street", (60, 0), (60, 40))];
     let place = |name: &str, x: f64, y: f64| Place { name: name.into(), pos: DVec2::new(x, y), ..default() };

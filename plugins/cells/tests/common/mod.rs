@@ -108,7 +108,7 @@ pub fn town(side: usize) -> CityPlan {
         let y = i as f64 * pitch + block + 5.5;
         let street = |name: String, line: Vec<GridPos>| {
             let width = GridPos::steps(11.0);
-            PlanStreet { id: Id(i as u64 + 1), name, line, width, walkable: true, layer: 0 }
+            PlanStreet { id: Id(i as u64 + 1), name, line, width, walkable: true, ..PlanStreet::default() }
         };
         plan.streets.push(street(format!("Row {i}"), vec![turn(-30.0, y), turn(end, y)]));
         plan.streets.push(street(format!("Column {i}"), vec![turn(y, -30.0), turn(y, end)]));

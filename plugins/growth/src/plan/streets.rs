@@ -347,7 +347,7 @@ pub(super) fn along(line: &[DVec2], s_m: f64) -> Option<(DVec2, DVec2)> {
 pub(super) fn centre_lines(graph: &CityGraph, bridges: &Bridges) -> Vec<PlanStreet> {
     let at = graph.node_positions();
     let street = |(i, link): (usize, &Link)| {
-        let LinkKind::Street(_) = link.kind else { return None };
+        let LinkKind::Street(class) = link.kind else { return None };
         let mut line: Vec<GridPos> = graph.polyline(link, &at)?.into_iter().map(GridPos::from_metres).collect();
         line.dedup();
         (line.len() > 1).then(|| PlanStreet {
@@ -357,6 +357,7 @@ pub(super) fn centre_lines(graph: &CityGraph, bridges: &Bridges) -> Vec<PlanStre
             width: GridPos::steps(width_m(link)),
             walkable: link.layer >= 0 || bridges.has(i),
             layer: link.layer,
+            class,
         })
     };
     graph.links.iter().enumerate().filter_map(street).collect()

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
     District, GridPolygon, GridPos, GroundPatch, HouseName, MAP_STEP, Massing, Overview, PlanRoof, PlanStreet, PlanTerrain, Rgb,
-    RoofShape, SurfaceKind, WaySpan,
+    RoofShape, StreetClass, SurfaceKind, WaySpan,
 };
 
 use super::{
@@ -37,6 +37,10 @@ pub(crate) struct WireOverview {
     cells: Deltas,
     /// How many pieces of ground, houses and spans each has.
     districts: Vec<(u32, u32, u32)>,
+    /// Of streets.
+    classes: Vec<StreetClass>,
+    /// How many entries each named house has.
+    parts: Vec<u32>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -104,6 +108,8 @@ impl From<&Overview> for WireOverview {
             places: WirePlaces::of(&overview.places),
             cells: Deltas::of(overview.districts.iter().map(|district| district.cell as i32)),
             districts: overview.districts.iter().map(|district| (district.ground, district.houses, district.spans)).collect(),
+            classes: overview.streets.iter().map(|street| street.class).collect(),
+            parts: overview.names.iter().map(|name| name.parts).collect(),
         }
     }
 }
@@ -125,15 +131,21 @@ impl TryFrom<WireOverview> for Overview {
         let ground = wire.ground.into_iter().map(patch).collect::<Result<_, _>>()?;
         points.finish()?;
         let mut points = wire.lines.pull();
-        let lines = Lines { ids: wire.street_ids, widths: wire.widths, walkable: wire.walkable, layers: wire.layers };
+        let lines = Lines {
+            ids: wire.street_ids,
+            widths: wire.widths,
+            walkable: wire.walkable,
+            layers: wire.layers,
+            classes: wire.classes,
+        };
         let streets = lines.pull(&mut points, || texts.take())?;
         points.finish()?;
-        let names = wire
-            .named
-            .numbers()
-            .into_iter()
-            .map(|house| Ok(HouseName { house: house as u32, name: texts.take()?, number: texts.take()? }))
-            .collect::<Result<_, _>>()?;
+        let mut parts = Pull::new("parts of named houses", wire.parts);
+        let named = wire.named.numbers().into_iter().map(|house| {
+            Ok(HouseName { house: house as u32, name: texts.take()?, number: texts.take()?, parts: parts.take()? })
+        });
+        let names = named.collect::<Result<_, _>>()?;
+        parts.finish()?;
         texts.finish()?;
         let (terrain, places) = (PlanTerrain::try_from(wire.terrain)?, wire.places.pull()?);
         let cells = wire.cells.numbers();
@@ -162,6 +174,7 @@ struct Lines {
     widths: Vec<i32>,
     walkable: Vec<bool>,
     layers: Vec<i8>,
+    classes: Vec<StreetClass>,
 }
 
 impl Lines {
@@ -173,6 +186,7 @@ impl Lines {
         let mut ids = self.ids.pull();
         let mut walkable = Pull::new("walkable streets", self.walkable);
         let mut layers = Pull::new("layers of streets", self.layers);
+        let mut classes = Pull::new("classes of streets", self.classes);
         let mut streets = Vec::with_capacity(self.widths.len());
         for width in self.widths {
             streets.push(PlanStreet {
@@ -182,11 +196,13 @@ impl Lines {
                 width,
                 walkable: walkable.take()?,
                 layer: layers.take()?,
+                class: classes.take()?,
             });
         }
         ids.finish()?;
         walkable.finish()?;
         layers.finish()?;
+        classes.finish()?;
         Ok(streets)
     }
 }

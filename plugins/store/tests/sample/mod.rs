@@ -128,7 +128,7 @@ pub fn city(count: usize, each: usize) -> City {
         line: vec![at(0, 0), at(along, 0)],
         width: 10 * M,
         walkable: true,
-        layer: 0,
+        ..PlanStreet::default()
     });
     plan.places.push(Place {
         id: Id(12),
