@@ -9,7 +9,7 @@ use veduta::guide::OpenGuide;
 use veduta::life::{LifePlugin, OpenLife};
 use veduta::prelude::*;
 use veduta::sound::{OpenSounds, SoundPlugin};
-use veduta::streaming::{Journal, StreamingCache};
+use veduta::streaming::{CityAssetsPlugin, Journal, StreamingCache};
 
 use crate::camera::camera;
 use crate::profile::Profile;
@@ -58,7 +58,7 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
     let size = order.size.map_or((1280, 720), |size| (size.width, size.height));
     let mut app = App::new();
     app.register_asset_source("tours", AssetSourceBuilder::platform_default(&scene.display().to_string(), None));
-    app.add_plugins(
+    app.add_plugins(CityAssetsPlugin).add_plugins(
         DefaultPlugins
             .set(WindowPlugin {
                 primary_window: Some(Window { title: "Veduta".into(), resolution: size.into(), ..default() }),

@@ -34,9 +34,8 @@ impl Slab {
     pub fn meets(&self, other: &Self) -> bool {
         let apart = other.middle - self.middle;
         let axes = [self.along, self.along.perp(), other.along, other.along.perp()];
-        let reach = |slab: &Self, axis: DVec2| {
-            slab.half.x * slab.along.dot(axis).abs() + slab.half.y * slab.along.perp().dot(axis).abs()
-        };
+        let reach =
+            |slab: &Self, axis: DVec2| slab.half.x * slab.along.dot(axis).abs() + slab.half.y * slab.along.perp().dot(axis).abs();
         axes.into_iter().all(|axis| apart.dot(axis).abs() < reach(self, axis) + reach(other, axis))
     }
 

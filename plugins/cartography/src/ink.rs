@@ -209,7 +209,6 @@ pub enum Tone {
     Monument,
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;

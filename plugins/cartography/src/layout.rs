@@ -259,7 +259,8 @@ impl Draft<'_> {
     /// A name about its place itself: of a square, park or water.
     fn level_at(&mut self, mark: &Mark, at: DVec2) {
         let em = self.setting.em;
-        let shifts = [(0.0, 0.0), (0.0, 1.2), (0.0, -1.2), (2.0, 0.0), (-2.0, 0.0), (1.6, 1.4), (-1.6, 1.4), (1.6, -1.4), (-1.6, -1.4)];
+        let shifts =
+            [(0.0, 0.0), (0.0, 1.2), (0.0, -1.2), (2.0, 0.0), (-2.0, 0.0), (1.6, 1.4), (-1.6, 1.4), (1.6, -1.4), (-1.6, -1.4)];
         for size in self.sizes(mark.kind) {
             for (n, shift) in self.ordered(&mark.name, shifts.len()).into_iter().map(|n| (n, shifts[n])) {
                 if self.block(&mark.name, mark.kind, size, at, DVec2::from(shift) * em, n) {

@@ -11,7 +11,7 @@ use crate::margin::{Key, Margin, index_width};
 use crate::named::positions;
 use crate::sheet::extent;
 use crate::{
-    Colours, Detail, Frame, Layers, Layout, Letters, MapWords, Named, NameKind, Paper, Setting, Sheet, Tone, lay_out, tones,
+    Colours, Detail, Frame, Layers, Layout, Letters, MapWords, NameKind, Named, Paper, Setting, Sheet, Tone, lay_out, tones,
 };
 
 /// Ways that are drawn on a map, plan metres.
@@ -178,11 +178,7 @@ fn shown_ways(order: &Order<'_>) -> Ways {
 
 fn ends_of_ways(order: &Order<'_>, frame: &Frame) -> Vec<Slab> {
     let ends = order.ways.led.iter().filter(|_| order.layers.route).filter_map(|line| line.last());
-    let pin = |end: &DVec2| Slab {
-        middle: frame.project(*end) - DVec2::new(0.0, 1.3),
-        half: DVec2::splat(1.3),
-        along: DVec2::X,
-    };
+    let pin = |end: &DVec2| Slab { middle: frame.project(*end) - DVec2::new(0.0, 1.3), half: DVec2::splat(1.3), along: DVec2::X };
     ends.map(pin).collect()
 }
 

@@ -121,12 +121,8 @@ fn mark(place: &Place, part: &Overview, written: &dyn Fn(&str) -> String) -> Opt
 pub fn tones(overview: &Overview) -> Vec<Tone> {
     let tone = |height: i32| if metres(height) >= LANDMARK_M { Tone::Monument } else { Tone::House };
     let mut tones: Vec<Tone> = overview.houses.iter().map(|massing| tone(massing.height)).collect();
-    let monuments: BTreeSet<&str> = overview
-        .places
-        .iter()
-        .filter(|place| place.kind == PlaceKind::Monument)
-        .map(|place| place.name.as_str())
-        .collect();
+    let monuments: BTreeSet<&str> =
+        overview.places.iter().filter(|place| place.kind == PlaceKind::Monument).map(|place| place.name.as_str()).collect();
     for name in overview.names.iter().filter(|name| !name.name.is_empty()) {
         let parts = tones.iter_mut().skip(name.house as usize).take(name.parts as usize);
         let least = if monuments.contains(name.name.as_str()) { Tone::Monument } else { Tone::Notable };
@@ -160,7 +156,14 @@ mod tests {
         let massing = |x: f64, height: i32| Massing::block(square(x), height * 1024);
         let name = |house: u32, name: &str, parts: u32| HouseName { house, name: name.into(), number: "7".into(), parts };
         let overview = Overview {
-            houses: vec![massing(0.0, 12), massing(10.0, 12), massing(20.0, 40), massing(30.0, 9), massing(40.0, 50), massing(50.0, 9)],
+            houses: vec![
+                massing(0.0, 12),
+                massing(10.0, 12),
+                massing(20.0, 40),
+                massing(30.0, 9),
+                massing(40.0, 50),
+                massing(50.0, 9),
+            ],
             names: vec![name(0, "", 1), name(1, "U Minuty", 1), name(4, "Týn", 2), name(3, "Well", 1)],
             places: vec![Place { name: "Well".into(), kind: PlaceKind::Monument, ..Place::default() }],
             ..Overview::default()

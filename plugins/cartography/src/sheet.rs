@@ -18,7 +18,9 @@ pub const SIDES_MM: core::ops::RangeInclusive<f64> = 70.0..=2_000.0;
 
 /// Not a sheet of paper.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no paper: write A0 to A5, or a width and height in millimetres, as in 400x300mm; sides of 70 to 2000 mm are printed on")]
+#[error(
+    "`{0}` is no paper: write A0 to A5, or a width and height in millimetres, as in 400x300mm; sides of 70 to 2000 mm are printed on"
+)]
 pub struct PaperError(pub String);
 
 impl Paper {

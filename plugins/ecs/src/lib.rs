@@ -41,7 +41,7 @@ pub use eye::{Eye, Itinerary, Steering, Stop, Viewer};
 pub use ground::{Footing, Ground};
 pub use interface::{Interface, PlaceNames, PointersTaken, Route, ShowOnMap, TourPath, WalkTo, keys_are_free};
 pub use overview::{Around, OverviewWants, Overviews};
-pub use place::{City, CityFailed, CityOpened, JumpTo, OpenCity};
+pub use place::{CITY_SOURCE, City, CityFailed, CityOpened, JumpTo, OpenCity, own_file};
 pub use sets::{InterfaceSystems, VedutaSystems};
 pub use sight::{Sight, Sights, house_key};
 pub use space::WorldOrigin;

@@ -22,6 +22,25 @@ pub struct City {
     pub files: Vec<String>,
 }
 
+impl City {
+    /// Path for the asset server of the first file with an ending that travels with the city.
+    #[must_use]
+    pub fn file(&self, ending: &str) -> Option<String> {
+        self.files.iter().find(|path| path.ends_with(ending)).map(|path| format!("{CITY_SOURCE}://{path}"))
+    }
+}
+
+/// Name of the asset source of files that travel with the open city.
+pub const CITY_SOURCE: &str = "city";
+
+/// What to load of the kind of `handle` where a city has opened: its own file with an ending, if it has one and nothing but what came with
+/// another city was asked for before.
+#[must_use]
+pub fn own_file<A: Asset>(city: &City, ending: &str, handle: Option<&Handle<A>>) -> Option<String> {
+    let came_with_a_city = |handle: &Handle<A>| handle.path().is_some_and(|path| path.source().as_str() == Some(CITY_SOURCE));
+    handle.is_none_or(came_with_a_city).then(|| city.file(ending)).flatten()
+}
+
 /// Asks for a city: a directory, or the URL of one on a web server. What was open before is closed.
 #[derive(Resource, Debug, Clone, PartialEq, Eq)]
 pub struct OpenCity(

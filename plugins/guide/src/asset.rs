@@ -2,7 +2,7 @@ use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 use veduta_city::{Guide, GuidePlace, file};
-use veduta_ecs::{CityFailed, Words};
+use veduta_ecs::{City, CityFailed, CityOpened, Words, own_file};
 
 /// A guide, read from `*.guide.ron`.
 #[derive(Asset, TypePath, Debug, Clone)]
@@ -89,10 +89,24 @@ impl CityGuide {
     }
 }
 
-/// Asks for guides.
-pub(crate) fn open(mut asked: MessageReader<OpenGuide>, assets: Res<AssetServer>, mut guide: ResMut<CityGuide>) {
+/// Asks for guides: for those that a city brings where it opens, unless others were asked for.
+pub(crate) fn open(
+    mut asked: MessageReader<OpenGuide>,
+    mut opened: MessageReader<CityOpened>,
+    city: Option<Res<City>>,
+    assets: Res<AssetServer>,
+    mut guide: ResMut<CityGuide>,
+) {
+    let has_opened = opened.read().count() > 0;
     if let Some(OpenGuide(path)) = asked.read().last() {
         guide.handle = Some(assets.load(path.clone()));
+    } else if has_opened
+        && (guide.version == 0 || guide.handle.is_some())
+        && let Some(path) = city.and_then(|city| own_file(&city, ".guide.ron", guide.handle.as_ref()))
+    {
+        // Another city's file may have had the same name.
+        assets.reload(path.clone());
+        guide.handle = Some(assets.load(path));
     }
 }
 

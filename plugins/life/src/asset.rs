@@ -2,7 +2,7 @@ use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 use veduta_city::{Life, file};
-use veduta_ecs::CityFailed;
+use veduta_ecs::{City, CityFailed, CityOpened, own_file};
 
 /// What lives in a city, read from `*.life.ron`.
 #[derive(Asset, TypePath, Debug, Clone)]
@@ -70,10 +70,24 @@ impl CityLife {
     }
 }
 
-/// Asks for files.
-pub(crate) fn open(mut asked: MessageReader<OpenLife>, assets: Res<AssetServer>, mut life: ResMut<CityLife>) {
+/// Asks for files: for those that a city brings where it opens, unless others were asked for.
+pub(crate) fn open(
+    mut asked: MessageReader<OpenLife>,
+    mut opened: MessageReader<CityOpened>,
+    city: Option<Res<City>>,
+    assets: Res<AssetServer>,
+    mut life: ResMut<CityLife>,
+) {
+    let has_opened = opened.read().count() > 0;
     if let Some(OpenLife(path)) = asked.read().last() {
         life.handle = Some(assets.load(path.clone()));
+    } else if has_opened
+        && (life.life == Life::default() || life.handle.is_some())
+        && let Some(path) = city.and_then(|city| own_file(&city, ".life.ron", life.handle.as_ref()))
+    {
+        // Another city's file may have had the same name.
+        assets.reload(path.clone());
+        life.handle = Some(assets.load(path));
     }
 }
 

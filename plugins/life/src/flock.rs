@@ -114,11 +114,11 @@ impl Flock {
             let time_s = self.tick as f64 / TICKS_S;
             let share = if to_s > from_s { ((time_s - from_s) / (to_s - from_s)).clamp(0.0, 1.0) } else { 1.0 };
             let eyes: Vec<DVec3> = notice.eyes.iter().map(|(a, b)| a.lerp(*b, share)).collect();
-            let heard = notice.noises.iter().find(|(when, at)| {
-                (time_s - 1.0 / TICKS_S..=time_s).contains(when) && at.distance(self.middle) < NOISE_M
-            });
-            let whim = (self.tick as u64).is_multiple_of(WHIM_TICKS / 2)
-                && self.draw.part(self.tick as u64).chance("whim", 0.5);
+            let heard = notice
+                .noises
+                .iter()
+                .find(|(when, at)| (time_s - 1.0 / TICKS_S..=time_s).contains(when) && at.distance(self.middle) < NOISE_M);
+            let whim = (self.tick as u64).is_multiple_of(WHIM_TICKS / 2) && self.draw.part(self.tick as u64).chance("whim", 0.5);
             match heard {
                 Some(&(_, at)) => self.startle(time_s, at, f64::INFINITY),
                 None if whim => self.startle(time_s, self.middle, f64::INFINITY),

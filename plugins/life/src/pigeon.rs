@@ -112,7 +112,9 @@ fn tail(sculpt: &mut Sculpt, number: f32) {
         uv_b: Vec2::new(number, BODY),
         colour: linear(colour, 1.0),
     };
-    let row = |z: f32, y: f32, half: f32, colour: Rgb| [-1.0, -0.5, 0.0, 0.5, 1.0].map(|x: f32| feather(x * half, y - 0.012 * x * x, z, colour));
+    let row = |z: f32, y: f32, half: f32, colour: Rgb| {
+        [-1.0, -0.5, 0.0, 0.5, 1.0].map(|x: f32| feather(x * half, y - 0.012 * x * x, z, colour))
+    };
     let rows = [
         row(-0.085, 0.128, 0.024, TAIL),
         row(-0.130, 0.118, 0.029, TAIL),
@@ -143,11 +145,22 @@ fn wing(sculpt: &mut Sculpt, uv_b: Vec2, side: f32) {
 
 fn leg(sculpt: &mut Sculpt, uv_b: Vec2, side: f32) {
     let colour = linear(CORAL, 0.0);
-    let at = |x: f32, y: f32, z: f32, normal: Vec3| Point { at: Vec3::new(side * 0.022 + x, y, z), normal, uv: Vec2::ZERO, uv_b, colour };
+    let at = |x: f32, y: f32, z: f32, normal: Vec3| Point {
+        at: Vec3::new(side * 0.022 + x, y, z),
+        normal,
+        uv: Vec2::ZERO,
+        uv_b,
+        colour,
+    };
     let r = 0.0045;
     for (a, b) in [((-r, 0.0), (r, 0.0)), ((0.0, -r), (0.0, r))] {
         let normal = Vec3::new(b.1 - a.1, 0.0, b.0 - a.0).normalize_or(Vec3::Z);
-        sculpt.quad([at(a.0, 0.0, a.1, normal), at(b.0, 0.0, b.1, normal), at(b.0, 0.092, b.1, normal), at(a.0, 0.092, a.1, normal)]);
+        sculpt.quad([
+            at(a.0, 0.0, a.1, normal),
+            at(b.0, 0.0, b.1, normal),
+            at(b.0, 0.092, b.1, normal),
+            at(a.0, 0.092, a.1, normal),
+        ]);
     }
     // Three toes ahead, one behind.
     for turn in [-0.55_f32, 0.0, 0.55, PI] {

@@ -53,7 +53,8 @@ fn is_open(parts: &[&Overview], at: DVec2) -> bool {
         return true;
     }
     let pos = GridPos::from_metres(at);
-    let is_paved = parts.iter().any(|part| part.ground.iter().any(|patch| patch.surface.is_public() && patch.outline.contains(pos)));
+    let is_paved =
+        parts.iter().any(|part| part.ground.iter().any(|patch| patch.surface.is_public() && patch.outline.contains(pos)));
     is_paved && !parts.iter().any(|part| part.houses.iter().any(|house| house.outline.contains(pos)))
 }
 

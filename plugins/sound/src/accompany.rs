@@ -58,7 +58,9 @@ pub(crate) fn play(
         obey(now, wish, &server, output);
     }
     for failure in failed.read() {
-        let Some(file) = now.prepared.iter().find(|(_, handle)| handle.id() == failure.id).map(|(file, _)| file.clone()) else { continue };
+        let Some(file) = now.prepared.iter().find(|(_, handle)| handle.id() == failure.id).map(|(file, _)| file.clone()) else {
+            continue;
+        };
         now.playing.retain(|_, playing| playing.file != file);
         let message = format!("{}; the tour goes on without it", reason(&failure.error));
         warn!("{message}");

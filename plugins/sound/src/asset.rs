@@ -4,7 +4,7 @@ use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoadError, AssetLoadFailedEvent, AssetLoader, LoadContext};
 use bevy::prelude::*;
 use veduta_city::{Soundscape, file};
-use veduta_ecs::CityFailed;
+use veduta_ecs::{City, CityFailed, CityOpened, own_file};
 use veduta_synth::{Recording, RecordingError};
 
 /// What a city sounds like, read from `*.sound.ron`.
@@ -92,8 +92,8 @@ impl AssetLoader for RecordingLoader {
     ) -> Result<RecordingAsset, RecordingLoadError> {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
-        let recording = Recording::new(bytes)
-            .map_err(|error| RecordingLoadError::Recording { path: context.path().to_string(), error })?;
+        let recording =
+            Recording::new(bytes).map_err(|error| RecordingLoadError::Recording { path: context.path().to_string(), error })?;
         Ok(RecordingAsset(recording))
     }
 
@@ -136,10 +136,24 @@ impl CitySounds {
     }
 }
 
-/// Asks for sounds.
-pub(crate) fn open(mut asked: MessageReader<OpenSounds>, assets: Res<AssetServer>, mut sounds: ResMut<CitySounds>) {
+/// Asks for sounds: for those that a city brings where it opens, unless others were asked for.
+pub(crate) fn open(
+    mut asked: MessageReader<OpenSounds>,
+    mut opened: MessageReader<CityOpened>,
+    city: Option<Res<City>>,
+    assets: Res<AssetServer>,
+    mut sounds: ResMut<CitySounds>,
+) {
+    let has_opened = opened.read().count() > 0;
     if let Some(OpenSounds(path)) = asked.read().last() {
         sounds.handle = Some(assets.load(path.clone()));
+    } else if has_opened
+        && (sounds.version == 0 || sounds.handle.is_some())
+        && let Some(path) = city.and_then(|city| own_file(&city, ".sound.ron", sounds.handle.as_ref()))
+    {
+        // Another city's file may have had the same name.
+        assets.reload(path.clone());
+        sounds.handle = Some(assets.load(path));
     }
 }
 

@@ -84,10 +84,7 @@ pub(crate) fn listen(
     let hearing = &mut *hearing;
     let now_s = time.elapsed_secs_f64();
     let lat_deg = city.as_ref().map_or(50.0, |city| city.anchor.lat);
-    let has_jumped = hearing
-        .listener
-        .as_ref()
-        .is_none_or(|before| before.plan_pos.truncate().distance(eye.plan_pos) > 20.0);
+    let has_jumped = hearing.listener.as_ref().is_none_or(|before| before.plan_pos.truncate().distance(eye.plan_pos) > 20.0);
     let is_new = hearing.version != Some(sounds.version());
     let looks = is_new || has_jumped || now_s >= hearing.looked_s + LOOK_EVERY_S || now_s < hearing.looked_s;
     let surroundings = match &hearing.listener {
@@ -142,9 +139,8 @@ fn place(sounds: &CitySounds, listener: &Listener, ground: &Ground) -> Vec<Place
         let distance_m = source.pos.distance(listener.plan_pos.truncate());
         distance_m < source.radius_m * 10_f64.powf((source.level_db + 60.0) / 20.0)
     });
-    let mut all: Vec<Placed> = told
-        .map(|source| placed(source, source.pos.extend(ground.at(source.pos, source.height_m) + source.height_m)))
-        .collect();
+    let mut all: Vec<Placed> =
+        told.map(|source| placed(source, source.pos.extend(ground.at(source.pos, source.height_m) + source.height_m))).collect();
     for &(kind, at) in &listener.surroundings.objects {
         let Some(source) = SoundSource::of_object(kind) else { continue };
         if all.iter().all(|other| other.plan_pos.distance(at) > SAME_M) {

@@ -89,10 +89,7 @@ impl Plugin for SoundPlugin {
             .add_systems(Update, hearing::listen.run_if(output::is_heard).in_set(SoundSystems::Listen))
             .add_systems(
                 Update,
-                (hearing::mix, cues::sound, steps::tread)
-                    .chain()
-                    .run_if(output::is_heard)
-                    .in_set(SoundSystems::Mix),
+                (hearing::mix, cues::sound, steps::tread).chain().run_if(output::is_heard).in_set(SoundSystems::Mix),
             )
             .add_systems(Update, (output::turn_up, output::send, output::look_for_device).chain().in_set(SoundSystems::Send));
     }
@@ -111,7 +108,9 @@ impl Plugin for SoundPlugin {
             app.add_audio_source::<output::CityStream>();
             app.add_systems(Startup, output::connect);
         } else if !app.world().contains_resource::<SoundTrack>() {
-            warn!("the city is silent: add `AudioPlugin` of the engine's feature `bevy_audio` (`DefaultPlugins` has it), or a `SoundTrack`");
+            warn!(
+                "the city is silent: add `AudioPlugin` of the engine's feature `bevy_audio` (`DefaultPlugins` has it), or a `SoundTrack`"
+            );
         }
     }
 }

@@ -37,6 +37,9 @@ pub(crate) fn factor(db: f64) -> f64 {
 /// From the height of roofs up, a street is heard less and less: at so many metres half.
 const ALOFT_M: f64 = 30.0;
 
+/// A wind that is heard as loud as any, metres a second.
+const FRESH_WIND_M_S: f64 = 7.0;
+
 impl Listener {
     /// How hard it rains, 0 to 1: streets are wet and clouds hang over them.
     #[must_use]
@@ -45,13 +48,13 @@ impl Listener {
         share(self.weather.wet, 0.15, 0.7) * share(self.weather.clouds, 0.5, 0.8)
     }
 
-    /// How hard the wind blows, 0 to 1: more under clouds, in the open and aloft.
+    /// How hard the wind blows, 0 to 1: more in the open and aloft.
     #[must_use]
     pub fn wind(&self) -> f64 {
         let open = [Setting::Square, Setting::Park, Setting::Bridge].map(|setting| self.surroundings.share(setting));
         let open = f64::from(open.into_iter().fold(0.0, f32::max));
         let aloft = (self.eye_m / ALOFT_M).clamp(0.0, 1.0);
-        let sky = 0.25 + 0.45 * f64::from(self.weather.clouds.clamp(0.0, 1.0));
+        let sky = (f64::from(self.weather.wind_m_s) / FRESH_WIND_M_S).clamp(0.0, 1.0);
         (sky * (0.35 + 0.35 * open) + 0.6 * aloft).min(1.0)
     }
 
@@ -81,11 +84,8 @@ pub fn bed_gain(bed: &Bed, listener: &Listener) -> f32 {
         Follows::Nothing | Follows::Dry => 1.0,
     };
     // Wind is louder aloft, all else is left below.
-    let height = if bed.when.follows == Follows::Wind {
-        1.0
-    } else {
-        1.0 / (1.0 + ((listener.eye_m - 3.0).max(0.0) / ALOFT_M).powi(2))
-    };
+    let height =
+        if bed.when.follows == Follows::Wind { 1.0 } else { 1.0 / (1.0 + ((listener.eye_m - 3.0).max(0.0) / ALOFT_M).powi(2)) };
     (factor(bed.level_db) * here * sheltered * height * listener.share(&bed.when)) as f32
 }
 
@@ -190,7 +190,7 @@ mod tests {
         for (n, sound) in [(1, "Murmur"), (2, "Birds"), (3, "Water"), (4, "Water")] {
             assert!(loudest(&by(n)).starts_with(sound), "{:?}: {}", Setting::ALL[n], loudest(&by(n)));
         }
-        let rain = Listener { weather: Weather { clouds: 1.0, wet: 1.0 }, ..listener(SQUARE) };
+        let rain = Listener { weather: Weather { clouds: 1.0, wet: 1.0, ..Weather::default() }, ..listener(SQUARE) };
         assert!(loudest(&rain).starts_with("Rain"));
         let night = Listener { hour: 1.0, ..listener(SQUARE) };
         assert!(!loudest(&night).starts_with("Murmur"), "at night people are gone");
@@ -204,7 +204,7 @@ mod tests {
             for (hour, wet) in [(12.0, 0.0), (12.0, 1.0), (1.0, 0.0)] {
                 let mut shares = [0.0; 6];
                 shares[n] = 1.0;
-                let listener = Listener { hour, weather: Weather { clouds: 0.9, wet }, ..listener(shares) };
+                let listener = Listener { hour, weather: Weather { clouds: 0.9, wet, ..Weather::default() }, ..listener(shares) };
                 // Voices have a root mean square of 0.1 each and know nothing of one another.
                 let power: f32 = Soundscape::usual_beds().iter().map(|bed| (0.1 * bed_gain(bed, &listener)).powi(2)).sum();
                 let level_db = 10.0 * power.log10();

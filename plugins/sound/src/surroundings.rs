@@ -166,11 +166,16 @@ mod tests {
 
     #[test]
     fn water_is_nearer_the_louder_and_fountains_are_found() {
-        let mut shell = cell(vec![
-            patch(SurfaceKind::Gravel, (-60, -60), (20, 60)),
-            patch(SurfaceKind::Water, (20, -60), (60, 60)),
-        ]);
-        let fountain = ObjectShell { kind: ObjectKind::Fountain, pos: GridPos(0, 10_240), z: 1_024, heading: 0, height: 2_048, monument: None };
+        let mut shell =
+            cell(vec![patch(SurfaceKind::Gravel, (-60, -60), (20, 60)), patch(SurfaceKind::Water, (20, -60), (60, 60))]);
+        let fountain = ObjectShell {
+            kind: ObjectKind::Fountain,
+            pos: GridPos(0, 10_240),
+            z: 1_024,
+            heading: 0,
+            height: 2_048,
+            monument: None,
+        };
         shell.objects = vec![fountain, ObjectShell { kind: ObjectKind::Lamp, ..fountain }];
         let bank = |x: f64| Surroundings::of(DVec2::new(100.0 + x, 0.0), [&shell].into_iter());
         assert!(bank(16.0).share(Setting::Bank) > bank(0.0).share(Setting::Bank) && bank(0.0).share(Setting::Bank) > 0.3);

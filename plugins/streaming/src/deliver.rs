@@ -242,6 +242,12 @@ fn open(world: &mut World, index: &CityIndex) {
     // The floating origin begins on a whole metre at the start, so that positions there are exact.
     let plan = GridPos(GridPos::steps(index.start.pos.x.round()), GridPos::steps(index.start.pos.y.round()));
     *world.resource_mut::<WorldOrigin>() = WorldOrigin { plan };
+    let files: Vec<String> = index.files.iter().map(|file| file.path.clone()).collect();
+    let can_load = world.contains_resource::<CityFiles>();
+    if !can_load && !files.is_empty() {
+        info_once!("what is told of {} travels with it: add CityAssetsPlugin before DefaultPlugins to have it loaded", index.name);
+    }
+    let files = if can_load { files } else { Vec::new() };
     world.insert_resource(City {
         name: index.name.clone(),
         attribution: index.attribution.clone(),
@@ -249,7 +255,7 @@ fn open(world: &mut World, index: &CityIndex) {
         start: index.start,
         extent: index.extent.clone(),
         overviews: Overviews::awaited(index.regions.iter().map(|region| region.bounds)),
-        files: index.files.iter().map(|file| file.path.clone()).collect(),
+        files,
     });
     info!("{}: {} cells", index.name, index.cell_count());
     world.write_message(CityOpened);

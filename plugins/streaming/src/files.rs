@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use async_channel::{Receiver, Sender, bounded};
 use bevy::asset::io::{AssetReader, AssetReaderError, AssetSourceBuilder, PathStream, Reader, VecReader};
 use bevy::prelude::*;
+use veduta_ecs::CITY_SOURCE;
 use veduta_store::StoreError;
 
 use crate::fetch::Store;
@@ -22,7 +23,7 @@ impl Plugin for CityAssetsPlugin {
         let counter = Counter::default();
         let for_readers = counter.clone();
         app.insert_resource(CityFiles { counter, waiting: BTreeMap::new() })
-            .register_asset_source("city", AssetSourceBuilder::new(move || Box::new(CityAssets(for_readers.clone()))));
+            .register_asset_source(CITY_SOURCE, AssetSourceBuilder::new(move || Box::new(CityAssets(for_readers.clone()))));
     }
 }
 

@@ -198,7 +198,8 @@ mod tests {
 
     #[test]
     fn bad_numbers_and_recordings_have_no_voice() {
-        for sound in [Sound::File("x.ogg".into()), Sound::Bell { strike_hz: f64::NAN, weight_kg: 1.0 }, Sound::Murmur { people: 0 }] {
+        for sound in [Sound::File("x.ogg".into()), Sound::Bell { strike_hz: f64::NAN, weight_kg: 1.0 }, Sound::Murmur { people: 0 }]
+        {
             assert!(voice(&sound, 1, RATE_HZ).is_none(), "{sound:?}");
         }
         assert!(voice(&Sound::FOUNTAIN, 1, f64::NAN).is_some() && voice(&Sound::FOUNTAIN, 1, 0.0).is_some());

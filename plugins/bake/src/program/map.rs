@@ -5,10 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anstream::{eprintln, println};
 use glam::DVec2;
-use veduta_cartography::{
-    Colours, DENOMINATORS, Detail, Layers, MapWords, Order, Paper, Ways, draw, to_png, to_svg,
-};
-use veduta_city::{Guide, GridPolygon, Overview, Place, Tour, file};
+use veduta_cartography::{Colours, DENOMINATORS, Detail, Layers, MapWords, Order, Paper, Ways, draw, to_png, to_svg};
+use veduta_city::{GridPolygon, Guide, Overview, Place, Tour, file};
 use veduta_route::{Gazetteer, StreetNet, compile, fold};
 use veduta_store::{DirReader, INDEX_NAME, read_index, read_overview};
 
