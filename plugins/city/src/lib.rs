@@ -36,6 +36,7 @@ mod graph_check;
 mod grid;
 mod guide;
 mod holes;
+mod hours;
 mod id;
 mod limits;
 pub mod monument;
@@ -77,7 +78,7 @@ pub use graph::{
 };
 pub use graph_check::GraphError;
 pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres, ring_edges};
-pub use guide::{Certainty, Guide, GuidePlace};
+pub use guide::{Certainty, Guide, GuidePicture, GuidePlace};
 pub use id::Id;
 pub use limits::{FARTHEST_M, HIGHEST_M, MOST_LEVELS, WIDEST_M};
 pub use monument::{Design, Monument, MonumentError, MonumentTag, Monuments, PlacedMonument};

@@ -205,11 +205,8 @@ impl Soundscape {
         use Follows::{Dry, Nothing, Rain, Wind};
         use Season::{Autumn, Spring, Summer};
         use Setting::{Arcade, Bank, Bridge, Lane, Park, Square};
-        let bed = |sound: Sound, level_db: f64, at: &[Setting], hours: Option<(f64, f64)>, seasons: &[Season], follows: Follows| Bed {
-            sound,
-            level_db,
-            at: at.to_vec(),
-            when: Heard { hours, seasons: seasons.to_vec(), follows },
+        let bed = |sound: Sound, level_db: f64, at: &[Setting], hours: Option<(f64, f64)>, seasons: &[Season], follows: Follows| {
+            Bed { sound, level_db, at: at.to_vec(), when: Heard { hours, seasons: seasons.to_vec(), follows } }
         };
         vec![
             bed(Sound::Murmur { people: 10 }, -7.0, &[Square], Some((8.0, 22.5)), &[], Nothing),
@@ -236,9 +233,8 @@ impl Soundscape {
             step(Footfall::Grass),
             step(Footfall::Wood),
         ];
-        let cue = |(name, sound, level_db, radius_m): (&str, Sound, f64, f64)| {
-            (name.to_owned(), CueSound { sound, level_db, radius_m })
-        };
+        let cue =
+            |(name, sound, level_db, radius_m): (&str, Sound, f64, f64)| (name.to_owned(), CueSound { sound, level_db, radius_m });
         cues.into_iter().map(cue).collect()
     }
 

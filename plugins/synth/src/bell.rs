@@ -4,18 +4,19 @@ use crate::filter::{Ringing, StateVariable, rise};
 use crate::noise::White;
 use crate::voice::Sampled;
 
-/// A bell's partials: frequency as a multiple of the strike note, level in decibels, and how long it rings as a share of the hum. Names and ratios are
-/// those of a church bell with a minor third (Fletcher and Rossing, *The Physics of Musical Instruments*, chapter 21).
+/// A bell's partials: frequency as a multiple of the strike note, level in decibels, and how long it rings as a share of the hum.
+/// Names and ratios are those of a church bell with a minor third (Fletcher and Rossing, *The Physics of Musical Instruments*,
+/// chapter 21).
 const PARTIALS: [(f64, f64, f64); 12] = [
-    (0.5, -7.0, 1.0),    // hum
-    (1.0, -3.0, 0.55),   // prime
-    (1.2, 0.0, 0.5),     // tierce
-    (1.5, -14.0, 0.32),  // quint
-    (2.0, 0.0, 0.34),    // nominal
-    (2.52, -12.0, 0.2),  // deciem
-    (2.66, -13.0, 0.2),  // undeciem
-    (3.01, -4.0, 0.22),  // duodeciem
-    (4.16, -7.0, 0.15),  // upper octave
+    (0.5, -7.0, 1.0),   // hum
+    (1.0, -3.0, 0.55),  // prime
+    (1.2, 0.0, 0.5),    // tierce
+    (1.5, -14.0, 0.32), // quint
+    (2.0, 0.0, 0.34),   // nominal
+    (2.52, -12.0, 0.2), // deciem
+    (2.66, -13.0, 0.2), // undeciem
+    (3.01, -4.0, 0.22), // duodeciem
+    (4.16, -7.0, 0.15), // upper octave
     (5.43, -11.0, 0.1),
     (6.79, -15.0, 0.075),
     (8.21, -19.0, 0.055),

@@ -107,7 +107,8 @@ struct Syllable {
 impl Talker {
     fn new(draw: Draw, rate_hz: f64) -> Self {
         let is_high = draw.chance("voice", 0.5);
-        let (size, pitch_hz) = if is_high { (1.17, draw.between("pitch", 165.0, 240.0)) } else { (1.0, draw.between("pitch", 92.0, 145.0)) };
+        let (size, pitch_hz) =
+            if is_high { (1.17, draw.between("pitch", 165.0, 240.0)) } else { (1.0, draw.between("pitch", 92.0, 145.0)) };
         let key = draw.bits("talk");
         // They do not all begin at once.
         let wait_s = draw.between("wait", 0.0, 1.2);

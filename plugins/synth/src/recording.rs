@@ -21,7 +21,7 @@ pub struct Recording {
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
     /// The file is larger than a recording may be.
-    #[error("{bytes} bytes is more than the {} MB that a recording may have; cut it, or encode it at a lower quality", Recording::LARGEST >> 20)]
+    #[error("{bytes} bytes is more than a recording may have ({} MB); cut it, or encode it with less", Recording::LARGEST >> 20)]
     TooLarge {
         /// Its size.
         bytes: usize,
@@ -52,7 +52,8 @@ impl Recording {
         if bytes.len() > Self::LARGEST {
             return Err(RecordingError::TooLarge { bytes: bytes.len() });
         }
-        let reader = OggStreamReader::new(Cursor::new(Arc::clone(&bytes))).map_err(|error| RecordingError::NotVorbis(error.to_string()))?;
+        let reader =
+            OggStreamReader::new(Cursor::new(Arc::clone(&bytes))).map_err(|error| RecordingError::NotVorbis(error.to_string()))?;
         let (channels, rate_hz) = (reader.ident_hdr.audio_channels, reader.ident_hdr.audio_sample_rate);
         if !((1..=8).contains(&channels) && (8_000..=192_000).contains(&rate_hz)) {
             return Err(RecordingError::Odd { channels, rate_hz });

@@ -42,26 +42,12 @@ const fn ground(on: Footfall) -> Ground {
             grains: 0.03,
             rings: &[(860.0, 0.14)],
         },
-        Footfall::Gravel => Ground {
-            tone_hz: 2_600.0,
-            q: 0.6,
-            heel_s: 0.05,
-            toe_s: 0.09,
-            blow: 0.25,
-            thud: 0.25,
-            grains: 1.0,
-            rings: &[],
-        },
-        Footfall::Grass => Ground {
-            tone_hz: 900.0,
-            q: 0.5,
-            heel_s: 0.06,
-            toe_s: 0.1,
-            blow: 0.4,
-            thud: 0.35,
-            grains: 0.12,
-            rings: &[],
-        },
+        Footfall::Gravel => {
+            Ground { tone_hz: 2_600.0, q: 0.6, heel_s: 0.05, toe_s: 0.09, blow: 0.25, thud: 0.25, grains: 1.0, rings: &[] }
+        }
+        Footfall::Grass => {
+            Ground { tone_hz: 900.0, q: 0.5, heel_s: 0.06, toe_s: 0.1, blow: 0.4, thud: 0.35, grains: 0.12, rings: &[] }
+        }
         Footfall::Wood => Ground {
             tone_hz: 700.0,
             q: 1.2,

@@ -42,7 +42,8 @@ impl Sampled for Wind {
         let gust = 0.75 * self.gust.next() + 0.25 * self.breath.next();
         let white = self.white.next();
         let mut x = 3.0 * self.rumble.iter_mut().fold(white, |x, low| low.low(x));
-        for ((filter, wander), (low_hz, span_hz, level)) in self.whistle.iter_mut().zip([(170.0, 260.0, 2.6), (420.0, 650.0, 1.0)]) {
+        for ((filter, wander), (low_hz, span_hz, level)) in self.whistle.iter_mut().zip([(170.0, 260.0, 2.6), (420.0, 650.0, 1.0)])
+        {
             let where_to = wander.next();
             if self.n == 0 {
                 let centre_hz = low_hz + span_hz * (0.5 * where_to + 0.5 * gust) * (0.5 + 0.7 * self.strength);
@@ -84,7 +85,10 @@ impl Rain {
             n += 1;
             let part = draw.part(n);
             let hz = 800.0 * libm::pow(7.0, part.unit("pitch"));
-            Struck { filter: StateVariable::new(hz.min(0.4 * rate_hz), part.between("ringing", 6.0, 22.0), rate_hz), level: 900.0 / hz + 0.5 }
+            Struck {
+                filter: StateVariable::new(hz.min(0.4 * rate_hz), part.between("ringing", 6.0, 22.0), rate_hz),
+                level: 900.0 / hz + 0.5,
+            }
         });
         let drops_s = 40.0 + 500.0 * strength;
         Self {
