@@ -58,9 +58,56 @@ pub struct GuidePlace {
     /// When it is open, as OpenStreetMap writes it: `Tu-Su 10:00-18:00`.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub hours: String,
+    /// Pictures of it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pictures: Vec<GuidePicture>,
+    /// What can be listened to there, Ogg Vorbis: a path beside the guide's file.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub sound: String,
     /// Pages on the web, `https://` or `http://`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub links: Vec<String>,
+}
+
+/// A picture of a place.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GuidePicture {
+    /// PNG, JPEG or WebP: a path beside the guide's file, or an `https://` address that the visitor is asked about.
+    pub file: String,
+    /// What it shows: by the language's code.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub caption: BTreeMap<String, String>,
+    /// Whose it is, and under what licence: by the language's code.
+    pub credit: BTreeMap<String, String>,
+}
+
+impl GuidePicture {
+    /// Whether it lies on the web.
+    #[must_use]
+    pub fn is_on_the_web(&self) -> bool {
+        self.file.contains("://")
+    }
+
+    /// What is wrong with it.
+    fn mistake(&self) -> Option<String> {
+        let file = &self.file;
+        if self.is_on_the_web() {
+            if !file.starts_with("https://") || !is_web_address(file) {
+                return Some(format!("the picture `{file}` must begin with https:// and have no spaces, or lie beside the guide"));
+            }
+        } else {
+            let name = file.to_ascii_lowercase();
+            let is_picture = [".png", ".jpg", ".jpeg", ".webp"].iter().any(|ending| name.ends_with(ending));
+            if !is_picture || !crate::is_beside(file) {
+                return Some(format!(
+                    "the picture `{file}` must be a .png, .jpg, .jpeg or .webp in or below the guide's folder, or an https:// address"
+                ));
+            }
+        }
+        let is_credited = self.credit.values().any(|credit| !credit.trim().is_empty());
+        (!is_credited).then(|| format!("the picture `{file}` has no credit: say whose it is and under what licence"))
+    }
 }
 
 /// How far a reconstruction can be trusted.
@@ -97,13 +144,27 @@ impl Guide {
         };
         check_code("language", &self.language);
         for place in &self.places {
-            place.names.keys().chain(place.text.keys()).for_each(|code| check_code(&format!("place “{}”", place.name), code));
+            let of_pictures = place.pictures.iter().flat_map(|picture| picture.caption.keys().chain(picture.credit.keys()));
+            place
+                .names
+                .keys()
+                .chain(place.text.keys())
+                .chain(of_pictures)
+                .for_each(|code| check_code(&format!("place “{}”", place.name), code));
         }
         for (n, place) in self.places.iter().enumerate() {
             if place.name.trim().is_empty() {
                 wrong.push(format!("place {}: it has no name: write name: \"...\", as in the map", n + 1));
             } else if !told.insert(&place.name) {
                 wrong.push(format!("place “{}” is told twice: keep one", place.name));
+            }
+            let of = |mistake: String| format!("place “{}”: {mistake}", place.name);
+            wrong.extend(place.pictures.iter().filter_map(GuidePicture::mistake).map(of));
+            if !place.hours.is_empty() {
+                wrong.extend(crate::hours::mistake(&place.hours).map(of));
+            }
+            if !place.sound.is_empty() && !(crate::is_beside(&place.sound) && place.sound.to_ascii_lowercase().ends_with(".ogg")) {
+                wrong.push(of(format!("the sound `{}` must be an .ogg in or below the guide's folder", place.sound)));
             }
             for link in place.links.iter().filter(|link| !is_web_address(link)) {
                 wrong.push(format!(
@@ -123,6 +184,26 @@ fn is_web_address(link: &str) -> bool {
         && !link.chars().any(|c| c.is_whitespace() || c.is_control())
 }
 
+/// Words in the first of some languages that there are any in, else in any.
+fn first_in<'a>(words: &'a BTreeMap<String, String>, languages: &[&str]) -> Option<&'a str> {
+    let first = languages.iter().find_map(|language| words.get(*language));
+    first.or_else(|| words.values().next()).map(String::as_str)
+}
+
+impl GuidePicture {
+    /// What it shows, in the first of some languages that there is one in, else in any.
+    #[must_use]
+    pub fn caption_in(&self, languages: &[&str]) -> &str {
+        first_in(&self.caption, languages).unwrap_or("")
+    }
+
+    /// Whose it is, in the same way.
+    #[must_use]
+    pub fn credit_in(&self, languages: &[&str]) -> &str {
+        first_in(&self.credit, languages).unwrap_or("")
+    }
+}
+
 impl GuidePlace {
     /// Its name in a language; its name in the map where it has no other.
     #[must_use]
@@ -133,8 +214,7 @@ impl GuidePlace {
     /// Its text in the first of some languages that there is one in, else in any.
     #[must_use]
     pub fn text_in(&self, languages: &[&str]) -> Option<&str> {
-        let first = languages.iter().find_map(|language| self.text.get(*language));
-        first.or_else(|| self.text.values().next()).map(String::as_str)
+        first_in(&self.text, languages)
     }
 
     /// All its names.
@@ -182,6 +262,31 @@ mod tests {
             "{wrong:?}"
         );
         assert_eq!(wrong.len(), 9, "{wrong:?}");
+    }
+
+    #[test]
+    fn pictures_are_credited_and_lie_where_they_may() {
+        let text = r#"(places: [(
+            name: "A",
+            hours: "Tu-Su 10:00-18:00",
+            sound: "organ.ogg",
+            pictures: [
+                (file: "a/tower.webp", caption: {"en": "The tower", "cs": "Věž"}, credit: {"en": "Own work, CC0"}),
+                (file: "https://example.org/a.jpg", credit: {"en": "Somebody, CC BY 4.0"}),
+                (file: "http://example.org/a.jpg", credit: {"en": "x"}),
+                (file: "../a.png", credit: {"en": "x"}),
+                (file: "a.gif", credit: {"en": "x"}),
+                (file: "b.png", credit: {}),
+            ],
+        ), (name: "B", hours: "Tuesday", sound: "x.mp3")])"#;
+        let guide: Guide = crate::file::parse(text, "t.guide.ron").unwrap_or_else(|e| panic!("{e}"));
+        let wrong = guide.validate();
+        for told in ["`http://example.org/a.jpg`", "`../a.png`", "`a.gif`", "`b.png` has no credit", "`Tuesday`", "`x.mp3`"] {
+            assert!(wrong.iter().any(|wrong| wrong.contains(told)), "{told}: {wrong:#?}");
+        }
+        assert_eq!(wrong.len(), 6, "{wrong:#?}");
+        let picture = &guide.places[0].pictures[0];
+        assert_eq!((picture.caption_in(&["cs", "en"]), picture.credit_in(&["cs", "en"])), ("Věž", "Own work, CC0"));
     }
 
     #[test]

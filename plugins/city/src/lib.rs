@@ -36,6 +36,7 @@ mod graph_check;
 mod grid;
 mod guide;
 mod holes;
+mod hours;
 mod id;
 mod life;
 mod limits;
@@ -79,7 +80,7 @@ pub use graph::{
 };
 pub use graph_check::GraphError;
 pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres, ring_edges};
-pub use guide::{Certainty, Guide, GuidePlace};
+pub use guide::{Certainty, Guide, GuidePicture, GuidePlace};
 pub use id::Id;
 pub use life::{Dial, Jet, Life, LifeKind, LifeRules, LivingThing, SignShape, Tells};
 pub use limits::{FARTHEST_M, HIGHEST_M, MOST_LEVELS, WIDEST_M};

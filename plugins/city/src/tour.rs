@@ -179,6 +179,41 @@ pub enum Step {
         #[serde(default)]
         seconds: Option<f64>,
     },
+    /// Tell something: a recording is heard while the tour goes on, and its words are shown as a caption.
+    Narrate {
+        /// The recording, Ogg Vorbis: a path beside the tour's file.
+        file: String,
+        /// The recording in other languages: by the language's code.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        files: BTreeMap<String, String>,
+        /// Its words.
+        text: String,
+        /// The words in other languages: by the language's code.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        translations: BTreeMap<String, String>,
+        /// They are shown for so many seconds; by the length of the text if not given.
+        #[serde(default)]
+        seconds: Option<f64>,
+    },
+    /// Let something be heard beneath all else, over and over, while the tour goes on.
+    Sound {
+        /// The recording, Ogg Vorbis: a path beside the tour's file. Without one, what is heard ends.
+        #[serde(default)]
+        file: Option<String>,
+    },
+    /// Show a picture while the tour goes on.
+    Picture {
+        /// The picture, PNG, JPEG or WebP: a path beside the tour's file.
+        file: String,
+        /// What it shows, and whose it is.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        caption: String,
+        /// The caption in other languages: by the language's code.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        translations: BTreeMap<String, String>,
+        /// For so many seconds.
+        seconds: f64,
+    },
     /// Begin a chapter: what a visitor can go to.
     Chapter {
         /// Its title.

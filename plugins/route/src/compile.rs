@@ -9,7 +9,7 @@ use crate::{
     pace::{Haste, Pace},
     plot::{Act, Leg, Plotter, within},
     pose::{Facing, smoothstep},
-    script::{Caption, Chapter, Mark, Script, Spoken},
+    script::{Ambience, Caption, Chapter, Mark, Narration, PICTURES, RECORDINGS, Script, Spoken, TourPicture, beside},
     timeline::{Draft, Gaze, Run, Timeline},
 };
 
@@ -39,7 +39,7 @@ pub struct CompiledTour {
     wet: Option<Dial>,
     day: u16,
     fades: Vec<Fade>,
-    script: Script,
+    pub(crate) script: Script,
     spans: Vec<StepSpan>,
 }
 
@@ -324,6 +324,29 @@ impl Score<'_> {
                 let seconds = time(seconds.unwrap_or(longest)).map_err(|p| self.fail(step, p))?;
                 let text = Spoken::new(text, translations);
                 self.script.captions.push(Caption { start_s, end_s: start_s + seconds, text });
+                seconds
+            }
+            Some(Step::Narrate { file, files, text, translations, seconds }) => {
+                for file in files.values().chain([file]) {
+                    beside(file, RECORDINGS).map_err(|p| self.fail(step, p))?;
+                }
+                let longest = translations.values().chain([text]).map(|text| reading_s(text)).fold(0.0, f64::max);
+                let seconds = time(seconds.unwrap_or(longest)).map_err(|p| self.fail(step, p))?;
+                self.script.narrations.push(Narration::new(start_s, file, files));
+                let text = Spoken::new(text, translations);
+                self.script.captions.push(Caption { start_s, end_s: start_s + seconds, text });
+                seconds
+            }
+            Some(Step::Sound { file }) => {
+                file.as_ref().map_or(Ok(()), |file| beside(file, RECORDINGS)).map_err(|p| self.fail(step, p))?;
+                self.script.ambiences.push(Ambience { at_s: start_s, file: file.clone() });
+                0.0
+            }
+            Some(Step::Picture { file, caption, translations, seconds }) => {
+                beside(file, PICTURES).map_err(|p| self.fail(step, p))?;
+                let seconds = time(*seconds).map_err(|p| self.fail(step, p))?;
+                let (end_s, caption) = (start_s + seconds, Spoken::new(caption, translations));
+                self.script.pictures.push(TourPicture { start_s, end_s, file: file.clone(), caption });
                 seconds
             }
             Some(Step::Chapter { title, translations }) => {

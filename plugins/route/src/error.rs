@@ -28,6 +28,12 @@ pub enum StepKind {
     Wait,
     /// Shows a caption.
     Say,
+    /// Plays a recording that tells something.
+    Narrate,
+    /// Lets something be heard beneath all else.
+    Sound,
+    /// Shows a picture.
+    Picture,
     /// Begins a chapter.
     Chapter,
     /// Tells the game of a moment.
@@ -53,6 +59,9 @@ impl StepKind {
             Step::Look { .. } => Self::Look,
             Step::Wait { .. } => Self::Wait,
             Step::Say { .. } => Self::Say,
+            Step::Narrate { .. } => Self::Narrate,
+            Step::Sound { .. } => Self::Sound,
+            Step::Picture { .. } => Self::Picture,
             Step::Chapter { .. } => Self::Chapter,
             Step::Mark { .. } => Self::Mark,
             Step::Rain { .. } => Self::Rain,
@@ -164,6 +173,14 @@ pub enum StepProblem {
     TooLong {
         /// Its length in metres.
         length_m: f64,
+    },
+    /// A file that cannot be what the step needs, by its name.
+    #[error("`{file}` must be the path of a file in or below the tour's folder that ends in {endings}")]
+    File {
+        /// The path given.
+        file: String,
+        /// How it may end.
+        endings: &'static str,
     },
     /// The tour lasts too long.
     #[error("the tour would last longer than {} hours here; go faster or make it shorter", LONGEST_TOUR_S / 3600.0)]

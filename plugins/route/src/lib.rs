@@ -94,7 +94,7 @@ pub use path::CORNER_M;
 pub use pose::{Pose, turn_deg};
 pub use reach::{Unreached, unreached};
 pub use resume::{ResumeLeg, WALK_BACK_M, resume, resume_with};
-pub use script::{Chapter, Mark, Spoken};
+pub use script::{Chapter, Mark, Narration, Spoken, TourPicture};
 pub use search::{Finder, Hit, Named};
 pub use timeline::TURN_DEG_S;
 pub use walk::Walk;

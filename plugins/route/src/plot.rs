@@ -130,6 +130,9 @@ impl<'a> Plotter<'a> {
                 Act::Wait { step, seconds: checked("the time in seconds", *seconds, 0.0, 21_600.0).map_err(fails)? }
             }
             Step::Say { .. }
+            | Step::Narrate { .. }
+            | Step::Sound { .. }
+            | Step::Picture { .. }
             | Step::Chapter { .. }
             | Step::Mark { .. }
             | Step::Rain { .. }
@@ -215,6 +218,9 @@ impl<'a> Plotter<'a> {
         for (step, s) in self.tour.steps.iter().enumerate().skip(first) {
             match s {
                 Step::Say { .. }
+                | Step::Narrate { .. }
+                | Step::Sound { .. }
+                | Step::Picture { .. }
                 | Step::Chapter { .. }
                 | Step::Mark { .. }
                 | Step::Rain { .. }

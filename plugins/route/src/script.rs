@@ -1,6 +1,8 @@
-//! What a tour says and tells beside its movements: captions, chapters, marks.
+//! What a tour says, shows and tells beside its movements: captions, recordings, pictures, chapters, marks.
 
 use std::collections::BTreeMap;
+
+use crate::{CompiledTour, StepProblem};
 
 /// Words in a tour's own language and in others.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -53,12 +55,56 @@ pub struct Mark {
     pub name: String,
 }
 
+/// A recording that tells something.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Narration {
+    /// When it begins, seconds from the tour's start.
+    pub at_s: f64,
+    file: String,
+    files: BTreeMap<String, String>,
+}
+
+impl Narration {
+    pub(crate) fn new(at_s: f64, file: &str, files: &BTreeMap<String, String>) -> Self {
+        Self { at_s, file: file.to_owned(), files: files.clone() }
+    }
+
+    /// The recording in a language, told by its code; in the tour's own where there is none in it. A path beside the tour's file.
+    #[must_use]
+    pub fn within(&self, language: &str) -> &str {
+        self.files.get(language).map_or(&self.file, String::as_str)
+    }
+}
+
+/// A recording that is heard beneath all else from a moment on, or none.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Ambience {
+    pub at_s: f64,
+    pub file: Option<String>,
+}
+
+/// A picture and when it is shown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TourPicture {
+    /// From when, seconds from the tour's start.
+    pub start_s: f64,
+    /// Until when.
+    pub end_s: f64,
+    /// A path beside the tour's file.
+    pub file: String,
+    /// What it shows.
+    pub caption: Spoken,
+}
+
 /// What a tour says and tells, each in order of time.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Script {
     pub captions: Vec<Caption>,
     pub chapters: Vec<Chapter>,
     pub marks: Vec<Mark>,
+    pub narrations: Vec<Narration>,
+    pub ambiences: Vec<Ambience>,
+    pub pictures: Vec<TourPicture>,
 }
 
 impl Script {
@@ -69,9 +115,70 @@ impl Script {
         (t_s < latest.end_s && !latest.text.text.is_empty()).then_some(&latest.text)
     }
 
+    /// The narrations after one moment and up to another.
+    pub fn narrations(&self, after_s: f64, until_s: f64) -> &[Narration] {
+        let index = |t_s: f64| self.narrations.partition_point(|narration| narration.at_s <= t_s);
+        self.narrations.get(index(after_s)..index(until_s)).unwrap_or(&[])
+    }
+
+    /// The recording that is heard beneath all else at a moment.
+    pub fn ambience(&self, t_s: f64) -> Option<&str> {
+        let begun = self.ambiences.partition_point(|ambience| ambience.at_s <= t_s);
+        self.ambiences.get(begun.checked_sub(1)?)?.file.as_deref()
+    }
+
+    /// The picture of a moment: the one shown last.
+    pub fn picture(&self, t_s: f64) -> Option<&TourPicture> {
+        let begun = self.pictures.partition_point(|picture| picture.start_s <= t_s);
+        self.pictures.get(begun.checked_sub(1)?).filter(|picture| t_s < picture.end_s)
+    }
+
     /// The marks after one moment and up to another.
     pub fn marks(&self, after_s: f64, until_s: f64) -> &[Mark] {
         let index = |t_s: f64| self.marks.partition_point(|mark| mark.at_s <= t_s);
         self.marks.get(index(after_s)..index(until_s)).unwrap_or(&[])
+    }
+}
+
+/// How recordings and pictures end.
+pub(crate) const RECORDINGS: &str = ".ogg";
+pub(crate) const PICTURES: &str = ".png, .jpg, .jpeg or .webp";
+
+/// Whether a file can be beside the tour and of its kind; whether it is there, whoever plays the tour finds out.
+pub(crate) fn beside(file: &str, endings: &'static str) -> Result<(), StepProblem> {
+    let name = file.to_ascii_lowercase();
+    let is_of_kind = endings.split([',', ' ']).filter(|part| part.starts_with('.')).any(|ending| name.ends_with(ending));
+    if is_of_kind && veduta_city::is_beside(file) { Ok(()) } else { Err(StepProblem::File { file: file.to_owned(), endings }) }
+}
+
+impl CompiledTour {
+    /// The recordings that begin after one time and up to another; seconds.
+    #[must_use]
+    pub fn narrations(&self, after_s: f64, until_s: f64) -> &[Narration] {
+        self.script.narrations(after_s, until_s)
+    }
+
+    /// The recording that is heard beneath all else at a moment: a path beside the tour's file.
+    #[must_use]
+    pub fn ambience(&self, t_s: f64) -> Option<&str> {
+        self.script.ambience(t_s)
+    }
+
+    /// The picture that is shown at a moment.
+    #[must_use]
+    pub fn picture(&self, t_s: f64) -> Option<&TourPicture> {
+        self.script.picture(t_s)
+    }
+
+    /// All its recordings, as they are heard in a language, in order.
+    pub fn recordings<'a>(&'a self, language: &'a str) -> impl Iterator<Item = &'a str> {
+        let told = self.script.narrations.iter().map(|narration| narration.within(language));
+        told.chain(self.script.ambiences.iter().filter_map(|ambience| ambience.file.as_deref()))
+    }
+
+    /// All its pictures, in order.
+    #[must_use]
+    pub fn pictures(&self) -> &[TourPicture] {
+        &self.script.pictures
     }
 }

@@ -306,6 +306,11 @@ fn mistakes_name_the_step_and_the_fix() {
     says("Start(at: At(0, 0)), Wait(seconds: -1)", 2, &["between 0 and"]);
     says("Start(at: At(0, 0)), Wait(seconds: 21600)", 2, &["6 hours"]);
     says("Start(at: At(0, 0)), Say(text: \"x\", seconds: 1e300)", 2, &["1e300"]);
+    says("Start(at: At(0, 0)), Narrate(file: \"../x.ogg\", text: \"x\")", 2, &["../x.ogg", ".ogg"]);
+    says("Start(at: At(0, 0)), Narrate(file: \"x.ogg\", files: {\"cs\": \"x.mp3\"}, text: \"x\")", 2, &["x.mp3"]);
+    says("Start(at: At(0, 0)), Sound(file: \"https://example.org/x.ogg\")", 2, &["in or below the tour's folder"]);
+    says("Start(at: At(0, 0)), Picture(file: \"x.gif\", seconds: 3)", 2, &["x.gif", ".webp"]);
+    says("Start(at: At(0, 0)), Picture(file: \"x.png\", seconds: -3)", 2, &["-3"]);
     says("Start(at: At(0, 0)), Fov(deg: 0)", 2, &["field of view"]);
     says("Start(at: At(0, 0)), Time(hour: 25)", 2, &["hour"]);
     says("Start(at: At(0, 0)), Look(at: Spot(at: Place(\"well\"), height_m: NaN), seconds: 1)", 2, &["height"]);
@@ -320,6 +325,33 @@ fn mistakes_name_the_step_and_the_fix() {
     let text = "(title: \"t\", city: \"c\", steps: [\n  Start(at: At(0, 0)),\n  Walk(towards: At(0, 0)),\n])";
     let error = file::parse::<Tour>(text, "t.ron").expect_err("no such field");
     assert_eq!((error.line, error.text.as_str()), (3, "  Walk(towards: At(0, 0)),"));
+}
+
+#[test]
+fn recordings_and_pictures_have_their_moments() {
+    let text = r#"(title: "t", city: "c", steps: [
+        Start(at: At(0, 0)),
+        Sound(file: "organ.ogg"),
+        Wait(seconds: 5),
+        Narrate(file: "one.ogg", files: {"cs": "jedna.ogg"}, text: "One.", translations: {"cs": "Jedna."}, seconds: 4),
+        Picture(file: "map.webp", caption: "A map", seconds: 3),
+        Wait(seconds: 10),
+        Sound(),
+        Wait(seconds: 1),
+    ])"#;
+    let tour: Tour = file::parse(text, "t.ron").unwrap_or_else(|e| panic!("{e}"));
+    let tour = compile(&tour, &town(), &places()).unwrap_or_else(|e| panic!("{e}"));
+    let told_s = tour.steps().iter().find(|step| step.kind == StepKind::Narrate).expect("it is told").start_s;
+    assert_eq!(tour.narrations(told_s - 0.1, told_s).iter().map(|n| n.within("cs")).collect::<Vec<_>>(), ["jedna.ogg"]);
+    assert!(tour.narrations(told_s, told_s + 30.0).is_empty(), "each begins once");
+    assert_eq!(tour.caption_in(told_s + 1.0, "cs"), Some("Jedna."), "its words are a caption");
+    let shown = |t_s: f64| tour.picture(t_s).map(|picture| (picture.file.as_str(), picture.caption.own()));
+    assert_eq!((shown(told_s + 1.0), shown(told_s + 3.5)), (Some(("map.webp", "A map")), None));
+    assert_eq!(
+        (tour.ambience(told_s - 4.0), tour.ambience(told_s), tour.ambience(tour.duration_s())),
+        (Some("organ.ogg"), Some("organ.ogg"), None)
+    );
+    assert_eq!(tour.recordings("en").collect::<Vec<_>>(), ["one.ogg", "organ.ogg"]);
 }
 
 #[test]

@@ -4,8 +4,9 @@ use crate::filter::{Ringing, StateVariable, rise};
 use crate::noise::White;
 use crate::voice::Sampled;
 
-/// A bell's partials: frequency as a multiple of the strike note, level in decibels, and how long it rings as a share of the hum. Names and ratios are
-/// those of a church bell with a minor third (Fletcher and Rossing, *The Physics of Musical Instruments*, chapter 21).
+/// A bell's partials: frequency as a multiple of the strike note, level in decibels, and how long it rings as a share of the hum.
+/// Names and ratios are those of a church bell with a minor third (Fletcher and Rossing, *The Physics of Musical Instruments*,
+/// chapter 21).
 const PARTIALS: [(f64, f64, f64); 12] = [
     (0.5, -7.0, 1.0),   // hum
     (1.0, -3.0, 0.55),  // prime

@@ -17,17 +17,19 @@
 //! ```
 //!
 //! # Levels
-//! Endless voices have a mean of −20 dB below full scale (a root mean square of 0.1) as long as something is heard of them; strokes, steps and
-//! wings peak below full scale. All start and end from silence, carry no DC, and never leave ±1.
+//! Endless voices have a mean of −20 dB below full scale (a root mean square of 0.1) as long as something is heard of them;
+//! strokes, steps and wings peak below full scale. All start and end from silence, carry no DC, and never leave ±1.
 //!
 //! # Determinism
 //! Noise is keyed by voice and sample, so a seed gives the same samples whatever the sizes of the blocks. Sines are libm's.
 //!
 //! # Limits
-//! What is made is told from what it imitates by anybody who listens for it; what matters more (a famous bell, a narration) is better recorded.
+//! What is made is told from what it imitates by anybody who listens for it; what matters more (a famous bell, a narration) is
+//! better recorded.
 //!
 //! # Rejected
-//! Samples from libraries: licences, megabytes, and loops that ears find out. A graph of sounds (`fundsp`): more than nine voices need.
+//! Samples from libraries: licences, megabytes, and loops that ears find out. A graph of sounds (`fundsp`): more than nine voices
+//! need.
 
 mod bell;
 mod birds;
@@ -49,4 +51,4 @@ mod spectrum;
 pub use desk::{BLOCK, ChannelId, Desk, Levels, Order};
 pub use recording::{Recording, RecordingError};
 pub use voice::{Voice, voice};
-pub use wav::wav;
+pub use wav::{WAV_HEAD, wav, wav_head, wav_samples};

@@ -21,7 +21,7 @@ pub struct Recording {
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
     /// The file is larger than a recording may be.
-    #[error("{bytes} bytes is more than the {} MB that a recording may have; cut it, or encode it at a lower quality", Recording::LARGEST >> 20)]
+    #[error("{bytes} bytes is more than a recording may have ({} MB); cut it, or encode it with less", Recording::LARGEST >> 20)]
     TooLarge {
         /// Its size.
         bytes: usize,

@@ -56,8 +56,8 @@ fn within(x: f64) -> f64 {
 /// Lowest and highest rate at which voices are made, samples a second.
 const RATES: (f64, f64) = (8_000.0, 192_000.0);
 
-/// A voice for a sound that is made; `None` for a recording. The seed tells voices of one sound apart; a rate out of 8 to 192 kHz is brought
-/// within.
+/// A voice for a sound that is made; `None` for a recording. The seed tells voices of one sound apart; a rate out of 8 to 192 kHz
+/// is brought within.
 #[must_use]
 pub fn voice(sound: &Sound, seed: u64, rate_hz: f64) -> Option<Box<dyn Voice>> {
     let rate_hz = if rate_hz.is_finite() { rate_hz.clamp(RATES.0, RATES.1) } else { 44_100.0 };

@@ -6,8 +6,8 @@ use crate::voice::Sampled;
 
 /// Water that falls or flows: broad noise for what rushes, high noise for spray, bubbles that ring.
 ///
-/// A bubble of radius r rings at 3.26 m/s ÷ r (Minnaert 1933), dies away by 0.13/r + 0.0072 r^−1.5 a second, and rises in pitch as it comes up
-/// (van den Doel, "Physically based models for liquid sounds", 2005).
+/// A bubble of radius r rings at 3.26 m/s ÷ r (Minnaert 1933), dies away by 0.13/r + 0.0072 r^−1.5 a second, and rises in pitch as
+/// it comes up (van den Doel, "Physically based models for liquid sounds", 2005).
 pub(crate) struct Water {
     rate_hz: f64,
     flow: f64,
