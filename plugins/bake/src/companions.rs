@@ -1,17 +1,18 @@
 //! Files that belong to a city and travel with it: what is told of its places, and its tours.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use veduta_city::{Finding, Id, Severity, Tour, file};
+use veduta_city::{Finding, Guide, Id, Severity, Soundscape, Tour, file};
 use veduta_store::{CityWriter, StoreError};
 
-use crate::scene::stem_of;
+use crate::scene::{below, stem_of};
 
 /// Endings of files that belong to the city of the same stem beside them.
 const OF_STEM: [&str; 3] = [".guide.ron", ".life.ron", ".sound.ron"];
 
-/// Gives a city that is being written the files that lie beside its input: those of its stem (`X.guide.ron` beside `X.graph.ron`), and
-/// tours that name it. What cannot be taken along is told.
+/// Gives a city that is being written the files that lie beside its input: those of its stem (`X.guide.ron` beside `X.graph.ron`), tours that name
+/// it, and the pictures and recordings that these name. What cannot be taken along is told.
 ///
 /// # Errors
 /// If the disk fails.
@@ -21,19 +22,23 @@ pub(crate) fn bring(input: &Path, writer: &mut CityWriter) -> Result<Vec<Finding
         let message = format!("{} does not travel with the city: {why}", path.display());
         findings.push(Finding::new(Severity::Dropped, Id::NONE, None, message));
     };
+    let folder = folder_of(input);
+    let mut taken = BTreeSet::new();
     for path in beside(input) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let content = match std::fs::read(&path) {
-            Ok(content) => content,
-            Err(error) => {
-                told(&path, error.to_string());
+        let named = named_by(&path).into_iter().filter_map(|file| Some((below(folder, &file)?, file)));
+        for (path, name) in core::iter::once((path, name)).chain(named) {
+            if !taken.insert(name.clone()) {
                 continue;
             }
-        };
-        match writer.file(&name, &content) {
-            Err(error @ StoreError::Write { .. }) => return Err(error),
-            Err(error) => told(&path, error.to_string()),
-            Ok(()) => {}
+            match std::fs::read(&path) {
+                Err(error) => told(&path, error.to_string()),
+                Ok(content) => match writer.file(&name, &content) {
+                    Err(error @ StoreError::Write { .. }) => return Err(error),
+                    Err(error) => told(&path, error.to_string()),
+                    Ok(()) => {}
+                },
+            }
         }
     }
     Ok(findings)
@@ -41,8 +46,7 @@ pub(crate) fn bring(input: &Path, writer: &mut CityWriter) -> Result<Vec<Finding
 
 /// The files beside an input that belong to it, in the order of their names.
 fn beside(input: &Path) -> Vec<PathBuf> {
-    let folder = input.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let Ok(entries) = std::fs::read_dir(folder_of(input)) else { return Vec::new() };
     let stem = stem_of(input);
     let mut files: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     files.sort();
@@ -52,6 +56,25 @@ fn beside(input: &Path) -> Vec<PathBuf> {
         path.is_file() && (is_of_stem || (name.ends_with(".tour.ron") && is_for(path, input)))
     });
     files
+}
+
+fn folder_of(input: &Path) -> &Path {
+    input.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
+}
+
+/// Pictures and recordings that a file names by their paths from its folder. What cannot be read names nothing: `check` tells of its mistakes.
+fn named_by(path: &Path) -> BTreeSet<String> {
+    let name = path.to_string_lossy();
+    let own = |files: BTreeSet<&str>| files.into_iter().map(str::to_owned).collect();
+    if name.ends_with(".guide.ron") {
+        file::read(path).map(|guide: Guide| own(guide.files())).unwrap_or_default()
+    } else if name.ends_with(".sound.ron") {
+        file::read(path).map(|sounds: Soundscape| own(sounds.files())).unwrap_or_default()
+    } else if name.ends_with(".tour.ron") {
+        file::read(path).map(|tour: Tour| own(tour.files())).unwrap_or_default()
+    } else {
+        BTreeSet::new()
+    }
 }
 
 /// Whether a tour leads through the city that is made of an input. A tour that cannot be read is none: `check` tells of its mistakes.

@@ -122,6 +122,14 @@ pub enum Certainty {
 }
 
 impl Guide {
+    /// Pictures and recordings beside its file that it names, each once, in order.
+    #[must_use]
+    pub fn files(&self) -> BTreeSet<&str> {
+        let pictures = self.places.iter().flat_map(|place| &place.pictures).filter(|picture| !picture.is_on_the_web());
+        let sounds = self.places.iter().map(|place| place.sound.as_str()).filter(|file| !file.is_empty());
+        pictures.map(|picture| picture.file.as_str()).chain(sounds).collect()
+    }
+
     fn default_language() -> String {
         "en".to_owned()
     }
@@ -163,7 +171,8 @@ impl Guide {
             if !place.hours.is_empty() {
                 wrong.extend(crate::hours::mistake(&place.hours).map(of));
             }
-            if !place.sound.is_empty() && !(crate::is_beside(&place.sound) && place.sound.to_ascii_lowercase().ends_with(".ogg")) {
+            let is_recording = crate::is_beside(&place.sound) && place.sound.to_ascii_lowercase().ends_with(".ogg");
+            if !(place.sound.is_empty() || is_recording) {
                 wrong.push(of(format!("the sound `{}` must be an .ogg in or below the guide's folder", place.sound)));
             }
             for link in place.links.iter().filter(|link| !is_web_address(link)) {

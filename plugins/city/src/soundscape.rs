@@ -260,17 +260,11 @@ impl Soundscape {
 
     /// Recordings that it names, each once.
     #[must_use]
-    pub fn files(&self) -> Vec<&str> {
+    pub fn files(&self) -> BTreeSet<&str> {
         let beds = self.beds.iter().flatten().map(|bed| &bed.sound);
         let sources = self.sources.iter().map(|source| &source.sound);
         let sounds = beds.chain(sources).chain(self.cues.values().map(|cue| &cue.sound));
-        let files: BTreeSet<&str> = sounds
-            .filter_map(|sound| match sound {
-                Sound::File(path) => Some(path.as_str()),
-                _ => None,
-            })
-            .collect();
-        files.into_iter().collect()
+        sounds.filter_map(|sound| if let Sound::File(path) = sound { Some(path.as_str()) } else { None }).collect()
     }
 
     /// What is wrong with it, a sentence each.

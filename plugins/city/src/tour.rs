@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -34,6 +34,20 @@ pub struct Tour {
 }
 
 impl Tour {
+    /// Pictures and recordings beside its file that it names, each once, in order.
+    #[must_use]
+    pub fn files(&self) -> BTreeSet<&str> {
+        fn of(step: &Step) -> Vec<&str> {
+            match step {
+                Step::Narrate { file, files, .. } => files.values().chain([file]).map(String::as_str).collect(),
+                Step::Sound { file } => file.as_deref().into_iter().collect(),
+                Step::Picture { file, .. } => vec![file],
+                _ => Vec::new(),
+            }
+        }
+        self.steps.iter().flat_map(of).collect()
+    }
+
     const fn default_speed() -> f64 {
         1.4
     }

@@ -208,6 +208,15 @@ fn step() -> impl Strategy<Value = Step> {
         (look(), number()).prop_map(|(at, seconds)| Step::Look { at, seconds }),
         number().prop_map(|seconds| Step::Wait { seconds }),
         (words(), translations(), maybe()).prop_map(|(text, translations, seconds)| Step::Say { text, translations, seconds }),
+        (words(), translations(), words(), translations(), maybe())
+            .prop_map(|(file, files, text, translations, seconds)| Step::Narrate { file, files, text, translations, seconds }),
+        proptest::option::of(words()).prop_map(|file| Step::Sound { file }),
+        (words(), words(), translations(), number()).prop_map(|(file, caption, translations, seconds)| Step::Picture {
+            file,
+            caption,
+            translations,
+            seconds
+        }),
         (words(), translations()).prop_map(|(title, translations)| Step::Chapter { title, translations }),
         words().prop_map(|name| Step::Mark { name }),
         (number(), number()).prop_map(|(wet, seconds)| Step::Rain { wet, seconds }),
@@ -290,6 +299,15 @@ fn touched(step: &Step, number: f64) -> Step {
         Step::Say { translations, seconds, .. } => {
             translations.insert("fr".to_owned(), "mot".to_owned());
             *seconds = None;
+        }
+        Step::Narrate { files, seconds, .. } => {
+            files.insert("fr".to_owned(), "mot.ogg".to_owned());
+            *seconds = Some(number);
+        }
+        Step::Sound { file } => *file = file.take().xor(Some("river.ogg".to_owned())),
+        Step::Picture { caption, seconds, .. } => {
+            caption.clear();
+            *seconds = number;
         }
         Step::Chapter { translations, .. } => {
             translations.pop_first();

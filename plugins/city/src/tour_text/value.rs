@@ -55,7 +55,11 @@ fn optional(key: &'static str, number: Option<f64>) -> Field {
 }
 
 fn translated(translations: &BTreeMap<String, String>) -> Field {
-    Field { key: "translations", value: Value::Map(translations.clone()), is_told: !translations.is_empty() }
+    by_language("translations", translations)
+}
+
+fn by_language(key: &'static str, entries: &BTreeMap<String, String>) -> Field {
+    Field { key, value: Value::Map(entries.clone()), is_told: !entries.is_empty() }
 }
 
 fn number(key: &'static str, value: f64) -> Field {
@@ -139,6 +143,19 @@ pub(super) fn step(step: &Step) -> Value {
         Step::Wait { seconds } => ("Wait", vec![number("seconds", *seconds)]),
         Step::Say { text: words, translations, seconds } => {
             ("Say", vec![text("text", words), translated(translations), optional("seconds", *seconds)])
+        }
+        Step::Narrate { file, files, text: words, translations, seconds } => {
+            let files = by_language("files", files);
+            let seconds = optional("seconds", *seconds);
+            ("Narrate", vec![text("file", file), files, text("text", words), translated(translations), seconds])
+        }
+        Step::Sound { file } => {
+            let file = file.clone().map_or(Value::Nothing, Value::Text);
+            ("Sound", vec![unless("file", file, &Value::Nothing)])
+        }
+        Step::Picture { file, caption, translations, seconds } => {
+            let caption = unless("caption", Value::Text(caption.clone()), &Value::Text(String::new()));
+            ("Picture", vec![text("file", file), caption, translated(translations), number("seconds", *seconds)])
         }
         Step::Chapter { title, translations } => ("Chapter", vec![text("title", title), translated(translations)]),
         Step::Mark { name } => ("Mark", vec![text("name", name)]),
