@@ -1,6 +1,6 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
-use bevy_egui::egui::{Align2, Area, Grid, Id, Order, Ui, Vec2};
+use bevy_egui::egui::{Align2, Area, Grid, Id, Order, ScrollArea, Ui, Vec2};
 use veduta::controls::KeyNames;
 use veduta::ecs::{Interface, Words};
 use veduta::ui::{Look, Surface, Symbol, symbol_button};
@@ -78,6 +78,17 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, keys: &KeyNames) -> Option<Pres
             press = Some(Press::Close);
         }
     });
+    let height = ui.ctx().content_rect().height() * 0.78;
+    ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| table(ui, look, words, keys));
+    if ui.button(words.say("help-again")).clicked() {
+        press = Some(Press::Again);
+    }
+    press
+}
+
+/// Keys, and what they do.
+fn table(ui: &mut Ui, look: &Look, words: &Words, keys: &KeyNames) {
+    let surface = Surface::Dusk;
     Grid::new("keys").num_columns(2).spacing([look.text * 1.2, look.text * 0.25]).show(ui, |ui| {
         // What is bound to nothing is not told of.
         for (of, what) in CONTROLS.iter().map(|(of, what)| (keys.firsts(of), what)).filter(|(of, _)| !of.is_empty()) {
@@ -86,10 +97,6 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, keys: &KeyNames) -> Option<Pres
             ui.end_row();
         }
     });
-    if ui.button(words.say("help-again")).clicked() {
-        press = Some(Press::Again);
-    }
-    press
 }
 
 #[cfg(test)]
@@ -107,7 +114,7 @@ mod tests {
     fn harness<'a>(words: &'a Words, keys: &'a KeyNames) -> Harness<'a, bool> {
         let look = Look { text: 14.0, high_contrast: false, reduced_motion: true };
         Harness::builder()
-            .with_size(Vec2::new(900.0, 800.0))
+            .with_size(Vec2::new(900.0, 1000.0))
             .build_ui_state(move |ui, again: &mut bool| *again |= matches!(show(ui, &look, words, keys), Some(Press::Again)), false)
     }
 

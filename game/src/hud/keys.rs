@@ -1,5 +1,5 @@
 use bevy_egui::egui::{Button, RichText, ScrollArea, Ui, WidgetInfo, WidgetType};
-use veduta::controls::{Capture, ControlList, Controls, KeyCaps, Listed, Place, label, message_of};
+use veduta::controls::{Always, Capture, ControlList, Controls, KeyCaps, Listed, Place, Scope, label, message_of};
 use veduta::ecs::Words;
 use veduta::ui::{Look, Surface, Symbol, symbol_button};
 
@@ -46,7 +46,9 @@ pub(super) fn show(ui: &mut Ui, look: &Look, words: &Words, shown: Shown<'_>) ->
     ui.add_enabled_ui(shown.waiting.is_none(), |ui| {
         let height = ui.ctx().content_rect().height() * 0.62;
         ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
-            for scope in shown.list.scopes() {
+            // Walking first, and last what is the same everywhere.
+            let (always, sometimes): (Vec<&str>, Vec<&str>) = shown.list.scopes().partition(|scope| *scope == Always::NAME);
+            for scope in sometimes.into_iter().chain(always) {
                 ui.add_space(look.text * 0.4);
                 ui.label(look.words(words.say(&format!("scope-{scope}")), 1.05, look.accent(surface)));
                 for control in shown.list.iter().filter(|control| control.scope == scope) {
@@ -62,7 +64,7 @@ pub(super) fn show(ui: &mut Ui, look: &Look, words: &Words, shown: Shown<'_>) ->
 }
 
 /// Width of what controls do, and of what they are bound to, in heights of letters.
-const WIDE: (f32, f32) = (19.0, 34.0);
+const WIDE: (f32, f32) = (18.0, 28.0);
 
 /// A control: what it does, its inputs, what else they do, and a way back.
 fn row(ui: &mut Ui, look: &Look, words: &Words, shown: Shown<'_>, control: &Listed) -> Option<Press> {

@@ -129,6 +129,7 @@ impl Plugin for ControlsPlugin {
         app.init_resource::<ControlList>()
             .init_resource::<Controls>()
             .init_resource::<sense::Sensed>()
+            .init_resource::<sense::Tapped>()
             .init_resource::<StickSettings>()
             .init_resource::<touch::Touching>()
             .init_resource::<Capture>()
@@ -162,11 +163,12 @@ impl Plugin for ControlsPlugin {
                     touch::feel,
                     sense::sense,
                     device::notice,
+                    sense::hold_taps,
                 )
                     .chain()
                     .in_set(ControlsSystems::Sense),
             )
-            .add_systems(PreUpdate, (layers::close_top, names::tell).in_set(ControlsSystems::Hear));
+            .add_systems(PreUpdate, (sense::release_taps, layers::close_top, names::tell).chain().in_set(ControlsSystems::Hear));
         app.add_scope::<Always, _>(|| true).add_control::<CloseTop>();
     }
 

@@ -198,7 +198,6 @@ pub(crate) fn bind(
             let binding = match input {
                 Input::Key(key, mod_keys) => Binding::Keyboard { key, mod_keys },
                 Input::Mouse(button, mod_keys) => Binding::MouseButton { button, mod_keys },
-                Input::Pad(button) => Binding::GamepadButton(button),
                 _ => Binding::Custom(sensed.id(input, &mut custom)),
             };
             let mut made = commands.spawn((BindingOf(action), binding));

@@ -89,6 +89,22 @@ mod tests {
     }
 
     #[test]
+    fn a_tap_within_a_frame_is_heard_once() {
+        let mut app = app();
+        let window = Entity::PLACEHOLDER;
+        for state in [ButtonState::Pressed, ButtonState::Released] {
+            let logical_key = Key::Character("r".into());
+            let key_code = KeyCode::KeyR;
+            app.world_mut().write_message(KeyboardInput { key_code, logical_key, state, text: None, repeat: false, window });
+        }
+        app.update();
+        assert_eq!(read::<Run>(&mut app), (0.5, true));
+        assert!(!app.world().resource::<ButtonInput<KeyCode>>().pressed(KeyCode::KeyR), "to all others it is up");
+        app.update();
+        assert_eq!(read::<Run>(&mut app), (0.0, false));
+    }
+
+    #[test]
     fn one_key_does_what_its_scope_says() {
         let mut app = app();
         press(&mut app, KeyCode::KeyB);

@@ -76,7 +76,7 @@ pub(crate) fn hear_letters(
             caps.learn(key.key_code, letter);
         }
     }
-    sensed.letters.retain(|key, _| keys.pressed(*key));
+    sensed.letters.retain(|key, _| keys.pressed(*key) || keys.just_pressed(*key));
 }
 
 /// A line of the wheel does as much as a key that is held for so long, seconds: whatever the frame rate.
@@ -106,6 +106,10 @@ pub(crate) fn sense(
     });
     for &(input, id) in &sensed.ids {
         let amount = match input {
+            Input::Pad(button) if sources.gamepad_button => {
+                let pressed = |pad: &Gamepad| pad.get(button).unwrap_or(0.0).max(f32::from(pad.just_pressed(button)));
+                gamepads.iter().map(pressed).fold(0.0, f32::max)
+            }
             Input::Stick(stick, way) if sources.gamepad_axis => way.share(pushed(stick)),
             Input::Wheel(way) => way.share(turned) * LINE_S / time.delta_secs().max(1e-3),
             Input::TouchStick(way) => way.share(touching.stick),
@@ -123,6 +127,45 @@ pub(crate) fn sense(
 fn is_bound(list: &ControlList, key: KeyCode) -> bool {
     let input = Input::key(key);
     list.iter().any(|control| list.is_active(control.scope) && control.bound.as_ref().is_some_and(|bound| bound.contains(&input)))
+}
+
+/// Keys and buttons that went down and up again within this frame: where frames are long, a tap is short.
+#[derive(Resource, Default)]
+pub(crate) struct Tapped {
+    keys: Vec<KeyCode>,
+    buttons: Vec<MouseButton>,
+}
+
+/// Holds what was tapped until it has been heard: actions ask what is down, and would miss it.
+pub(crate) fn hold_taps(
+    mut keys: Option<ResMut<ButtonInput<KeyCode>>>,
+    mut buttons: Option<ResMut<ButtonInput<MouseButton>>>,
+    mut tapped: ResMut<Tapped>,
+) {
+    if let Some(keys) = &mut keys {
+        let short = keys.get_just_pressed().filter(|key| !keys.pressed(**key)).copied();
+        tapped.keys = short.collect();
+        tapped.keys.iter().for_each(|key| keys.bypass_change_detection().press(*key));
+    }
+    if let Some(buttons) = &mut buttons {
+        let short = buttons.get_just_pressed().filter(|button| !buttons.pressed(**button)).copied();
+        tapped.buttons = short.collect();
+        tapped.buttons.iter().for_each(|button| buttons.bypass_change_detection().press(*button));
+    }
+}
+
+/// Lets go of what was held for being heard.
+pub(crate) fn release_taps(
+    mut keys: Option<ResMut<ButtonInput<KeyCode>>>,
+    mut buttons: Option<ResMut<ButtonInput<MouseButton>>>,
+    mut tapped: ResMut<Tapped>,
+) {
+    if let Some(keys) = &mut keys {
+        tapped.keys.drain(..).for_each(|key| keys.bypass_change_detection().release(key));
+    }
+    if let Some(buttons) = &mut buttons {
+        tapped.buttons.drain(..).for_each(|button| buttons.bypass_change_detection().release(button));
+    }
 }
 
 /// What rests until it is let go of.

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!  Interface (ecs) ──► Look ──► what tour, minimap, guide and games draw
-//!  fields with a cursor ──► Interface::is_typing ──► keys rest
+//!  fields with a cursor, lists that hang open ──► Interface::is_typing ──► keys rest
+//!  pointers over windows ──► PointersTaken ──► they mean nothing in the city
 //!  links that are clicked ──► AskLink ──► "open this page?" ──► browser
 //! ```
 //!
