@@ -60,8 +60,18 @@ fn stills_look_as_agreed() {
     for (city, name, at, hour, fov_deg) in stills {
         let at: Option<At> = Some(at.parse().expect("five numbers"));
         let city = city.display().to_string();
-        let order =
-            ShotOrder { city, at, out: PathBuf::new(), size: SIZE, hour, day: 160, wet: 0.0, fov_deg, profile: Profile::Medium, life: None };
+        let order = ShotOrder {
+            city,
+            at,
+            out: PathBuf::new(),
+            size: SIZE,
+            hour,
+            day: 160,
+            wet: 0.0,
+            fov_deg,
+            profile: Profile::Medium,
+            life: None,
+        };
         let taken = picture(&order).unwrap_or_else(|e| panic!("{name}: {e}"));
         if !taken.is_software {
             println!("skipped: {} draws here, and the goldens are Mesa's software renderer's", taken.renderer);

@@ -28,7 +28,7 @@ fn run_clock(time: Res<Time>, mut clock: ResMut<CityClock>) {
 fn approach(time: Res<Time>, mut viewers: Query<&mut Eye, With<Viewer>>) {
     let t = time.elapsed_secs_f64();
     for mut eye in &mut viewers {
-        eye.plan_pos.y = -13.0 + 8.0 * (1.0 - (0.16 * t).cos()) / 2.0;
+        eye.plan_pos.y = -13.0 + 8.0 * (1.0 - (0.3 * t).cos()) / 2.0;
         eye.pitch_deg = 2.0;
     }
 }
@@ -50,39 +50,49 @@ fn green() -> Life {
         heading_deg: 180.0,
         kind,
     };
-    let jet = |count, radius_m, height_m, rise_m, reach_m| Jet { count, radius_m, height_m, rise_m, reach_m, lands_m: None, width_m: 0.02 };
+    let jet = |count, radius_m, height_m, rise_m, reach_m| Jet {
+        count,
+        radius_m,
+        height_m,
+        rise_m,
+        reach_m,
+        lands_m: None,
+        width_m: 0.02,
+    };
     let (gold, night, red) = (Rgb(0xC9, 0xA9, 0x4E), Rgb(0x26, 0x35, 0x4E), Rgb(0xB3, 0x20, 0x2A));
     let white = Rgb(0xF2, 0xF0, 0xEA);
     Life {
         things: vec![
-            thing("fountain", (-4.0, 2.0), 0.0, LifeKind::Fountain {
-                radius_m: 1.9,
-                water_m: 0.5,
-                jets: vec![jet(1, 0.0, 0.7, 2.0, 0.2), jet(10, 0.2, 0.7, 0.9, 1.2)],
-            }),
-            thing("flag", (5.0, 3.0), 0.0, LifeKind::Flag {
-                pole_m: 6.5,
-                tilt_deg: 0.0,
-                size_m: (1.4, 2.1),
-                fields: vec![white, red],
-                wedge: Some(night),
-            }),
+            thing(
+                "fountain",
+                (-4.0, 2.0),
+                0.0,
+                LifeKind::Fountain {
+                    radius_m: 1.9,
+                    water_m: 0.5,
+                    jets: vec![jet(1, 0.0, 0.7, 2.0, 0.2), jet(10, 0.2, 0.7, 0.9, 1.2)],
+                },
+            ),
+            thing(
+                "flag",
+                (5.0, 3.0),
+                0.0,
+                LifeKind::Flag { pole_m: 6.5, tilt_deg: 0.0, size_m: (1.4, 2.1), fields: vec![white, red], wedge: Some(night) },
+            ),
             thing("clock", (0.0, 7.7), 4.6, LifeKind::Clock { radius_m: 1.1, dial: Dial::Twelve, face: night, gold }),
-            thing("sign", (2.6, 7.7), 3.0, LifeKind::Sign {
-                shape: SignShape::Shield,
-                size_m: (0.7, 0.9),
-                arm_m: 1.0,
-                colour: red,
-                trim: gold,
-            }),
+            thing(
+                "sign",
+                (2.6, 7.7),
+                3.0,
+                LifeKind::Sign { shape: SignShape::Shield, size_m: (0.7, 0.9), arm_m: 1.0, colour: red, trim: gold },
+            ),
             thing("pigeons", (0.0, -2.0), 0.0, LifeKind::Flock { radius_m: 6.0, count: 24, startle_m: 3.5 }),
-            thing("bell", (0.0, 8.0), 7.0, LifeKind::Bell {
-                sound: "bell".into(),
-                tells: Tells::Hours,
-                every_s: 1.5,
-                after_s: 0.0,
-                gain_db: 0.0,
-            }),
+            thing(
+                "bell",
+                (0.0, 8.0),
+                7.0,
+                LifeKind::Bell { sound: "bell".into(), tells: Tells::Hours, every_s: 1.5, after_s: 0.0, gain_db: 0.0 },
+            ),
         ],
         ..default()
     }
@@ -96,7 +106,11 @@ fn build_scene(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut mat
     let (green, stone) = (materials.add(Color::srgb(0.52, 0.50, 0.46)), materials.add(Color::srgb(0.78, 0.70, 0.56)));
     commands.spawn((Mesh3d(meshes.add(Plane3d::default().mesh().size(60.0, 60.0))), MeshMaterial3d(green)));
     // Plan x east, y north; world x east, z south.
-    commands.spawn((Mesh3d(meshes.add(Cuboid::new(9.0, 7.0, 1.0))), MeshMaterial3d(stone.clone()), Transform::from_xyz(0.0, 3.5, -8.3)));
+    commands.spawn((
+        Mesh3d(meshes.add(Cuboid::new(9.0, 7.0, 1.0))),
+        MeshMaterial3d(stone.clone()),
+        Transform::from_xyz(0.0, 3.5, -8.3),
+    ));
     commands.spawn((Mesh3d(meshes.add(Cylinder::new(2.0, 0.5))), MeshMaterial3d(stone), Transform::from_xyz(-4.0, 0.24, -2.0)));
 }
 

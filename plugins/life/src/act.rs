@@ -37,11 +37,17 @@ pub(crate) fn fly(
 ) {
     let (from_s, to_s) = (before.time_s, time.elapsed_secs_f64());
     let eyes: Vec<DVec3> = viewers.iter().map(eye_pos).collect();
-    let pairs: Vec<(DVec3, DVec3)> = eyes.iter().enumerate().map(|(n, eye)| (before.eyes.get(n).copied().unwrap_or(*eye), *eye)).collect();
+    let pairs: Vec<(DVec3, DVec3)> =
+        eyes.iter().enumerate().map(|(n, eye)| (before.eyes.get(n).copied().unwrap_or(*eye), *eye)).collect();
     *before = Before { time_s: to_s, eyes };
     let mut noises = belfry.noises.clone();
     // Whatever else is heard frightens birds, too, but not their own wings and not bells, which are told with their time.
-    let others = cues.p0().read().filter(|cue| cue.sound != WINGS && !cue.sound.starts_with("bell.")).map(|cue| (to_s, cue.plan_pos.truncate())).collect::<Vec<_>>();
+    let others = cues
+        .p0()
+        .read()
+        .filter(|cue| cue.sound != WINGS && !cue.sound.starts_with("bell."))
+        .map(|cue| (to_s, cue.plan_pos.truncate()))
+        .collect::<Vec<_>>();
     noises.extend(others);
     let mut heard = Vec::new();
     for actor in stage.actors.values_mut() {
@@ -70,7 +76,12 @@ pub(crate) fn fly(
 }
 
 /// Turns the hands of clocks.
-pub(crate) fn turn_hands(clock: Res<CityClock>, stage: Res<Stage>, mut hands: Query<&mut Transform>, mut last: Local<Option<CityClock>>) {
+pub(crate) fn turn_hands(
+    clock: Res<CityClock>,
+    stage: Res<Stage>,
+    mut hands: Query<&mut Transform>,
+    mut last: Local<Option<CityClock>>,
+) {
     if last.replace(*clock) == Some(*clock) && !stage.is_changed() {
         return;
     }
@@ -143,7 +154,7 @@ pub(crate) fn pass_figures(
             if mesh.0 != *body {
                 mesh.0 = body.clone();
             }
-            let x = window + place * (size_m.0 * 0.5 + size_m.1 * 0.2);
+            let x = window + place * (size_m.0 * 0.5 + size_m.1 * 0.15);
             // They look where they go, and turn to the street in the middle.
             let look = 1.25 * place.abs().powf(1.5);
             let turn = face * Quat::from_rotation_y(look as f32);

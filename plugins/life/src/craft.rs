@@ -21,7 +21,13 @@ pub(crate) fn flag(pole_m: f64, tilt_deg: f64, size: (f64, f64), fields: &[Rgb],
     let pole = pole_m as f32;
     sculpt.turned(Vec3::ZERO, axis * pole, 8, &[(0.0, 0.032), (1.0, 0.02)], Paint::plain(ASH));
     let gilt = Paint { colour: GILT, shine: 1.0, lit: 0.0 };
-    sculpt.turned(axis * (pole - 0.01), axis * (pole + 0.14), 8, &[(0.0, 0.0), (0.15, 0.045), (0.5, 0.055), (0.8, 0.03), (1.0, 0.0)], gilt);
+    sculpt.turned(
+        axis * (pole - 0.01),
+        axis * (pole + 0.14),
+        8,
+        &[(0.0, 0.0), (0.15, 0.045), (0.5, 0.055), (0.8, 0.03), (1.0, 0.0)],
+        gilt,
+    );
     let (drop, wide) = (size.0 as f32, size.1 as f32);
     let top = axis * (pole - 0.06);
     let uv_b = Vec2::new(wide, drop);
@@ -36,9 +42,8 @@ pub(crate) fn flag(pole_m: f64, tilt_deg: f64, size: (f64, f64), fields: &[Rgb],
         // Where the wedge ends in a row: in the middle of the flag at half its height.
         let edge = |row: usize| if wedge.is_some() { 0.5 * (1.0 - (2.0 * v(row) - 1.0).abs()) } else { 0.0 };
         let columns = |from: usize, to: usize, colour: Rgb, between: &dyn Fn(usize, f32) -> f32| {
-            let row_of = |row: usize| {
-                (from..=to).map(move |column| (row, (column - from) as f32 / (to - from) as f32)).collect::<Vec<_>>()
-            };
+            let row_of =
+                |row: usize| (from..=to).map(move |column| (row, (column - from) as f32 / (to - from) as f32)).collect::<Vec<_>>();
             let rows_up = (0..=rows).rev().flat_map(row_of);
             rows_up.map(|(row, share)| point(between(row, share), v(row), colour)).collect::<Vec<_>>()
         };
@@ -144,25 +149,68 @@ pub(crate) fn figure(number: usize, height: f32) -> Sculpt {
     let (robe, cloak) = ROBES[number % ROBES.len()];
     let (robe, cloak) = (Paint { lit: 1.0, ..Paint::plain(robe) }, Paint { lit: 1.0, ..Paint::plain(cloak) });
     let skin = Paint { lit: 1.0, ..Paint::plain(Rgb(0xD2, 0xA9, 0x84)) };
-    let hair = Paint { lit: 1.0, ..Paint::plain([Rgb(0x5A, 0x40, 0x2B), Rgb(0xB9, 0xB4, 0xA8), Rgb(0x2E, 0x27, 0x22)][number % 3]) };
+    let hair =
+        Paint { lit: 1.0, ..Paint::plain([Rgb(0x5A, 0x40, 0x2B), Rgb(0xB9, 0xB4, 0xA8), Rgb(0x2E, 0x27, 0x22)][number % 3]) };
     let gilt = Paint { colour: GILT, shine: 1.0, lit: 1.0 };
     let h = height;
     let up = |y: f32| Vec3::Y * (h * y);
-    sculpt.turned(up(0.0), up(0.78), 12, &[(0.0, 0.155 * h), (0.45, 0.125 * h), (0.62, 0.105 * h), (0.86, 0.135 * h), (1.0, 0.05 * h)], robe);
+    sculpt.turned(
+        up(0.0),
+        up(0.78),
+        12,
+        &[(0.0, 0.155 * h), (0.45, 0.125 * h), (0.62, 0.105 * h), (0.86, 0.135 * h), (1.0, 0.05 * h)],
+        robe,
+    );
     // The cloak falls from one shoulder, in two folds.
     for (x, lean) in [(-0.075, 0.9), (0.055, 0.7)] {
         let top = Vec3::new(x * h, 0.74 * h, 0.03 * h);
-        sculpt.turned(top, Vec3::new(x * 1.5 * h, 0.06 * h, 0.045 * h), 9, &[(0.0, 0.05 * h), (0.5, 0.085 * h * lean), (1.0, 0.1 * h * lean)], cloak);
+        sculpt.turned(
+            top,
+            Vec3::new(x * 1.5 * h, 0.06 * h, 0.045 * h),
+            9,
+            &[(0.0, 0.05 * h), (0.5, 0.085 * h * lean), (1.0, 0.1 * h * lean)],
+            cloak,
+        );
     }
-    sculpt.turned(up(0.76), up(0.98), 10, &[(0.0, 0.035 * h), (0.2, 0.05 * h), (0.55, 0.072 * h), (0.85, 0.055 * h), (1.0, 0.0)], skin);
-    sculpt.turned(Vec3::new(0.0, 0.86 * h, 0.04 * h), Vec3::new(0.0, 0.73 * h, 0.06 * h), 8, &[(0.0, 0.035 * h), (0.4, 0.048 * h), (1.0, 0.0)], hair);
-    sculpt.turned(Vec3::new(0.0, 0.87 * h, -0.015 * h), up(1.0) - Vec3::Z * 0.01 * h, 9, &[(0.0, 0.075 * h), (0.6, 0.072 * h), (1.0, 0.0)], hair);
-    sculpt.turned(Vec3::new(0.0, 0.9 * h, -0.045 * h), Vec3::new(0.0, 0.9 * h, -0.055 * h), 20, &[(0.0, 0.0), (0.01, 0.135 * h), (0.99, 0.135 * h), (1.0, 0.0)], gilt);
+    sculpt.turned(
+        up(0.76),
+        up(0.98),
+        10,
+        &[(0.0, 0.035 * h), (0.2, 0.05 * h), (0.55, 0.072 * h), (0.85, 0.055 * h), (1.0, 0.0)],
+        skin,
+    );
+    sculpt.turned(
+        Vec3::new(0.0, 0.86 * h, 0.04 * h),
+        Vec3::new(0.0, 0.73 * h, 0.06 * h),
+        8,
+        &[(0.0, 0.035 * h), (0.4, 0.048 * h), (1.0, 0.0)],
+        hair,
+    );
+    sculpt.turned(
+        Vec3::new(0.0, 0.87 * h, -0.015 * h),
+        up(1.0) - Vec3::Z * 0.01 * h,
+        9,
+        &[(0.0, 0.075 * h), (0.6, 0.072 * h), (1.0, 0.0)],
+        hair,
+    );
+    sculpt.turned(
+        Vec3::new(0.0, 0.9 * h, -0.045 * h),
+        Vec3::new(0.0, 0.9 * h, -0.055 * h),
+        20,
+        &[(0.0, 0.0), (0.01, 0.135 * h), (0.99, 0.135 * h), (1.0, 0.0)],
+        gilt,
+    );
     // Arms meet before the breast, about a staff, a key, a book …
     for side in [-1.0, 1.0] {
         let shoulder = Vec3::new(side * 0.11 * h, 0.68 * h, 0.02 * h);
         let hand = Vec3::new(side * 0.05 * h, 0.50 * h, 0.15 * h);
-        sculpt.turned(shoulder, hand, 8, &[(0.0, 0.05 * h), (0.7, 0.045 * h), (1.0, 0.05 * h)], if side < 0.0 { cloak } else { robe });
+        sculpt.turned(
+            shoulder,
+            hand,
+            8,
+            &[(0.0, 0.05 * h), (0.7, 0.045 * h), (1.0, 0.05 * h)],
+            if side < 0.0 { cloak } else { robe },
+        );
         sculpt.turned(hand, hand + Vec3::new(0.0, 0.02 * h, 0.035 * h), 6, &[(0.0, 0.026 * h), (1.0, 0.012 * h)], skin);
     }
     let held = Vec3::new(0.06 * h, 0.5 * h, 0.18 * h);
@@ -171,7 +219,11 @@ pub(crate) fn figure(number: usize, height: f32) -> Sculpt {
         1 => sculpt.block(held - Vec3::X * 0.06 * h, [Vec3::X * 0.055 * h, Vec3::Y * 0.075 * h, Vec3::Z * 0.02 * h], cloak),
         _ => {
             sculpt.turned(held - up(0.1), held + up(0.16), 6, &[(0.0, 0.011 * h), (1.0, 0.011 * h)], gilt);
-            sculpt.block(held + up(0.14) + Vec3::X * 0.035 * h, [Vec3::X * 0.03 * h, Vec3::Y * 0.022 * h, Vec3::Z * 0.008 * h], gilt);
+            sculpt.block(
+                held + up(0.14) + Vec3::X * 0.035 * h,
+                [Vec3::X * 0.03 * h, Vec3::Y * 0.022 * h, Vec3::Z * 0.008 * h],
+                gilt,
+            );
         }
     }
     sculpt

@@ -94,12 +94,11 @@ impl Plugin for LifePlugin {
             .add_message::<OpenLife>()
             .configure_sets(
                 Update,
-                (LifeSystems::Settle, LifeSystems::Strike, LifeSystems::Choose, LifeSystems::Act).chain().in_set(VedutaSystems::Show),
+                (LifeSystems::Settle, LifeSystems::Strike, LifeSystems::Choose, LifeSystems::Act)
+                    .chain()
+                    .in_set(VedutaSystems::Show),
             )
-            .add_systems(
-                Update,
-                (population::settle.in_set(LifeSystems::Settle), ring::strike.in_set(LifeSystems::Strike)),
-            );
+            .add_systems(Update, (population::settle.in_set(LifeSystems::Settle), ring::strike.in_set(LifeSystems::Strike)));
         // Files come by the asset server; without one a game gives its life as a value.
         if app.world().contains_resource::<AssetServer>() {
             app.init_asset::<LifeAsset>()

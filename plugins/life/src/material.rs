@@ -1,6 +1,8 @@
 use bevy::asset::embedded_asset;
 use bevy::mesh::MeshVertexBufferLayoutRef;
-use bevy::pbr::{ExtendedMaterial, MaterialExtension, MaterialExtensionKey, MaterialExtensionPipeline, MaterialPipeline, MaterialPipelineKey};
+use bevy::pbr::{
+    ExtendedMaterial, MaterialExtension, MaterialExtensionKey, MaterialExtensionPipeline, MaterialPipeline, MaterialPipelineKey,
+};
 use bevy::prelude::*;
 use bevy::render::render_resource::{AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError};
 use bevy::shader::{ShaderRef, load_shader_library};
@@ -196,7 +198,9 @@ mod tests {
     fn shaders_and_processor_know_the_same_wind_and_count_alike() {
         let swells = GUSTS.map(|(rate, share)| format!("vec2<f32>({rate}, {share})"));
         assert!(swells.iter().all(|swell| MOTION.contains(swell.as_str())), "{swells:?}");
-        for shader in [include_str!("shaders/solid.wgsl"), include_str!("shaders/solid_shadow.wgsl"), include_str!("shaders/mist.wgsl")] {
+        for shader in
+            [include_str!("shaders/solid.wgsl"), include_str!("shaders/solid_shadow.wgsl"), include_str!("shaders/mist.wgsl")]
+        {
             assert!(shader.contains(&format!("array<vec4<f32>, {NUMBERS}>")));
         }
     }

@@ -154,7 +154,8 @@ pub(crate) fn settle(
         population.chimneys.remove(cell);
         population.version += 1;
     }
-    let mut cells: Vec<u32> = stand.read().map(|stands| stands.cell).filter(|cell| !population.by_cell.contains_key(cell)).collect();
+    let mut cells: Vec<u32> =
+        stand.read().map(|stands| stands.cell).filter(|cell| !population.by_cell.contains_key(cell)).collect();
     if is_all_new {
         cells = standing.iter().map(|(cell, ..)| cell).collect();
     }

@@ -42,8 +42,7 @@ pub struct LifeKinds {
 
 impl LifeKinds {
     /// All of them.
-    pub const ALL: Self =
-        Self { fountains: true, flags: true, smoke: true, pigeons: true, signs: true, clocks: true, bells: true };
+    pub const ALL: Self = Self { fountains: true, flags: true, smoke: true, pigeons: true, signs: true, clocks: true, bells: true };
     /// None.
     pub const NONE: Self =
         Self { fountains: false, flags: false, smoke: false, pigeons: false, signs: false, clocks: false, bells: false };

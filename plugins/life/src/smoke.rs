@@ -90,8 +90,13 @@ pub(crate) fn kindle(
         let LifeKind::Smoke { strength, always } = dweller.kind else { return None };
         let top = origin.world_from_plan(dweller.plan_pos, ground.at(dweller.plan_pos, f64::INFINITY) + dweller.height_m);
         let draw = Draw::new(0, dweller.id, "fire");
-        stands(dweller.plan_pos, &standing, opened.as_deref())
-            .then_some(Chimney { top, plan_pos: dweller.plan_pos, draw, strength, always })
+        stands(dweller.plan_pos, &standing, opened.as_deref()).then_some(Chimney {
+            top,
+            plan_pos: dweller.plan_pos,
+            draw,
+            strength,
+            always,
+        })
     });
     let mut fires: Vec<(f64, Vec4)> = population
         .chimneys
@@ -126,7 +131,15 @@ pub(crate) fn kindle(
             if wanted > 0 {
                 let mesh = Mesh3d(meshes.add(craft::smoke(wanted).mesh()));
                 let material = MeshMaterial3d(materials.smoke.clone());
-                commands.spawn((Smoke { chimneys: wanted }, Living(Id::NONE), mesh, material, Transform::default(), NoFrustumCulling, NotShadowCaster));
+                commands.spawn((
+                    Smoke { chimneys: wanted },
+                    Living(Id::NONE),
+                    mesh,
+                    material,
+                    Transform::default(),
+                    NoFrustumCulling,
+                    NotShadowCaster,
+                ));
             }
         }
     }

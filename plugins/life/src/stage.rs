@@ -127,7 +127,9 @@ pub(crate) fn choose(
     }
     // Another plainness or origin, or another person's file: everything is made anew.
     let is_all_new = stage.chosen.as_ref().is_none_or(|last| {
-        last.settings.plain_light != settings.plain_light || last.settings.most_drops != settings.most_drops || last.origin != now.origin
+        last.settings.plain_light != settings.plain_light
+            || last.settings.most_drops != settings.most_drops
+            || last.origin != now.origin
     });
     if is_all_new {
         workshop.dress(&settings);
@@ -210,10 +212,10 @@ fn estimate(kind: &LifeKind, count: usize, settings: &LifeSettings) -> usize {
             let threads: usize = jets.iter().map(|jet| jet.count as usize).sum();
             threads * (26 + 8) + 4 * settings.most_drops as usize
         }
-        LifeKind::Flag { .. } => 500,
+        LifeKind::Flag { .. } => 700,
         LifeKind::Flock { .. } => count * (pigeon::vertices() + 4),
         LifeKind::Sign { .. } => 900,
-        LifeKind::Clock { .. } => 3_500,
+        LifeKind::Clock { .. } => 4_000,
         LifeKind::Figures { windows_m, .. } => 700 * windows_m.len(),
         LifeKind::Smoke { .. } | LifeKind::Bell { .. } => 0,
     }
@@ -257,7 +259,9 @@ impl Workshop<'_, '_> {
                 self.commands.entity(entity).insert(bounds(Vec3::ZERO, (pole_m + size_m.0 + size_m.1) as f32));
                 (work, vec![entity], Part::Still)
             }
-            LifeKind::Flock { radius_m, startle_m, .. } => return self.make_flock(dweller, count, (*radius_m, *startle_m), settings),
+            LifeKind::Flock { radius_m, startle_m, .. } => {
+                return self.make_flock(dweller, count, (*radius_m, *startle_m), settings);
+            }
             LifeKind::Sign { shape, size_m, arm_m, colour, trim } => {
                 let (bracket, hung) = craft::sign(*shape, *size_m, *arm_m, (*colour, *trim));
                 let work = bracket.vertices() + hung.vertices();
@@ -376,7 +380,8 @@ mod tests {
             kind,
         };
         let flock = |count| LifeKind::Flock { radius_m: 10.0, count, startle_m: 4.0 };
-        let flag = LifeKind::Flag { pole_m: 3.0, tilt_deg: 0.0, size_m: (1.0, 1.5), fields: vec![veduta_city::Rgb(1, 2, 3)], wedge: None };
+        let flag =
+            LifeKind::Flag { pole_m: 3.0, tilt_deg: 0.0, size_m: (1.0, 1.5), fields: vec![veduta_city::Rgb(1, 2, 3)], wedge: None };
         Population {
             told: vec![
                 dweller(1, 10.0, flock(40)),
@@ -399,7 +404,7 @@ mod tests {
         let all = LifeSettings::default();
         assert_eq!(ranked(&all, false), [(1, 40), (3, 0), (2, 40)]);
         assert_eq!(ranked(&LifeSettings { most_pigeons: 55, ..all }, false), [(1, 40), (3, 0), (2, 15)]);
-        assert_eq!(ranked(&LifeSettings { most_vertices: 600, ..all }, false), [(3, 0)], "what costs more is left out");
+        assert_eq!(ranked(&LifeSettings { most_vertices: 800, ..all }, false), [(3, 0)], "what costs more is left out");
         assert_eq!(ranked(&all, true), [(1, 5), (3, 0), (2, 5)], "most pigeons sleep at night");
         assert_eq!(ranked(&LifeSettings { kinds: LifeKinds { pigeons: false, ..LifeKinds::ALL }, ..all }, false), [(3, 0)]);
         assert_eq!(ranked(&LifeSettings { reach: 0.1, ..all }, false), [(1, 40)]);
@@ -414,14 +419,13 @@ mod tests {
         let flag = LifeKind::Flag { pole_m: 3.0, tilt_deg: 0.0, size_m: (1.0, 1.5), fields: vec![white, red], wedge: Some(red) };
         assert!(made <= estimate(&flag, 0, &settings), "{made}");
         let (bracket, board) = craft::sign(veduta_city::SignShape::Round, (0.6, 0.6), 0.9, (white, red));
-        let sign = LifeKind::Sign {
-            shape: veduta_city::SignShape::Round,
-            size_m: (0.6, 0.6),
-            arm_m: 0.9,
-            colour: white,
-            trim: red,
-        };
-        assert!(bracket.vertices() + board.vertices() <= estimate(&sign, 0, &settings), "{}", bracket.vertices() + board.vertices());
+        let sign =
+            LifeKind::Sign { shape: veduta_city::SignShape::Round, size_m: (0.6, 0.6), arm_m: 0.9, colour: white, trim: red };
+        assert!(
+            bracket.vertices() + board.vertices() <= estimate(&sign, 0, &settings),
+            "{}",
+            bracket.vertices() + board.vertices()
+        );
         let clock = LifeKind::Clock { radius_m: 1.5, dial: veduta_city::Dial::Astrolabe, face: white, gold: red };
         let cut = dial::cut(veduta_city::Dial::Astrolabe, 1.5, (white, red), 50.0);
         let made = cut.dial.vertices() + cut.hands.iter().map(Sculpt::vertices).sum::<usize>();

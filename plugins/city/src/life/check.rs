@@ -118,7 +118,9 @@ fn check_kind(kind: &LifeKind, bounds: &mut Bounds<'_>) {
                 for &hour in hours {
                     bounds.within("hours", hour, (0.0, 24.0));
                     if (hour * 4.0).fract() != 0.0 {
-                        bounds.tell(&format!("hours holds {hour}, which is no quarter of an hour: write 6.25 for a quarter past six"));
+                        bounds.tell(&format!(
+                            "hours holds {hour}, which is no quarter of an hour: write 6.25 for a quarter past six"
+                        ));
                     }
                 }
             }

@@ -279,7 +279,8 @@ mod tests {
 
     #[test]
     fn smoke_rises_from_the_top_of_a_chimney_that_is_drawn() {
-        let houses = vec![house(0, RoofShape::Gabled, false), house(20, RoofShape::Hipped, false), house(40, RoofShape::Gabled, true)];
+        let houses =
+            vec![house(0, RoofShape::Gabled, false), house(20, RoofShape::Hipped, false), house(40, RoofShape::Gabled, true)];
         let flat = house(60, RoofShape::Flat, false);
         let shell = CellShell { houses: houses.into_iter().chain([flat]).collect(), ..CellShell::default() };
         let tops = chimney_tops(&shell, |_| true);
