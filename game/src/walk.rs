@@ -95,6 +95,8 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
         hud::HudPlugin,
         expert::ExpertPlugin,
     ))
+    // The sun goes on, and so do the city's clocks and bells.
+    .insert_resource(CityClock { pace: 1.0, ..default() })
     .insert_resource(ClearColor(Color::BLACK))
     .insert_resource(OpenCity(order.city.clone()))
     .insert_resource(StreamingCache { dir: Some(cities::streamed_dir()), ..default() })

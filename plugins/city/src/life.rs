@@ -49,7 +49,7 @@ pub struct LifeRules {
 
 impl Default for LifeRules {
     fn default() -> Self {
-        Self { pigeons: 20, hearths: 0.2, fountains: true }
+        Self { pigeons: 20, hearths: 0.45, fountains: true }
     }
 }
 

@@ -28,7 +28,7 @@ fn run_clock(time: Res<Time>, mut clock: ResMut<CityClock>) {
 fn approach(time: Res<Time>, mut viewers: Query<&mut Eye, With<Viewer>>) {
     let t = time.elapsed_secs_f64();
     for mut eye in &mut viewers {
-        eye.plan_pos.y = -13.0 + 8.0 * (1.0 - (0.16 * t).cos()) / 2.0;
+        eye.plan_pos.y = -13.0 + 8.0 * (1.0 - (0.3 * t).cos()) / 2.0;
         eye.pitch_deg = 2.0;
     }
 }

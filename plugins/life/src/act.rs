@@ -154,7 +154,7 @@ pub(crate) fn pass_figures(
             if mesh.0 != *body {
                 mesh.0 = body.clone();
             }
-            let x = window + place * (size_m.0 * 0.5 + size_m.1 * 0.2);
+            let x = window + place * (size_m.0 * 0.5 + size_m.1 * 0.15);
             // They look where they go, and turn to the street in the middle.
             let look = 1.25 * place.abs().powf(1.5);
             let turn = face * Quat::from_rotation_y(look as f32);

@@ -177,7 +177,7 @@ impl Flight {
         let turns = self.draw.between("turns", 0.9, 1.45);
         // Most of a flock wheel the same way: it is drawn for the start alone.
         let sense = if self.start_s.floor() as i64 / 3 % 2 == 0 { 1.0 } else { -1.0 };
-        let (up_s, down_s) = (self.draw.between("up", 2.2, 3.0), self.draw.between("down", 3.2, 4.2));
+        let (up_s, down_s) = (self.draw.between("up", 3.0, 4.0), self.draw.between("down", 4.4, 5.4));
         let round_s = TAU * turns * radius_m / CRUISE_M_S;
         Plan {
             radius_m,
@@ -204,8 +204,8 @@ impl Flight {
         let ground = self.from.z + (self.to.z - self.from.z) * down;
         let bob = 0.5 * (1.3 * age_s + plan.angle).sin();
         // They spring up steeply and come down on a long slope.
-        let lift = (age_s / plan.up_s).clamp(0.0, 1.0);
-        level.extend(ground + (plan.height_m + bob) * (lift * (2.0 - lift)).min(1.0) * (1.0 - down))
+        let lift = 1.0 - (1.0 - (age_s / plan.up_s).clamp(0.0, 1.0)).powf(1.6);
+        level.extend(ground + (plan.height_m + bob) * lift * (1.0 - down))
     }
 
     /// The bird at a time, for which it must be in the air.

@@ -88,20 +88,19 @@ impl Cutter<'_> {
 
     /// A disc about a middle, cut off at a circle about the dial's.
     fn disc(&mut self, middle: Vec2, radius: f32, within: f32, layer: f32, paint: Paint) {
+        let count = if radius < 0.06 { 14 } else { ROUND };
         let corner = |n: usize| {
-            let p = middle + around(n as f32 / ROUND as f32) * Vec2::new(-1.0, 1.0) * radius;
+            let p = middle + around(n as f32 / count as f32) * Vec2::new(-1.0, 1.0) * radius;
             self.at(if p.length() > within { p.normalize() * within } else { p }, layer)
         };
-        let corners: Vec<Vec3> = (0..ROUND).map(corner).collect();
+        let corners: Vec<Vec3> = (0..count).map(corner).collect();
         self.sculpt.face(&corners, paint);
     }
 
     fn ring(&mut self, middle: Vec2, (inner, outer): (f32, f32), layer: f32, paint: Paint) {
-        for n in 0..ROUND {
-            let [a, b] = [n, n + 1].map(|n| around(n as f32 / ROUND as f32));
-            let [p, q, r, s] = [a * inner, a * outer, b * outer, b * inner].map(|p| self.at(middle + p, layer));
-            self.sculpt.face(&[p, s, r, q], paint);
-        }
+        let edge = |n: usize, radius: f32| paint.at(self.at(middle + around(n as f32 / ROUND as f32) * radius, layer), Vec3::Z);
+        let points: Vec<_> = (0..=ROUND).flat_map(|n| [edge(n, outer), edge(n, inner)]).collect();
+        self.sculpt.grid(2, points);
     }
 
     fn stroke(&mut self, from: Vec2, to: Vec2, width: f32, layer: f32, paint: Paint) {
@@ -279,7 +278,7 @@ fn orb(cutter: &mut Cutter<'_>) {
         cutter.stroke(way * 0.04, way * if n % 2 == 0 { 0.085 } else { 0.068 }, 0.012, 5.0, gold);
     }
     cutter.disc(Vec2::ZERO, 0.048, 1.0, 5.3, Paint { colour: Rgb(0xE0, 0xB8, 0x4A), ..gold });
-    cutter.ring(Vec2::ZERO, (0.0, 0.016), 5.6, Paint { colour: VERMILION, shine: 0.3, ..gold });
+    cutter.disc(Vec2::ZERO, 0.018, 1.0, 5.6, Paint { colour: VERMILION, shine: 0.3, ..gold });
 }
 
 #[cfg(test)]

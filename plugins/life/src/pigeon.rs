@@ -23,7 +23,7 @@ const SLATE: Rgb = Rgb(0x55, 0x5E, 0x6C);
 const NECK: Rgb = Rgb(0x4C, 0x56, 0x5C);
 const HORN: Rgb = Rgb(0x3A, 0x38, 0x38);
 const CORAL: Rgb = Rgb(0xB4, 0x4A, 0x42);
-const WING: Rgb = Rgb(0xA3, 0xA9, 0xB2);
+const WING: Rgb = Rgb(0x98, 0xA0, 0xAB);
 const TAIL: Rgb = Rgb(0x6C, 0x73, 0x7F);
 const AMBER: Rgb = Rgb(0xD8, 0x7A, 0x2A);
 
@@ -33,19 +33,19 @@ const fn rings() -> [Ring; 13] {
         Ring { z, y, half: Vec2::new(x, h), head, colour }
     }
     [
-        ring(-0.125, 0.106, (0.012, 0.008), 0.0, TAIL),
-        ring(-0.100, 0.110, (0.027, 0.021), 0.0, BLUE),
-        ring(-0.060, 0.117, (0.046, 0.040), 0.0, BLUE),
-        ring(-0.020, 0.124, (0.057, 0.053), 0.0, BLUE),
-        ring(0.020, 0.132, (0.060, 0.058), 0.0, BLUE),
-        ring(0.055, 0.146, (0.051, 0.052), 0.05, SLATE),
-        ring(0.075, 0.170, (0.036, 0.038), 0.30, NECK),
-        ring(0.084, 0.197, (0.026, 0.027), 0.70, NECK),
-        ring(0.091, 0.219, (0.0245, 0.0245), 1.0, SLATE),
-        ring(0.103, 0.237, (0.024, 0.021), 1.0, SLATE),
-        ring(0.122, 0.240, (0.017, 0.016), 1.0, SLATE),
-        ring(0.133, 0.234, (0.007, 0.008), 1.0, HORN),
-        ring(0.153, 0.226, (0.001, 0.002), 1.0, HORN),
+        ring(-0.125, 0.081, (0.012, 0.008), 0.0, TAIL),
+        ring(-0.100, 0.085, (0.027, 0.021), 0.0, BLUE),
+        ring(-0.060, 0.092, (0.046, 0.040), 0.0, BLUE),
+        ring(-0.020, 0.099, (0.057, 0.053), 0.0, BLUE),
+        ring(0.020, 0.107, (0.060, 0.058), 0.0, BLUE),
+        ring(0.055, 0.121, (0.051, 0.052), 0.05, SLATE),
+        ring(0.075, 0.145, (0.036, 0.038), 0.30, NECK),
+        ring(0.084, 0.172, (0.026, 0.027), 0.70, NECK),
+        ring(0.091, 0.194, (0.0245, 0.0245), 1.0, SLATE),
+        ring(0.103, 0.212, (0.024, 0.021), 1.0, SLATE),
+        ring(0.122, 0.215, (0.017, 0.016), 1.0, SLATE),
+        ring(0.133, 0.209, (0.007, 0.008), 1.0, HORN),
+        ring(0.153, 0.201, (0.001, 0.002), 1.0, HORN),
     ]
 }
 
@@ -87,7 +87,7 @@ fn body(sculpt: &mut Sculpt, number: f32) {
         let up = Vec3::new(0.0, way.x, -way.y);
         let along = Vec3::new(0.0, way.y, way.x);
         (0..=SIDES).map(move |side| {
-            let (sin, cos) = (TAU * side as f32 / SIDES as f32).sin_cos();
+            let (sin, cos) = (-TAU * side as f32 / SIDES as f32).sin_cos();
             let out = Vec3::X * sin * ring.half.x + up * cos * ring.half.y;
             let normal = (Vec3::X * sin / ring.half.x.max(1e-3) + up * cos / ring.half.y.max(1e-3)).normalize_or(up);
             let belly = if cos < -0.4 { 0.82 } else { 1.0 };
@@ -116,11 +116,11 @@ fn tail(sculpt: &mut Sculpt, number: f32) {
         [-1.0, -0.5, 0.0, 0.5, 1.0].map(|x: f32| feather(x * half, y - 0.012 * x * x, z, colour))
     };
     let rows = [
-        row(-0.085, 0.128, 0.024, TAIL),
-        row(-0.130, 0.118, 0.029, TAIL),
-        row(-0.175, 0.108, 0.034, SLATE),
-        row(-0.176, 0.108, 0.034, HORN),
-        row(-0.205, 0.101, 0.036, HORN),
+        row(-0.085, 0.103, 0.024, TAIL),
+        row(-0.130, 0.093, 0.029, TAIL),
+        row(-0.175, 0.083, 0.034, SLATE),
+        row(-0.176, 0.083, 0.034, HORN),
+        row(-0.205, 0.077, 0.036, HORN),
     ];
     sculpt.grid(5, rows.into_iter().flatten());
 }
@@ -132,10 +132,10 @@ fn wing(sculpt: &mut Sculpt, uv_b: Vec2, side: f32) {
     let rows = SPAN.iter().flat_map(|&span| {
         CHORD.iter().map(move |&chord| {
             // Wrapped about the flank from the back to the belly, its tip over the tail.
-            let angle = 1.30 - 1.55 * chord;
+            let angle = 1.22 - 1.25 * chord;
             let around = Vec3::new(side * angle.cos(), angle.sin(), 0.0);
-            let radius = 0.0655 * (1.0 - 0.70 * span * span) * (0.94 + 0.06 * (PI * span).sin());
-            let lies = Vec3::new(0.0, 0.133 - 0.026 * span, 0.062 - 0.245 * span - 0.018 * chord);
+            let radius = 0.0635 * (1.0 - 0.72 * span * span) * (0.93 + 0.07 * (PI * span).sin());
+            let lies = Vec3::new(0.0, 0.107 - 0.022 * span, 0.058 - 0.235 * span - 0.022 * chord * (1.0 - span));
             Point { at: lies + around * radius, normal: around, uv: Vec2::new(span, chord), uv_b, colour: linear(WING, 1.0) }
         })
     });
@@ -158,8 +158,8 @@ fn leg(sculpt: &mut Sculpt, uv_b: Vec2, side: f32) {
         sculpt.quad([
             at(a.0, 0.0, a.1, normal),
             at(b.0, 0.0, b.1, normal),
-            at(b.0, 0.092, b.1, normal),
-            at(a.0, 0.092, a.1, normal),
+            at(b.0, 0.067, b.1, normal),
+            at(a.0, 0.067, a.1, normal),
         ]);
     }
     // Three toes ahead, one behind.
@@ -175,7 +175,7 @@ fn leg(sculpt: &mut Sculpt, uv_b: Vec2, side: f32) {
 fn eyes(sculpt: &mut Sculpt, number: f32) {
     for side in [-1.0, 1.0] {
         for (radius, out, colour) in [(0.0058, 0.0236, AMBER), (0.0030, 0.0244, HORN)] {
-            let middle = Vec3::new(side * out, 0.241, 0.108);
+            let middle = Vec3::new(side * out, 0.216, 0.108);
             let corner = |a: f32| Point {
                 at: middle + Vec3::new(0.0, a.sin(), a.cos()) * radius,
                 normal: Vec3::X * side,
@@ -219,10 +219,10 @@ mod tests {
         let one = flock(1);
         let (low, high) = one.points().fold((Vec3::splat(9.0), Vec3::splat(-9.0)), |(l, h), (p, _)| (l.min(p), h.max(p)));
         let size = high - low;
-        assert!((0.3..0.38).contains(&size.z) && (0.24..0.28).contains(&size.y) && (0.11..0.15).contains(&size.x), "{size}");
+        assert!((0.3..0.38).contains(&size.z) && (0.21..0.26).contains(&size.y) && (0.11..0.15).contains(&size.x), "{size}");
         assert!(low.y.abs() < 1e-6, "its feet are at {}", low.y);
         assert!(one.points().all(|(_, normal)| (normal.length() - 1.0).abs() < 1e-3));
-        assert!(vertices() < 260, "{}", vertices());
+        assert!(vertices() < 290, "{}", vertices());
         assert_eq!(flock(5).vertices(), 5 * vertices());
     }
 
@@ -232,12 +232,12 @@ mod tests {
         body(&mut one, 0.0);
         // The trunk alone: neck and head bend.
         for (at, normal) in one.points().filter(|(at, _)| at.z < 0.03 && at.z > -0.11) {
-            let spine = Vec3::new(0.0, 0.124, at.z);
+            let spine = Vec3::new(0.0, 0.099, at.z);
             assert!((at - spine).dot(normal) > 0.0, "{at} {normal}");
         }
         for [a, b, c] in one.triangles().filter(|t| t.iter().all(|p| p.z < 0.03 && p.z > -0.11)) {
             let middle = (a + b + c) / 3.0;
-            assert!((b - a).cross(c - a).dot(middle - Vec3::new(0.0, 0.124, middle.z)) > 0.0);
+            assert!((b - a).cross(c - a).dot(middle - Vec3::new(0.0, 0.099, middle.z)) > 0.0);
         }
     }
 }

@@ -40,7 +40,8 @@ impl Paint {
         Self { colour, shine: 0.0, lit: 0.0 }
     }
 
-    fn at(self, at: Vec3, normal: Vec3) -> Point {
+    /// A point that is painted so.
+    pub(crate) fn at(self, at: Vec3, normal: Vec3) -> Point {
         let [r, g, b] = self.colour.to_linear();
         Point { at, normal, uv: Vec2::new(0.0, self.shine), uv_b: Vec2::ZERO, colour: Vec4::new(r, g, b, self.lit) }
     }

@@ -107,10 +107,10 @@ mod tests {
         for spot in known {
             let (x, y) = (spot.pos.x, spot.pos.y);
             assert!(x < 5.0 - OFF_WALLS_M + 1e-6, "{x} {y} is no lawn");
-            // A disc of the distance about the house's corners, by its four points, comes a little nearer.
-            let near = -8.0 - OFF_WALLS_M * 0.7..=-2.0 + OFF_WALLS_M * 0.7;
-            let is_off = !near.contains(&x) || !near.contains(&y);
-            assert!(is_off, "{x} {y} is off the walls");
+            // Before walls, and in front of them; about corners they may come a little nearer.
+            let (house, near) = (-8.0..=-2.0, -8.0 - OFF_WALLS_M..=-2.0 + OFF_WALLS_M);
+            let is_before = house.contains(&x) && near.contains(&y) || house.contains(&y) && near.contains(&x);
+            assert!(!is_before, "{x} {y} is too near to a wall");
         }
     }
 }

@@ -212,10 +212,10 @@ fn estimate(kind: &LifeKind, count: usize, settings: &LifeSettings) -> usize {
             let threads: usize = jets.iter().map(|jet| jet.count as usize).sum();
             threads * (26 + 8) + 4 * settings.most_drops as usize
         }
-        LifeKind::Flag { .. } => 500,
+        LifeKind::Flag { .. } => 700,
         LifeKind::Flock { .. } => count * (pigeon::vertices() + 4),
         LifeKind::Sign { .. } => 900,
-        LifeKind::Clock { .. } => 3_500,
+        LifeKind::Clock { .. } => 4_000,
         LifeKind::Figures { windows_m, .. } => 700 * windows_m.len(),
         LifeKind::Smoke { .. } | LifeKind::Bell { .. } => 0,
     }
@@ -404,7 +404,7 @@ mod tests {
         let all = LifeSettings::default();
         assert_eq!(ranked(&all, false), [(1, 40), (3, 0), (2, 40)]);
         assert_eq!(ranked(&LifeSettings { most_pigeons: 55, ..all }, false), [(1, 40), (3, 0), (2, 15)]);
-        assert_eq!(ranked(&LifeSettings { most_vertices: 600, ..all }, false), [(3, 0)], "what costs more is left out");
+        assert_eq!(ranked(&LifeSettings { most_vertices: 800, ..all }, false), [(3, 0)], "what costs more is left out");
         assert_eq!(ranked(&all, true), [(1, 5), (3, 0), (2, 5)], "most pigeons sleep at night");
         assert_eq!(ranked(&LifeSettings { kinds: LifeKinds { pigeons: false, ..LifeKinds::ALL }, ..all }, false), [(3, 0)]);
         assert_eq!(ranked(&LifeSettings { reach: 0.1, ..all }, false), [(1, 40)]);

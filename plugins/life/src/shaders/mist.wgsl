@@ -31,10 +31,10 @@ const SHADE: f32 = 4.0;
 
 const GRAVITY: f32 = 9.81;
 // How long smoke is seen, seconds; how fast it rises at first and grows, metres a second; how much of the wind it takes.
-const PUFF_S: f32 = 15.0;
-const PUFF_RISE: f32 = 1.15;
+const PUFF_S: f32 = 18.0;
+const PUFF_RISE: f32 = 1.75;
 const PUFF_GROWTH: f32 = 0.20;
-const PUFF_WIND: f32 = 0.55;
+const PUFF_WIND: f32 = 0.42;
 
 fn hash(p: vec2<f32>) -> f32 {
     var q = fract(vec3<f32>(p.xyx) * 0.1031);
@@ -74,14 +74,14 @@ fn vertex(vertex: Vertex) -> VertexOutput {
         let taken = age - 1.6 * (1.0 - exp(-age / 1.6));
         let rise = PUFF_RISE * (6.0 * (1.0 - exp(-age / 6.0)) + 0.25 * age) / (1.0 + 0.10 * life.wind.z);
         let waver = vec3<f32>(sin(0.7 * age + 40.0 * seed), 0.4 * sin(0.5 * age + 70.0 * seed), cos(0.6 * age + 90.0 * seed));
-        let size = 0.26 + PUFF_GROWTH * age * (0.8 + 0.4 * seed);
+        let size = 0.34 + PUFF_GROWTH * age * (0.8 + 0.4 * seed);
         place = (model * vec4<f32>(source.xyz, 1.0)).xyz
             + vec3<f32>(life.wind.x, 0.0, life.wind.y) * (PUFF_WIND * speed * taken)
             + vec3<f32>(0.0, rise, 0.0) + waver * (0.07 * age * 0.6);
         let spin = 6.28 * seed + (seed - 0.5) * 0.5 * age;
         let corner = vec2<f32>(vertex.uv.x * cos(spin) - vertex.uv.y * sin(spin), vertex.uv.x * sin(spin) + vertex.uv.y * cos(spin));
         place += (right * corner.x + up * corner.y) * size * step(0.001, source.w);
-        opacity = 0.42 * source.w * smoothstep(0.0, 0.05, life_share) * pow(1.0 - life_share, 1.6) * pow(0.4 / size + 0.18, 0.6);
+        opacity = 0.80 * source.w * smoothstep(0.0, 0.05, life_share) * pow(1.0 - life_share, 1.5) * pow(0.4 / size + 0.12, 0.5);
         along = life_share;
     } else if kind == THREAD {
         let flight = vertex.uv_b.y;
@@ -99,23 +99,23 @@ fn vertex(vertex: Vertex) -> VertexOutput {
         let turns = time / flight + vertex.color.g;
         let age = fract(turns) * flight;
         // Each flight of a drop is thrown a little otherwise.
-        let cast = vec2<f32>(vertex.color.b * 57.0, floor(turns));
-        let stray = vec3<f32>(hash(cast), hash(cast + 3.3), hash(cast + 7.7)) - 0.5;
+        let toss = vec2<f32>(vertex.color.b * 57.0, floor(turns));
+        let stray = vec3<f32>(hash(toss), hash(toss + 3.3), hash(toss + 7.7)) - 0.5;
         let thrown = vertex.normal * (1.0 + 0.14 * stray.y) + stray * (0.22 + 0.1 * length(vertex.normal));
         let speed = (model * vec4<f32>(thrown - vec3<f32>(0.0, GRAVITY * age, 0.0), 0.0)).xyz;
         place = (model * vec4<f32>(vertex.position + thrown * age - vec3<f32>(0.0, 0.5 * GRAVITY * age * age, 0.0), 1.0)).xyz;
         let to_eye = normalize(view.world_position - place);
         let way = normalize(speed + vec3<f32>(0.0, -1e-4, 0.0));
         let side = normalize(cross(way, to_eye) + vec3<f32>(1e-5, 0.0, 0.0));
-        let size = vertex.color.r * (0.7 + 0.6 * hash(cast + 11.0));
+        let size = vertex.color.r * (0.7 + 0.6 * hash(toss + 11.0));
         place += side * vertex.uv.x * size + way * vertex.uv.y * size * (1.0 + 0.28 * length(speed));
         opacity = 0.75 * smoothstep(0.0, 0.06, age) * smoothstep(flight * 1.02, flight * 0.93, age);
-        along = hash(cast + 19.0);
+        along = hash(toss + 19.0);
     } else if kind == RING {
         let turns = time / vertex.color.b + vertex.color.g;
         let share = fract(turns);
-        let cast = vec2<f32>(vertex.color.g * 91.0, floor(turns));
-        let stray = vec2<f32>(hash(cast), hash(cast + 5.1)) - 0.5;
+        let toss = vec2<f32>(vertex.color.g * 91.0, floor(turns));
+        let stray = vec2<f32>(hash(toss), hash(toss + 5.1)) - 0.5;
         let radius = vertex.color.r * (0.15 + 0.85 * sqrt(share));
         place += vec3<f32>(vertex.uv.x * radius + stray.x * vertex.color.r, 0.0, vertex.uv.y * radius + stray.y * vertex.color.r);
         opacity = 0.5 * (1.0 - share) * (1.0 - share);
@@ -160,7 +160,7 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
         // Soft in the middle, torn at the rim; brighter against the light.
         let torn = noise(in.uv * 2.3 + vec2<f32>(in.world_normal.z * 51.0, in.uv_b.y * 2.0));
         alpha *= smoothstep(1.0, 0.15, off + 0.35 * (torn - 0.5));
-        radiance = 0.55 * (light * 0.8 + key * (0.35 + 0.35 * toward * toward));
+        radiance = 0.78 * light + key * (0.30 + 0.35 * toward * toward);
     } else if kind == THREAD {
         // Waves run down with the water, and break it into drops.
         let runs = in.uv_b.y * 11.0 - globals.time * 11.0 + in.color.g * 31.0;

@@ -69,10 +69,10 @@ const LEFT_WING: f32 = 2.0;
 const RIGHT_LEG: f32 = 3.0;
 const LEFT_LEG: f32 = 4.0;
 // Where its neck bends, how far when it pecks; where its hips and shoulders are.
-const NECK: vec2<f32> = vec2<f32>(0.150, 0.062);
-const BOW: f32 = 1.95;
-const HIP: vec3<f32> = vec3<f32>(0.0, 0.095, 0.0);
-const SHOULDER: vec2<f32> = vec2<f32>(0.040, 0.165);
+const NECK: vec2<f32> = vec2<f32>(0.125, 0.062);
+const BOW: f32 = 1.85;
+const HIP: vec3<f32> = vec3<f32>(0.0, 0.070, 0.0);
+const SHOULDER: vec2<f32> = vec2<f32>(0.040, 0.140);
 
 // Turns (y, z) forwards and down.
 fn bowed(p: vec2<f32>, angle: f32) -> vec2<f32> {
@@ -117,7 +117,7 @@ fn bird(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, folded: vec3<f32>, folded_norm
     } else {
         let side = select(-1.0, 1.0, part == RIGHT_LEG);
         let below = (HIP.y - p.y) / HIP.y;
-        p.z -= side * 0.032 * c.x * below;
+        p.z -= side * 0.028 * c.x * below;
         p.y += 0.010 * max(-side * c.x, 0.0) * below * (1.0 - abs(c.x));
         // In the air legs are drawn up.
         p = mix(p, vec3<f32>(p.x * 0.7, HIP.y + 0.01 - 0.012 * below, p.z - 0.035 * below), smoothstep(0.3, 0.9, spread));

@@ -57,6 +57,10 @@ fn vertex(vertex: Vertex) -> VertexOutput {
     out.world_normal = normal;
     out.uv = vertex.uv;
     out.uv_b = vertex.uv_b;
+#ifdef BIRDS
+    // The fragments know how far wings are spread, in place of the bird's number.
+    out.uv_b.x = poses[n + 1u].z;
+#endif
     out.color = color;
 #ifdef VERTEX_OUTPUT_INSTANCE_INDEX
     out.instance_index = vertex.instance_index;
@@ -86,13 +90,14 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 #ifdef BIRDS
     let hue = in.color.a;
     if in.uv_b.y == 1.0 || in.uv_b.y == 2.0 {
-        // Two dark bars across a blue bird's wing, dark tips, and a pale lining.
-        let bars = smoothstep(0.46, 0.50, in.uv.y) * smoothstep(0.60, 0.56, in.uv.y)
-            + smoothstep(0.72, 0.75, in.uv.y) * smoothstep(0.86, 0.83, in.uv.y);
-        let chequer = step(0.6, hue) * step(hue, 0.84) * step(0.55, fract(in.uv.y * 7.0 + floor(in.uv.x * 9.0) * 0.5));
-        let dark = clamp(bars * step(hue, 0.6) * (1.0 - smoothstep(0.55, 0.75, in.uv.x)) + 0.6 * chequer, 0.0, 1.0);
+        // Two dark bars across a blue bird's wing, folded aslant; dark tips.
+        let across = mix(0.92 * in.uv.x + 0.26 * in.uv.y, in.uv.y, in.uv_b.x);
+        let bars = smoothstep(0.045, 0.025, abs(across - 0.53)) + smoothstep(0.05, 0.03, abs(across - 0.76));
+        let chequer = step(0.6, hue) * step(hue, 0.84) * step(0.55, fract(across * 9.0 + floor(in.uv.y * 5.0) * 0.5));
+        let inner = 1.0 - mix(smoothstep(0.75, 0.95, in.uv.x), smoothstep(0.55, 0.75, in.uv.x), in.uv_b.x);
+        let dark = clamp(bars * step(hue, 0.6) * inner * smoothstep(0.08, 0.2, in.uv.y) + 0.6 * chequer, 0.0, 1.0);
         albedo *= 1.0 - 0.78 * dark;
-        albedo *= 1.0 - 0.62 * smoothstep(0.62, 0.98, in.uv.x) * step(hue, 0.93);
+        albedo *= 1.0 - 0.66 * smoothstep(0.66, 0.92, in.uv.x) * step(hue, 0.93);
         // Feathers.
         albedo *= 0.93 + 0.07 * cos(in.uv.y * 60.0);
     } else if in.uv_b.y == 0.0 {
@@ -115,11 +120,10 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 #endif
     let night = life.fill[0].w;
     // What is lit at night is told by alpha; all else stands in the lamps' glow.
-    let lit = select(0.0, in.color.a, in.uv_b.x <= 0.0);
 #ifdef BIRDS
     let lamps = STREET_GLOW * 0.5;
 #else
-    let lamps = STREET_GLOW * 0.4 + FLOODLIGHT * lit;
+    let lamps = STREET_GLOW * 0.4 + FLOODLIGHT * select(0.0, in.color.a, in.uv_b.x <= 0.0);
 #endif
     var emissive = night * lamps / 3.14159 * albedo * vec3<f32>(1.0, 0.72, 0.44);
 
@@ -150,7 +154,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     var pbr_input = pbr_input_from_standard_material(in, is_front);
     pbr_input.material.base_color = vec4<f32>(albedo, 1.0);
     pbr_input.material.perceptual_roughness = roughness;
-    pbr_input.material.metallic = 0.7 * shine;
+    pbr_input.material.metallic = 0.3 * shine;
     pbr_input.material.emissive = vec4<f32>(emissive + key_through, 1.0);
     pbr_input.world_normal = n;
     pbr_input.N = n;

@@ -27,7 +27,8 @@ fn vertex(vertex: Vertex) -> VertexOutput {
 #ifdef BIRDS
     let n = u32(vertex.uv_b.x + 0.5) * 3u;
     let moved = bird(poses[n], poses[n + 1u], poses[n + 2u], vertex.position, vertex.normal, vertex.uv, vertex.uv_b.y);
-    place = (model * vec4<f32>(moved.place, 1.0)).xyz;
+    // A little smaller, or feathers would shade what they lie on.
+    place = (model * vec4<f32>(moved.place - moved.normal * select(0.0, 0.012, vertex.uv_b.y < 2.5), 1.0)).xyz;
 #else
     if vertex.uv_b.x > 0.0 {
         let pole = mesh_functions::mesh_normal_local_to_world(vertex.normal, vertex.instance_index);
