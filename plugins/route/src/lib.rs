@@ -74,6 +74,7 @@ mod path;
 mod plot;
 mod pose;
 mod reach;
+mod record;
 mod resume;
 #[cfg(test)]
 mod samples;
@@ -93,6 +94,7 @@ pub use net::{Foot, JOIN_M, StreetNet};
 pub use path::CORNER_M;
 pub use pose::{Pose, turn_deg};
 pub use reach::{Unreached, unreached};
+pub use record::{LONGEST_RECORDING_S, RECORDED_FLIGHT_M, RECORDED_GAZE_DEG, RECORDED_WALK_M, Recording};
 pub use resume::{ResumeLeg, WALK_BACK_M, resume, resume_with};
 pub use script::{Chapter, Mark, Narration, Spoken, TourPicture};
 pub use search::{Finder, Hit, Named};
