@@ -64,6 +64,7 @@
 //! a navigation mesh (tours are told in streets, and the cells may not be loaded when a tour is compiled).
 
 mod compile;
+mod edit;
 mod error;
 mod flight;
 mod gazetteer;
@@ -80,6 +81,7 @@ mod resume;
 mod samples;
 mod script;
 mod search;
+mod sketch;
 mod timeline;
 #[cfg(test)]
 mod tours;
@@ -87,6 +89,7 @@ mod walk;
 mod way;
 
 pub use compile::{CompiledTour, StepSpan, compile, compile_with};
+pub use edit::{Approach, TourEdit, joined, new_step, steps_to_view, stretched};
 pub use error::{LONGEST_LEG_M, LONGEST_TOUR_S, MOST_STEPS, Range, StepKind, StepProblem, TourError, WALK_EYE_M};
 pub use gazetteer::Gazetteer;
 pub use letters::fold;
@@ -98,6 +101,7 @@ pub use record::{LONGEST_RECORDING_S, RECORDED_FLIGHT_M, RECORDED_GAZE_DEG, RECO
 pub use resume::{ResumeLeg, WALK_BACK_M, resume, resume_with};
 pub use script::{Chapter, Mark, Narration, Spoken, TourPicture};
 pub use search::{Finder, Hit, Named};
+pub use sketch::{Sketch, is_aside, sketch};
 pub use timeline::TURN_DEG_S;
 pub use walk::Walk;
 pub use way::{CROSSING_M, DETOUR, FreeLine, OFF_STREET_M, RouteError, STRAIGHT_M};
