@@ -255,7 +255,11 @@ impl TourEdit {
     }
 
     /// Makes an edit whole, or not at all.
-    fn edit(&mut self, about: Option<About>, edit: impl FnOnce(&mut State) -> Result<(), TourEditError>) -> Result<(), TourEditError> {
+    fn edit(
+        &mut self,
+        about: Option<About>,
+        edit: impl FnOnce(&mut State) -> Result<(), TourEditError>,
+    ) -> Result<(), TourEditError> {
         let before = self.now.clone();
         if let Err(error) = edit(&mut self.now) {
             self.now = before;
@@ -319,7 +323,8 @@ pub fn steps_to_view(tour: &Tour, view: &Pose, by: Approach) -> Vec<Step> {
             vec![Step::Walk { to: at, via: Vec::new(), speed: None, look: LookAt::Ahead, ease: Default::default() }, turn]
         }
         Approach::Walk | Approach::Fly => {
-            let before = tour.steps.iter().rev().find_map(|step| if let Step::Fly { speed, .. } = step { Some(*speed) } else { None });
+            let before =
+                tour.steps.iter().rev().find_map(|step| if let Step::Fly { speed, .. } = step { Some(*speed) } else { None });
             let (Where::At(x, y), speed) = (at, before.unwrap_or(FLIGHT_M_S)) else { return Vec::new() };
             vec![Step::Fly { through: vec![(x, y, height_m)], speed, look, ease: Default::default() }]
         }
@@ -368,6 +373,11 @@ pub fn new_step(kind: StepKind, tour: &Tour, here: &Pose) -> Step {
         }
         StepKind::Wait => Step::Wait { seconds: 2.0 },
         StepKind::Say => Step::Say { text: String::new(), translations: spoken(), seconds: None },
+        StepKind::Narrate => {
+            Step::Narrate { file: String::new(), files: spoken(), text: String::new(), translations: spoken(), seconds: None }
+        }
+        StepKind::Sound => Step::Sound { file: None },
+        StepKind::Picture => Step::Picture { file: String::new(), caption: String::new(), translations: spoken(), seconds: 6.0 },
         StepKind::Chapter => Step::Chapter { title: String::new(), translations: spoken() },
         StepKind::Mark => Step::Mark { name: String::new() },
         StepKind::Rain => Step::Rain { wet: 1.0, seconds: 5.0 },
@@ -389,10 +399,11 @@ pub fn stretched(step: &Step, speed: f64, from_s: f64, to_s: f64) -> Option<Step
     match &mut next {
         Step::Wait { seconds } | Step::Look { seconds, .. } | Step::Cut { seconds, .. } => *seconds = to_s,
         Step::Rain { seconds, .. } | Step::Fov { seconds, .. } | Step::Time { seconds, .. } => *seconds = to_s,
-        Step::Say { seconds, .. } => *seconds = Some(to_s),
+        Step::Say { seconds, .. } | Step::Narrate { seconds, .. } => *seconds = Some(to_s),
+        Step::Picture { seconds, .. } => *seconds = to_s,
         Step::Walk { speed: own, .. } => *own = Some(faster(own.unwrap_or(speed), 10.0).clamp(0.1, 10.0)),
         Step::Fly { speed, .. } => *speed = faster(*speed, 200.0).clamp(0.1, 200.0),
-        Step::Start { .. } | Step::Chapter { .. } | Step::Mark { .. } => return None,
+        Step::Start { .. } | Step::Chapter { .. } | Step::Mark { .. } | Step::Sound { .. } => return None,
     }
     Some(next)
 }
@@ -540,7 +551,8 @@ mod tests {
         let view = Pose { plan_pos: (3.0, 4.0).into(), eye_m: 30.0, ..Pose::default() };
         let steps = steps_to_view(&tour, &view, Approach::Walk);
         assert!(matches!(&steps[..], [Step::Fly { through, .. }] if *through == [(3.0, 4.0, 30.0)]), "{steps:?}");
-        let kinds = [StepKind::Walk, StepKind::Fly, StepKind::Cut, StepKind::Look, StepKind::Wait, StepKind::Say, StepKind::Chapter];
+        let kinds =
+            [StepKind::Walk, StepKind::Fly, StepKind::Cut, StepKind::Look, StepKind::Wait, StepKind::Say, StepKind::Chapter];
         for kind in kinds.into_iter().chain([StepKind::Mark, StepKind::Rain, StepKind::Fov, StepKind::Time]) {
             let low = Pose { eye_m: 1.65, ..view };
             assert_eq!(StepKind::of(&new_step(kind, &tour, &low)), kind);
@@ -549,7 +561,8 @@ mod tests {
 
     #[test]
     fn a_movement_made_longer_is_slower() {
-        let walk = Step::Walk { to: Where::At(9.0, 0.0), via: Vec::new(), speed: None, look: LookAt::Ahead, ease: Default::default() };
+        let walk =
+            Step::Walk { to: Where::At(9.0, 0.0), via: Vec::new(), speed: None, look: LookAt::Ahead, ease: Default::default() };
         let Some(Step::Walk { speed, .. }) = stretched(&walk, 1.4, 10.0, 20.0) else { panic!("a walk has a length") };
         assert_eq!(speed, Some(0.7));
         let Some(Step::Walk { speed, .. }) = stretched(&walk, 1.4, 10.0, 0.0) else { panic!("a walk has a length") };

@@ -51,6 +51,10 @@
 //! no movement begins or ends with a jolt. A place is reached at the stand chosen for it ([`veduta_city::Place::view`]), else at its
 //! position. A visitor who is to look ahead first turns towards the way, and turns round where the way turns back.
 //!
+//! # Edit
+//! A [`TourEdit`] keeps a tour's text with what is selected in it and what can be undone; [`sketch`] compiles what can be played of it and
+//! says what is wrong with the rest; [`steps_to_view`] leads to a view, and a [`Recording`] becomes steps that follow it.
+//!
 //! # Limits
 //! - A tour lasts six hours at most, a leg is 100 km long at most, and heights are above the ground: slopes are for the one
 //!   who knows the ground.
@@ -92,7 +96,7 @@ pub use compile::{CompiledTour, StepSpan, compile, compile_with};
 pub use edit::{Approach, TourEdit, joined, new_step, steps_to_view, stretched};
 pub use error::{LONGEST_LEG_M, LONGEST_TOUR_S, MOST_STEPS, Range, StepKind, StepProblem, TourError, WALK_EYE_M};
 pub use gazetteer::Gazetteer;
-pub use letters::fold;
+pub use letters::{fold, plain_name};
 pub use net::{Foot, JOIN_M, StreetNet};
 pub use path::CORNER_M;
 pub use pose::{Pose, turn_deg};

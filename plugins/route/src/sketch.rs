@@ -67,7 +67,8 @@ pub fn sketch(tour: &Tour, net: &StreetNet, places: &Gazetteer) -> Sketch {
 
 /// With numbers that are out of bounds made what they are where none are given.
 fn with_usual_settings(tour: Tour) -> Tour {
-    let usual = |value: f64, (least, most): (f64, f64), otherwise: f64| if (least..=most).contains(&value) { value } else { otherwise };
+    let usual =
+        |value: f64, (least, most): (f64, f64), otherwise: f64| if (least..=most).contains(&value) { value } else { otherwise };
     Tour {
         speed: usual(tour.speed, (0.1, 10.0), 1.4),
         eye_m: usual(tour.eye_m, (0.2, 2000.0), 1.65),
@@ -88,7 +89,15 @@ fn views(tour: &CompiledTour) -> Vec<(usize, Pose)> {
 pub const fn is_aside(step: &Step) -> bool {
     matches!(
         step,
-        Step::Say { .. } | Step::Chapter { .. } | Step::Mark { .. } | Step::Rain { .. } | Step::Fov { .. } | Step::Time { .. }
+        Step::Say { .. }
+            | Step::Narrate { .. }
+            | Step::Sound { .. }
+            | Step::Picture { .. }
+            | Step::Chapter { .. }
+            | Step::Mark { .. }
+            | Step::Rain { .. }
+            | Step::Fov { .. }
+            | Step::Time { .. }
     )
 }
 
@@ -116,7 +125,9 @@ mod tests {
         assert_eq!(spans, [0, 2, 3, 6]);
         let views: Vec<usize> = sketch.views.iter().map(|(index, _)| *index).collect();
         assert_eq!(views, [0, 3, 6]);
-        assert!((sketch.views[2].1.heading_deg - 90.0).abs() < 2.0 && sketch.views[1].1.plan_pos.distance((50.0, 50.0).into()) < 0.1);
+        assert!(
+            (sketch.views[2].1.heading_deg - 90.0).abs() < 2.0 && sketch.views[1].1.plan_pos.distance((50.0, 50.0).into()) < 0.1
+        );
     }
 
     #[test]

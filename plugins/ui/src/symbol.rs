@@ -161,7 +161,13 @@ fn draw(painter: &Painter, square: Rect, symbol: Symbol, ink: Color32) {
         }
         Symbol::Undo | Symbol::Redo => {
             let side = |x: f32| if symbol == Symbol::Undo { x } else { 1.0 - x };
-            line(&[0.1, 0.65, 0.88, 0.88, 0.65, 0.3].map(side).into_iter().zip([0.35, 0.35, 0.5, 0.75, 0.9, 0.9]).collect::<Vec<_>>());
+            line(
+                &[0.1, 0.65, 0.88, 0.88, 0.65, 0.3]
+                    .map(side)
+                    .into_iter()
+                    .zip([0.35, 0.35, 0.5, 0.75, 0.9, 0.9])
+                    .collect::<Vec<_>>(),
+            );
             line(&[(side(0.38), 0.05), (side(0.1), 0.35), (side(0.38), 0.65)]);
         }
         Symbol::Save => {
