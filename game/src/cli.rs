@@ -156,11 +156,22 @@ fn walk(city: Option<&str>, tour: Option<PathBuf>, order: WalkOrder) -> Result<(
             tours.map(|(path, _)| FirstTour { path, at_once: false }).next()
         }
     };
+    let tour_city = new_tours_city(city, &scene, first.as_ref());
     let city = match (city, &first) {
         (None, Some(FirstTour { path, at_once: true })) => cities::of_tour(&file::read::<Tour>(path)?, path)?,
         _ => cities::open(city)?,
     };
-    walk::walk(&WalkOrder { city, first, scene, ..order })
+    walk::walk(&WalkOrder { city, first, scene, tour_city, ..order })
+}
+
+/// What new tours name as their city: the city that was named, beside which they lie; for a folder, what the first of its tours names.
+fn new_tours_city(city: Option<&str>, scene: &Path, first: Option<&FirstTour>) -> String {
+    let of_first = || first.and_then(|first| file::read::<Tour>(&first.path).ok()).map(|tour| tour.city);
+    match city {
+        Some(city) if city.contains("://") => city.to_owned(),
+        Some(city) if Path::new(city) != scene => Path::new(city).file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        _ => of_first().unwrap_or_default(),
+    }
 }
 
 /// A number within bounds, for a command line.

@@ -26,6 +26,7 @@ pub mod profile;
 mod settings;
 pub mod shot;
 pub mod studio;
+mod tours;
 pub mod walk;
 
 /// What every command may fail with: a message that names the file and the fix.

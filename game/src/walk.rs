@@ -15,7 +15,7 @@ use crate::camera::camera;
 use crate::profile::Profile;
 use crate::settings::{Orders, Settings, SettingsPlugin};
 use crate::studio::Size;
-use crate::{Failure, cities, expert, hud, profile};
+use crate::{Failure, cities, expert, hud, profile, tours};
 
 /// Whether there is a display to open a window on.
 #[must_use]
@@ -41,6 +41,8 @@ pub struct WalkOrder {
     pub first: Option<FirstTour>,
     /// Folder of tours, the guide and what lives.
     pub scene: PathBuf,
+    /// What new tours name as their city.
+    pub tour_city: String,
     /// Size of the window; 1280 × 720 if it was not told.
     pub size: Option<Size>,
     /// Where stills go, if it was told.
@@ -62,6 +64,8 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
         DefaultPlugins
             .set(WindowPlugin {
                 primary_window: Some(Window { title: "Veduta".into(), resolution: size.into(), ..default() }),
+                // What is not saved is asked about first.
+                close_when_requested: false,
                 ..default()
             })
             .set(AssetPlugin {
@@ -94,6 +98,7 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
         SettingsPlugin,
         hud::HudPlugin,
         expert::ExpertPlugin,
+        tours::ToursPlugin { folder: scene.clone(), city: order.tour_city.clone() },
     ))
     // The sun goes on, and so do the city's clocks and bells.
     .insert_resource(CityClock { pace: 1.0, ..default() })

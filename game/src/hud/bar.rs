@@ -2,15 +2,15 @@ use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id, Order, Ui, Vec2};
 use veduta::controls::KeyNames;
-use veduta::ecs::{Interface, Words};
+use veduta::ecs::{Docks, Interface, Words};
 use veduta::guide::SearchBox;
 use veduta::guide::controls::SearchOpen;
 use veduta::minimap::MapView;
 use veduta::minimap::controls::MapOpen;
 use veduta::prelude::*;
 use veduta::streaming::Reconnect;
-use veduta::tour::TourState;
-use veduta::tour::controls::TourPause;
+use veduta::tour::controls::{TourEdit, TourPause, TourRecord};
+use veduta::tour::{EditorCommand, Recorder, TourEditor, TourState};
 use veduta::ui::{Look, Surface, Symbol, symbol_button};
 use veduta::walker::Intent;
 use veduta::walker::controls::{EyeHigher, EyeLower, ViewNarrow, ViewNatural, ViewWide};
@@ -53,6 +53,9 @@ struct State {
     open: Open,
     /// Whether there is a tour to take.
     has_tour: bool,
+    /// Whether the visitor's walk is being recorded, and a tour edited.
+    recording: bool,
+    editing: bool,
     /// Whether the city comes over the web.
     is_remote: bool,
 }
@@ -64,6 +67,8 @@ enum Press {
     Lower,
     Higher,
     Tour,
+    Record,
+    Edit,
     Map,
     Search,
     Settings,
@@ -86,9 +91,9 @@ pub(super) fn draw(
     (city, walker, player, first): (Option<Res<OpenCity>>, Res<WalkerSettings>, Res<TourPlayer>, Option<Res<FirstTour>>),
     viewers: Query<&Eye, With<Viewer>>,
     (mut open, mut map, mut search): (ResMut<Open>, ResMut<MapView>, ResMut<SearchBox>),
-    mut bar: ResMut<Bar>,
-    mut pressed: ResMut<Pressed>,
-    mut tour: MessageWriter<TourCommand>,
+    (mut bar, mut pressed): (ResMut<Bar>, ResMut<Pressed>),
+    (recorder, editor, docks): (Res<Recorder>, Res<TourEditor>, Res<Docks>),
+    (mut tour, mut edits): (MessageWriter<TourCommand>, MessageWriter<EditorCommand>),
     mut reconnect: MessageWriter<Reconnect>,
 ) -> Result {
     // The large map has the window to itself.
@@ -119,10 +124,14 @@ pub(super) fn draw(
         map: map.open,
         search: search.open,
         open: *open,
+        recording: recorder.is_on(),
+        editing: editor.is_open(),
         has_tour: first.is_some() || player.state() != TourState::Idle,
         is_remote: city.is_some_and(|city| city.0.contains("://")),
     };
-    let area = Area::new(Id::new("veduta bar")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -screen.height() * 0.02));
+    let area = Area::new(Id::new("veduta bar"))
+        .constrain_to(Look::free(&docks, context))
+        .anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -screen.height() * 0.02));
     let shown = bar.shown;
     let press = area.order(Order::Middle).show(context, |ui| {
         ui.set_opacity(shown);
@@ -134,6 +143,8 @@ pub(super) fn draw(
         Some(Press::Lower) => pressed.raise_m -= RAISE_M,
         Some(Press::Higher) => pressed.raise_m += RAISE_M,
         Some(Press::Tour) => drop(tour.write(TourCommand::Toggle)),
+        Some(Press::Record) => drop(edits.write(EditorCommand::Record)),
+        Some(Press::Edit) => drop(edits.write(EditorCommand::Toggle)),
         Some(Press::Map) => (map.open, map.radius_m) = (true, map.radius_m.max(320.0)),
         Some(Press::Search) if search.open => search.open = false,
         Some(Press::Search) => search.start(),
@@ -176,6 +187,10 @@ fn show(ui: &mut Ui, look: &Look, (words, keys): (&Words, &KeyNames), state: &St
         if state.has_tour {
             button(ui, symbol, state.tour != TourState::Idle, name, keys.first::<TourPause>(), Press::Tour);
         }
+        let (symbol, name) = if state.recording { (Symbol::Stop, "bar-record-end") } else { (Symbol::Record, "bar-record") };
+        button(ui, symbol, state.recording, name, keys.first::<TourRecord>(), Press::Record);
+        button(ui, Symbol::Edit, state.editing, "bar-edit", keys.first::<TourEdit>(), Press::Edit);
+        ui.add_space(look.text * 0.6);
         button(ui, Symbol::Map, state.map, "bar-map", keys.first::<MapOpen>(), Press::Map);
         button(ui, Symbol::Search, state.search, "bar-search", keys.first::<SearchOpen>(), Press::Search);
         ui.add_space(look.text * 0.6);
@@ -223,6 +238,8 @@ mod tests {
                 ("bar-lower", Press::Lower),
                 ("bar-higher", Press::Higher),
                 ("bar-tour", Press::Tour),
+                ("bar-record", Press::Record),
+                ("bar-edit", Press::Edit),
                 ("bar-map", Press::Map),
                 ("bar-search", Press::Search),
                 ("bar-settings", Press::Settings),

@@ -2,6 +2,7 @@ use bevy::input::gamepad::GamepadButton as Pad;
 use bevy::prelude::*;
 use veduta::controls::{Always, ControlsAppExt, Input, Layers, ModKeys, Presses, control};
 use veduta::prelude::*;
+use veduta::tour::EditorCommand;
 
 use super::Open;
 
@@ -48,10 +49,11 @@ pub(super) fn read_keys(
     mut layers: ResMut<Layers>,
     mut open: ResMut<Open>,
     mut clock: ResMut<CityClock>,
-    mut exits: MessageWriter<AppExit>,
+    mut editor: MessageWriter<EditorCommand>,
 ) {
     if presses.begins::<Quit>() {
-        exits.write(AppExit::Success);
+        // Which asks about what is not saved.
+        editor.write(EditorCommand::Leave);
     }
     let mut next = *open;
     next.help ^= presses.begins::<HelpOpen>();
@@ -149,7 +151,7 @@ mod tests {
     #[test]
     fn escape_closes_one_window_at_a_time_and_hours_turn() {
         let mut app = app();
-        app.init_resource::<Open>().init_resource::<CityClock>().add_message::<AppExit>().add_systems(Update, read_keys);
+        app.init_resource::<Open>().init_resource::<CityClock>().add_message::<EditorCommand>().add_systems(Update, read_keys);
         app.finish();
         app.update();
         let press = |app: &mut App, key: KeyCode| {
@@ -167,9 +169,9 @@ mod tests {
         press(&mut app, KeyCode::KeyK);
         assert_ne!(app.world().resource::<CityClock>().day, day);
         press(&mut app, KeyCode::KeyQ);
-        assert_eq!(app.world().resource::<Messages<AppExit>>().len(), 0, "Q alone ends nothing");
+        assert_eq!(app.world().resource::<Messages<EditorCommand>>().len(), 0, "Q alone ends nothing");
         app.world_mut().resource_mut::<ButtonInput<KeyCode>>().press(KeyCode::ControlLeft);
         press(&mut app, KeyCode::KeyQ);
-        assert_eq!(app.world().resource::<Messages<AppExit>>().len(), 1);
+        assert_eq!(app.world().resource::<Messages<EditorCommand>>().len(), 1);
     }
 }

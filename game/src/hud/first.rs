@@ -9,8 +9,8 @@ use veduta::guide::controls::SearchOpen;
 use veduta::minimap::MapView;
 use veduta::minimap::controls::MapOpen;
 use veduta::prelude::*;
-use veduta::tour::TourState;
 use veduta::tour::controls::TourPause;
+use veduta::tour::{TourEditor, TourState};
 use veduta::ui::{Look, Surface};
 use veduta::walker::Intent;
 use veduta::walker::controls::{LookHold, WalkForward};
@@ -115,11 +115,11 @@ pub(super) fn draw(
     mut contexts: EguiContexts,
     (words, interface, keys, open): (Res<Words>, Res<Interface>, Res<KeyNames>, Res<Open>),
     (search, map, player, steering): (Res<SearchBox>, Res<MapView>, Res<TourPlayer>, Res<Steering>),
-    first: Res<FirstMinute>,
+    (first, editor): (Res<FirstMinute>, Res<TourEditor>),
     mut settings: ResMut<Settings>,
 ) -> Result {
     // Who is led does not learn, and what a tour shows lies where the card does.
-    let is_led = *steering == Steering::Led || is_busy(&player);
+    let is_led = *steering == Steering::Led || is_busy(&player) || editor.is_open();
     if settings.knows_the_way || is_led || open.help || open.settings || search.open || map.open {
         return Ok(());
     }

@@ -11,7 +11,7 @@ use super::first::FirstMinute;
 use crate::settings::Settings;
 
 /// Controls, and what they do together.
-const CONTROLS: [(&[&str], &str); 23] = [
+const CONTROLS: [(&[&str], &str); 25] = [
     (&["walk.forward", "walk.left", "walk.back", "walk.right"], "help-walk"),
     (&["look.hold", "look.left", "look.right"], "help-look"),
     (&["walk.run"], "help-run"),
@@ -27,6 +27,8 @@ const CONTROLS: [(&[&str], &str); 23] = [
     (&["tour.back", "tour.ahead"], "help-tour-time"),
     (&["tour.next"], "help-tour-next"),
     (&["tour.slower", "tour.faster"], "help-tour-speed"),
+    (&["tour.record"], "help-record"),
+    (&["tour.edit", "tour.view"], "help-editor"),
     (&["hour.earlier", "hour.later"], "help-hour"),
     (&["season.next"], "help-season"),
     (&["still.take"], "help-still"),

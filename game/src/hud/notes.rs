@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id, Order, Vec2};
 use veduta::controls::KeyNames;
-use veduta::ecs::{Interface, Words, WordsValue};
+use veduta::ecs::{Docks, Interface, Words, WordsValue};
 use veduta::guide::controls::SearchOpen;
 use veduta::guide::{CityGuide, WalkEnded};
 use veduta::prelude::*;
@@ -153,7 +153,7 @@ pub(super) fn watch(
 pub(super) fn draw(
     mut contexts: EguiContexts,
     time: Res<Time<Real>>,
-    interface: Res<Interface>,
+    (interface, docks): (Res<Interface>, Res<Docks>),
     notes: Res<Notes>,
     expert: Res<Expert>,
 ) -> Result {
@@ -166,7 +166,7 @@ pub(super) fn draw(
     let look = Look::of(&interface, context);
     let surface = Surface::Dusk;
     let area = Area::new(Id::new("veduta notes")).anchor(Align2::RIGHT_TOP, Vec2::new(-look.text, look.text));
-    area.order(Order::Foreground).interactable(false).show(context, |ui| {
+    area.constrain_to(Look::free(&docks, context)).order(Order::Foreground).interactable(false).show(context, |ui| {
         ui.set_max_width(context_width(ui) * 0.36);
         look.frame(surface).show(ui, |ui| {
             for note in shown() {

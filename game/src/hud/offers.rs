@@ -7,6 +7,7 @@ use veduta::ecs::{Words, WordsValue};
 use veduta::guide::{Offer, OfferTaken, Offers};
 use veduta::minimap::MapView;
 use veduta::prelude::*;
+use veduta::tour::EditorCommand;
 
 use super::Open;
 use crate::profile::Profile;
@@ -30,7 +31,7 @@ impl TourFiles {
 }
 
 /// What can be asked for by name: a key, and the message that names it.
-const COMMANDS: [(&str, &str); 16] = [
+const COMMANDS: [(&str, &str); 19] = [
     ("quality low", "offer-quality-low"),
     ("quality medium", "offer-quality-medium"),
     ("quality high", "offer-quality-high"),
@@ -47,6 +48,9 @@ const COMMANDS: [(&str, &str); 16] = [
     ("map", "offer-map"),
     ("settings", "offer-settings"),
     ("help", "offer-help"),
+    ("record", "offer-record"),
+    ("edit", "offer-edit"),
+    ("new", "offer-new"),
 ];
 
 /// Languages: their codes, and their names in themselves and in English.
@@ -83,7 +87,7 @@ pub(super) fn take(
     mut clock: ResMut<CityClock>,
     mut weather: ResMut<Weather>,
     (mut open, mut map, mut settings): (ResMut<Open>, ResMut<MapView>, ResMut<Settings>),
-    mut tour: MessageWriter<TourCommand>,
+    (mut tour, mut editor): (MessageWriter<TourCommand>, MessageWriter<EditorCommand>),
 ) {
     for OfferTaken { key } in taken.read() {
         let (what, value) = key.split_once(' ').unwrap_or((key, ""));
@@ -99,6 +103,9 @@ pub(super) fn take(
             "map" => (map.open, map.radius_m) = (true, map.radius_m.max(320.0)),
             "settings" => open.settings = true,
             "help" => open.help = true,
+            "record" => _ = editor.write(EditorCommand::Record),
+            "edit" => _ = editor.write(EditorCommand::Open),
+            "new" => _ = editor.write(EditorCommand::New),
             "tour" => {
                 let path = PathBuf::from(value);
                 let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -118,6 +125,7 @@ mod tests {
         let mut app = App::new();
         app.add_message::<OfferTaken>()
             .add_message::<TourCommand>()
+            .add_message::<EditorCommand>()
             .init_resource::<CityClock>()
             .init_resource::<Weather>()
             .init_resource::<Open>()
@@ -139,9 +147,20 @@ mod tests {
         let offers = app.world().resource::<Offers>().0.clone();
         assert_eq!(offers.len(), COMMANDS.len() + LANGUAGES.len() + 1);
         let named = |name: &str| offers.iter().find(|offer| offer.names.iter().any(|n| n == name)).map(|offer| offer.key.clone());
-        for name in
-            ["Prohlídka: A walk", "Noc", "Night", "Déšť", "Zima", "Italiano", "Kvalita: vysoká", "Mapa", "Nastavení", "Nápověda"]
-        {
+        for name in [
+            "Nahrát procházku",
+            "Nová prohlídka",
+            "Prohlídka: A walk",
+            "Noc",
+            "Night",
+            "Déšť",
+            "Zima",
+            "Italiano",
+            "Kvalita: vysoká",
+            "Mapa",
+            "Nastavení",
+            "Nápověda",
+        ] {
             let key = named(name).unwrap_or_else(|| panic!("{name} is not offered"));
             app.world_mut().write_message(OfferTaken { key });
         }
@@ -152,6 +171,8 @@ mod tests {
         let settings = world.resource::<Settings>();
         assert_eq!((settings.language.as_deref(), settings.profile), (Some("it"), Some(Profile::High)));
         assert!(world.resource::<MapView>().open && *world.resource::<Open>() == Open { help: true, settings: true });
+        let asked: Vec<EditorCommand> = app.world_mut().resource_mut::<Messages<EditorCommand>>().drain().collect();
+        assert_eq!(asked, [EditorCommand::Record, EditorCommand::New]);
         let tours: Vec<TourCommand> = app.world_mut().resource_mut::<Messages<TourCommand>>().drain().collect();
         assert_eq!(tours, [TourCommand::Open("tours://x.tour.ron".into())]);
     }

@@ -24,6 +24,17 @@ impl Default for Interface {
     }
 }
 
+/// How much of the window docks along its edges take, points: what lies over the picture keeps clear of them. Kept by whoever draws them.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Default)]
+pub struct Docks {
+    /// Along the left edge.
+    pub left: f32,
+    /// Along the right edge.
+    pub right: f32,
+    /// Along the lower edge.
+    pub bottom: f32,
+}
+
 /// Runs where keys mean what they mean in the city, not letters that somebody types.
 #[must_use]
 pub fn keys_are_free(interface: Option<Res<Interface>>) -> bool {

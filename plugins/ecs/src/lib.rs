@@ -39,7 +39,7 @@ pub use cue::{Accompany, Cue, Part};
 pub use daylight::{Daylight, Weather};
 pub use eye::{Eye, Itinerary, Steering, Stop, Viewer};
 pub use ground::{Footing, Ground};
-pub use interface::{Interface, PlaceNames, PointersTaken, Route, ShowOnMap, TourPath, WalkTo, keys_are_free};
+pub use interface::{Docks, Interface, PlaceNames, PointersTaken, Route, ShowOnMap, TourPath, WalkTo, keys_are_free};
 pub use overview::{Around, OverviewWants, Overviews};
 pub use place::{CITY_SOURCE, City, CityFailed, CityOpened, JumpTo, OpenCity, own_file};
 pub use sets::{InterfaceSystems, VedutaSystems};
@@ -62,6 +62,7 @@ impl Plugin for EcsPlugin {
             .init_resource::<CityClock>()
             .init_resource::<Interface>()
             .init_resource::<PointersTaken>()
+            .init_resource::<Docks>()
             .init_resource::<Route>()
             .init_resource::<PlaceNames>()
             .init_resource::<TourPath>()

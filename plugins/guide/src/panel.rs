@@ -3,7 +3,7 @@ use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id as EguiId, Order, ScrollArea, Ui, Vec2};
 use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 use veduta_city::{Certainty, GuidePlace, Place};
-use veduta_ecs::{Interface, Words};
+use veduta_ecs::{Docks, Interface, Words};
 use veduta_ui::{Look, Surface, Symbol, symbol_button};
 
 use crate::{CityGuide, NearPlace};
@@ -65,7 +65,7 @@ pub(crate) fn draw(
     near: Res<NearPlace>,
     guide: Res<CityGuide>,
     words: Res<Words>,
-    interface: Res<Interface>,
+    (interface, docks): (Res<Interface>, Res<Docks>),
     mut settings: ResMut<PanelSettings>,
     mut state: ResMut<PanelState>,
 ) -> Result {
@@ -87,17 +87,15 @@ pub(crate) fn draw(
     let told = Told::of(&place, guide.place(&place.name), &words);
     let mut unfolded = settings.unfolded;
     let screen = context.content_rect();
-    Area::new(EguiId::new("veduta place")).anchor(Align2::LEFT_TOP, Vec2::splat(screen.height() * 0.03)).order(Order::Middle).show(
-        context,
-        |ui| {
-            ui.set_opacity(state.shown);
-            look.frame(Surface::Paper).show(ui, |ui| {
-                ui.set_max_width((look.text * 22.0).min(screen.width() * 0.4));
-                ui.set_max_height(screen.height() * 0.55);
-                show(ui, &look, &words, &told, &mut unfolded, &mut state.cache);
-            });
-        },
-    );
+    let area = Area::new(EguiId::new("veduta place")).constrain_to(Look::free(&docks, context)).order(Order::Middle);
+    area.anchor(Align2::LEFT_TOP, Vec2::splat(screen.height() * 0.03)).show(context, |ui| {
+        ui.set_opacity(state.shown);
+        look.frame(Surface::Paper).show(ui, |ui| {
+            ui.set_max_width((look.text * 22.0).min(screen.width() * 0.4));
+            ui.set_max_height(screen.height() * 0.55);
+            show(ui, &look, &words, &told, &mut unfolded, &mut state.cache);
+        });
+    });
     if unfolded != settings.unfolded {
         settings.unfolded = unfolded;
     }

@@ -7,7 +7,7 @@ use bevy_egui::egui::{
 };
 use veduta_city::Viewpoint;
 use veduta_controls::KeyNames;
-use veduta_ecs::{City, Eye, Interface, JumpTo, PlaceNames, Route, TourPath, Viewer, WalkTo, Words};
+use veduta_ecs::{City, Docks, Eye, Interface, JumpTo, PlaceNames, Route, TourPath, Viewer, WalkTo, Words};
 use veduta_ui::Look;
 
 use crate::controls::MapOpen;
@@ -38,7 +38,7 @@ pub(crate) fn draw_map(
     tiles: Res<MapTiles>,
     viewers: Query<&Eye, With<Viewer>>,
     (route, words, interface, names): (Res<Route>, Res<Words>, Res<Interface>, Res<PlaceNames>),
-    (trail, tour, keys): (Res<Trail>, Res<TourPath>, Res<KeyNames>),
+    (trail, tour, keys, docks): (Res<Trail>, Res<TourPath>, Res<KeyNames>, Res<Docks>),
     mut settings: ResMut<MinimapSettings>,
     mut view: ResMut<MapView>,
     mut jumps: MessageWriter<JumpTo>,
@@ -73,16 +73,16 @@ pub(crate) fn draw_map(
             None => {}
         }
     } else {
-        corner_map(context, &shown, &mut settings, &mut view);
+        corner_map(context, Look::free(&docks, context), &shown, &mut settings, &mut view);
     }
     Ok(())
 }
 
-fn corner_map(context: &Context, shown: &Shown<'_>, settings: &mut MinimapSettings, view: &mut MapView) {
+fn corner_map(context: &Context, free: Rect, shown: &Shown<'_>, settings: &mut MinimapSettings, view: &mut MapView) {
     let screen = context.content_rect();
     let edge = (screen.height() * settings.share).clamp(120.0, 900.0);
     let margin = edge * 0.06;
-    let corner = screen.right_bottom() - EguiVec2::splat(edge + margin);
+    let corner = free.right_bottom() - EguiVec2::splat(edge + margin);
     egui::Area::new(Id::new("veduta minimap")).fixed_pos(corner).order(Order::Middle).show(context, |ui| {
         let (rect, response) = ui.allocate_exact_size(EguiVec2::splat(edge), Sense::click());
         let name = shown.words.say("map-open");

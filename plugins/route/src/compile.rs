@@ -485,6 +485,13 @@ impl CompiledTour {
         &self.spans
     }
 
+    /// Tells steps by the indices that they have elsewhere.
+    pub(crate) fn renumber(&mut self, indices: &[usize]) {
+        for span in &mut self.spans {
+            span.index = indices.get(span.index).copied().unwrap_or(span.index);
+        }
+    }
+
     /// The pose at a moment in seconds; before the start and after the end the first and last.
     #[must_use]
     pub fn pose(&self, t_s: f64) -> Pose {

@@ -113,6 +113,16 @@ impl TourError {
     }
 }
 
+impl TourError {
+    /// The same about the step of another number, from 1.
+    pub(crate) fn at_step(self, number: usize) -> Self {
+        match self {
+            Self::Step { kind, problem, .. } => Self::Step { step: number, kind, problem },
+            other => other,
+        }
+    }
+}
+
 /// A number that lies outside what it may be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use glam::DVec2;
 use veduta_city::Place;
 
 use crate::letters::{distance, fold};
@@ -43,6 +44,27 @@ impl Gazetteer {
         self.places.get(*index)
     }
 
+    /// The names of all places, in alphabetical order.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.exact.keys().map(String::as_str)
+    }
+
+    /// Name and stand of the place whose stand is nearest to a position, if one is within so many metres and found by its name.
+    #[must_use]
+    pub fn standing_at(&self, plan_pos: DVec2, within_m: f64) -> Option<(&str, DVec2)> {
+        let found = self.exact.values().filter_map(|&index| self.places.get(index));
+        let stands = found.map(|place| (place.name.as_str(), place.view.map_or(place.pos, |view| view.pos)));
+        let near = stands.filter(|(_, stand)| stand.distance(plan_pos) <= within_m);
+        near.min_by(|a, b| a.1.distance(plan_pos).total_cmp(&b.1.distance(plan_pos)))
+    }
+
+    /// Name of the place nearest to a position, within so many metres, and how far off it is.
+    #[must_use]
+    pub fn nearest(&self, plan_pos: DVec2, within_m: f64) -> Option<(&str, f64)> {
+        let near = self.places.iter().map(|place| (place.name.as_str(), place.pos.distance(plan_pos)));
+        near.filter(|(_, away_m)| *away_m <= within_m).min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
     /// Up to three names that a person may have meant, best first: those that contain the name or are contained in it, and
     /// those within a few letters of it. Empty if nothing is alike.
     #[must_use]
@@ -69,7 +91,6 @@ impl Gazetteer {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec2;
     use proptest::prelude::*;
 
     use super::*;

@@ -35,6 +35,18 @@ const MARKED: [(&str, &str); 31] = [
     ("'", "’‘ʼ`´"),
 ];
 
+/// A name in small letters from a to z, figures and single underscores, as files are called.
+///
+/// ```
+/// assert_eq!(veduta_route::plain_name(" Královská cesta – 2! "), "kralovska_cesta_2");
+/// ```
+#[must_use]
+pub fn plain_name(name: &str) -> String {
+    let folded = fold(name);
+    let words = folded.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    words.collect::<Vec<_>>().join("_")
+}
+
 /// A name in small letters without marks, with single spaces for hyphens and runs of space.
 #[must_use]
 pub fn fold(name: &str) -> String {

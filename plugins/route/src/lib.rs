@@ -51,6 +51,10 @@
 //! no movement begins or ends with a jolt. A place is reached at the stand chosen for it ([`veduta_city::Place::view`]), else at its
 //! position. A visitor who is to look ahead first turns towards the way, and turns round where the way turns back.
 //!
+//! # Edit
+//! A [`TourEdit`] keeps a tour's text with what is selected in it and what can be undone; [`sketch`] compiles what can be played of it and
+//! says what is wrong with the rest; [`steps_to_view`] leads to a view, and a [`Recording`] becomes steps that follow it.
+//!
 //! # Limits
 //! - A tour lasts six hours at most, a leg is 100 km long at most, and heights are above the ground: slopes are for the one
 //!   who knows the ground.
@@ -64,6 +68,7 @@
 //! a navigation mesh (tours are told in streets, and the cells may not be loaded when a tour is compiled).
 
 mod compile;
+mod edit;
 mod error;
 mod flight;
 mod gazetteer;
@@ -74,11 +79,13 @@ mod path;
 mod plot;
 mod pose;
 mod reach;
+mod record;
 mod resume;
 #[cfg(test)]
 mod samples;
 mod script;
 mod search;
+mod sketch;
 mod timeline;
 #[cfg(test)]
 mod tours;
@@ -86,16 +93,19 @@ mod walk;
 mod way;
 
 pub use compile::{CompiledTour, StepSpan, compile, compile_with};
+pub use edit::{Approach, TourEdit, joined, new_step, steps_to_view, stretched};
 pub use error::{LONGEST_LEG_M, LONGEST_TOUR_S, MOST_STEPS, Range, StepKind, StepProblem, TourError, WALK_EYE_M};
 pub use gazetteer::Gazetteer;
-pub use letters::fold;
+pub use letters::{fold, plain_name};
 pub use net::{Foot, JOIN_M, StreetNet};
 pub use path::CORNER_M;
 pub use pose::{Pose, turn_deg};
 pub use reach::{Unreached, unreached};
+pub use record::{LONGEST_RECORDING_S, RECORDED_FLIGHT_M, RECORDED_GAZE_DEG, RECORDED_WALK_M, Recording};
 pub use resume::{ResumeLeg, WALK_BACK_M, resume, resume_with};
 pub use script::{Chapter, Mark, Narration, Spoken, TourPicture};
 pub use search::{Finder, Hit, Named};
+pub use sketch::{Sketch, is_aside, sketch};
 pub use timeline::TURN_DEG_S;
 pub use walk::Walk;
 pub use way::{CROSSING_M, DETOUR, FreeLine, OFF_STREET_M, RouteError, STRAIGHT_M};

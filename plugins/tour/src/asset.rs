@@ -5,10 +5,12 @@ use veduta_city::{Tour, file};
 
 /// A tour, read from `*.tour.ron`.
 #[derive(Asset, TypePath, Debug, Clone)]
-pub struct TourAsset(
+pub struct TourAsset {
     /// The tour.
-    pub Tour,
-);
+    pub tour: Tour,
+    /// Its text, with a person's comments.
+    pub text: String,
+}
 
 /// A tour that could not be read.
 #[derive(Debug, thiserror::Error)]
@@ -33,7 +35,9 @@ impl AssetLoader for TourLoader {
     async fn load(&self, reader: &mut dyn Reader, _: &(), context: &mut LoadContext<'_>) -> Result<TourAsset, TourLoadError> {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
-        Ok(TourAsset(file::parse_bytes(&bytes, &context.path().to_string())?))
+        let tour = file::parse_bytes(&bytes, &context.path().to_string())?;
+        // What could be parsed is text.
+        Ok(TourAsset { tour, text: String::from_utf8_lossy(&bytes).into_owned() })
     }
 
     fn extensions(&self) -> &[&str] {

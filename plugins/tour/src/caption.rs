@@ -2,11 +2,11 @@ use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id, Label, Order, TextWrapMode, Vec2};
 use veduta_controls::KeyNames;
-use veduta_ecs::{Interface, Words};
+use veduta_ecs::{Docks, Interface, Words};
 use veduta_ui::{Look, Surface};
 
 use crate::controls::TourPause;
-use crate::{TourPlayer, TourState};
+use crate::{TourEditor, TourPlayer, TourState};
 
 /// How captions look. Live.
 #[derive(Resource, Debug, Clone, Copy, PartialEq)]
@@ -29,7 +29,7 @@ pub(crate) fn draw_caption(
     player: Res<TourPlayer>,
     settings: Res<CaptionSettings>,
     (words, keys): (Res<Words>, Res<KeyNames>),
-    interface: Res<Interface>,
+    (interface, docks, editor): (Res<Interface>, Res<Docks>, Res<TourEditor>),
 ) -> Result {
     if !settings.visible {
         return Ok(());
@@ -37,24 +37,24 @@ pub(crate) fn draw_caption(
     let text = match (player.error(), player.caption(words.language()), player.state()) {
         (Some(error), ..) => error.to_owned(),
         (None, Some(caption), _) => caption.to_owned(),
+        // Who edits a tour comes and goes.
+        (None, None, TourState::Waiting | TourState::Wandering) if editor.is_open() => return Ok(()),
         (None, None, TourState::Waiting) => words.say("tour-waiting"),
         (None, None, TourState::Wandering) => words.say_with("tour-wandering", &[("key", keys.said::<TourPause>(&words).into())]),
         _ => return Ok(()),
     };
     let context = contexts.ctx_mut()?;
     let look = Look::of(&interface, context);
-    let screen = context.content_rect();
+    let screen = Look::free(&docks, context);
     // Above whatever lies along the lower edge.
     let offset = Vec2::new(0.0, -screen.height() * 0.03 - look.text * 3.4);
-    Area::new(Id::new("veduta caption")).anchor(Align2::CENTER_BOTTOM, offset).order(Order::Middle).interactable(false).show(
-        context,
-        |ui| {
-            ui.set_max_width(screen.width() * 0.55);
-            look.frame(Surface::Dusk).show(ui, |ui| {
-                let words = look.words(text, settings.size, look.ink(Surface::Dusk));
-                ui.add(Label::new(words).wrap_mode(TextWrapMode::Wrap));
-            });
-        },
-    );
+    let area = Area::new(Id::new("veduta caption")).constrain_to(screen).anchor(Align2::CENTER_BOTTOM, offset);
+    area.order(Order::Middle).interactable(false).show(context, |ui| {
+        ui.set_max_width(screen.width() * 0.55);
+        look.frame(Surface::Dusk).show(ui, |ui| {
+            let words = look.words(text, settings.size, look.ink(Surface::Dusk));
+            ui.add(Label::new(words).wrap_mode(TextWrapMode::Wrap));
+        });
+    });
     Ok(())
 }

@@ -28,6 +28,12 @@ control! {
     pub TourSlower: OnTour = "tour.slower", [Input::key(KeyCode::BracketLeft)];
     /// Faster.
     pub TourFaster: OnTour = "tour.faster", [Input::key(KeyCode::BracketRight)];
+    /// Begins to record the visitor's walk, and ends it.
+    pub TourRecord: Always = "tour.record", [Input::key(KeyCode::KeyR)];
+    /// Opens and closes the editor.
+    pub TourEdit: Always = "tour.edit", [Input::key(KeyCode::KeyE)];
+    /// In the editor, adds the present view.
+    pub TourView: Always = "tour.view", [Input::key(KeyCode::KeyV)];
 }
 
 /// Adds the tour's controls to the list, without anything that they do.
@@ -39,7 +45,10 @@ pub fn add_controls(app: &mut App) {
         .add_control::<TourAhead>()
         .add_control::<TourNext>()
         .add_control::<TourSlower>()
-        .add_control::<TourFaster>();
+        .add_control::<TourFaster>()
+        .add_control::<TourRecord>()
+        .add_control::<TourEdit>()
+        .add_control::<TourView>();
 }
 
 /// Seconds that one press goes back or ahead.

@@ -47,6 +47,14 @@
 //! | ten seconds back, ahead | , and . | shoulder buttons |
 //! | the next chapter | End | A / cross |
 //! | slower, faster | `[` and `]` | |
+//! | record the visitor's walk, and end it | R | |
+//! | open and close the editor | E | |
+//! | in the editor: add this view | V | |
+//!
+//! # Edit a tour
+//! [`TourEditor`] edits the tour that is open, or a new one: a walk that was recorded, views that were taken, steps on a line of time.
+//! What it makes of it is played at once, comments in the file stay, and every edit can be undone. The plugin opens no files:
+//! [`SaveTour`] asks whoever owns them to (in a browser, whoever offers a download), and [`TourSaved`] answers.
 //!
 //! # Limits
 //! Walked steps need streets, and names places: a tour waits for the parts of the overview about the city's start, and for twice as much
@@ -59,7 +67,10 @@
 mod asset;
 mod caption;
 pub mod controls;
+mod editor;
 mod play;
+mod ready;
+mod streets;
 mod strip;
 
 use bevy::prelude::*;
@@ -70,6 +81,7 @@ use veduta_ui::UiSystems;
 pub use asset::{TourAsset, TourLoadError};
 pub use caption::CaptionSettings;
 pub use controls::add_controls;
+pub use editor::{EditorCommand, EditorLeft, EditorSettings, Recorder, SaveHow, SaveTour, TourEditor, TourSaved};
 pub use play::{TourCommand, TourEnded, TourMark, TourPlayer, TourState};
 pub use strip::StripSettings;
 
@@ -102,13 +114,15 @@ impl Plugin for TourPlugin {
             .add_message::<TourMark>()
             .add_systems(
                 Update,
-                (play::obey, play::tell_failures, play::compile_tour, play::play, play::tell_path)
+                (play::obey, ready::tell_failures, ready::compile_tour, play::play, play::tell_path)
                     .chain()
                     .in_set(VedutaSystems::Steer),
             );
         if self.interface {
             veduta_ui::ensure(app);
             controls::add_controls(app);
+            editor::build(app);
+            editor::build_windows(app);
             app.init_resource::<StripSettings>()
                 .add_systems(Update, controls::read_keys)
                 .add_systems(EguiPrimaryContextPass, (caption::draw_caption, strip::draw).chain().in_set(UiSystems::Draw));

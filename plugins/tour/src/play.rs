@@ -1,12 +1,13 @@
-use bevy::asset::{AssetLoadError, AssetLoadFailedEvent};
+use std::sync::Arc;
+
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::Tour;
-use veduta_ecs::{Around, Awaited, City, CityClock, Eye, Itinerary, OverviewWants, Steering, Stop, TourPath, Viewer, Weather};
-use veduta_route::{CompiledTour, Gazetteer, Pose, ResumeLeg, StreetNet, compile, resume};
+use veduta_ecs::{Awaited, CityClock, Eye, Itinerary, Steering, Stop, TourPath, Viewer, Weather};
+use veduta_route::{CompiledTour, Pose, ResumeLeg, resume};
 
 use crate::TourAsset;
-use crate::asset::TourLoadError;
+use crate::streets::Streets;
 
 /// What to do with the tour.
 #[derive(Message, Debug, Clone, PartialEq)]
@@ -65,7 +66,7 @@ pub enum TourState {
 
 /// After a cut (a start, a seek) the tour stands in the dark until what is in sight stands.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-enum Hold {
+pub(crate) enum Hold {
     /// Nothing to wait for.
     #[default]
     None,
@@ -107,21 +108,28 @@ impl Hold {
 /// The tour player.
 #[derive(Resource, Default)]
 pub struct TourPlayer {
-    handle: Option<Handle<TourAsset>>,
-    source: Option<Tour>,
-    compiled: Option<CompiledTour>,
-    net: Option<StreetNet>,
+    pub(crate) handle: Option<Handle<TourAsset>>,
+    /// The tour that was given as a value.
+    pub(crate) given: Option<Box<Tour>>,
+    pub(crate) source: Option<Tour>,
+    pub(crate) compiled: Option<CompiledTour>,
+    /// How often it was compiled.
+    versions: u64,
+    /// Streets and places that it was compiled with.
+    streets: Option<Arc<Streets>>,
     /// How far about the city's start its streets are looked for, if farther than at first.
-    search_m: Option<f64>,
-    state: TourState,
-    t_s: f64,
+    pub(crate) search_m: Option<f64>,
+    pub(crate) state: TourState,
+    pub(crate) t_s: f64,
     speed: Option<f64>,
-    hold: Hold,
+    pub(crate) hold: Hold,
     leg: Option<(ResumeLeg, f64)>,
-    play_when_ready: bool,
+    pub(crate) play_when_ready: bool,
     /// Whether it has just been sent to another time: what is marked there counts.
     has_sought: bool,
-    last_error: Option<String>,
+    pub(crate) last_error: Option<String>,
+    /// Whether it is under edit: what is played then comes from there, not from its file.
+    pub(crate) is_edited: bool,
 }
 
 impl TourPlayer {
@@ -162,8 +170,41 @@ impl TourPlayer {
         self.last_error.as_deref()
     }
 
-    fn forget(&mut self) {
-        *self = Self { speed: self.speed, ..Self::default() };
+    pub(crate) fn forget(&mut self) {
+        *self = Self { speed: self.speed, versions: self.versions, ..Self::default() };
+    }
+
+    /// Has a tour that can be played, in place of the one before.
+    pub(crate) fn put(&mut self, tour: CompiledTour, streets: Arc<Streets>) {
+        (self.compiled, self.streets, self.last_error) = (Some(tour), Some(streets), None);
+        self.versions += 1;
+    }
+
+    /// Shows a tour under edit: at the same second as long as it has that. Whoever has the eye keeps it.
+    pub(crate) fn show(&mut self, tour: Option<CompiledTour>, streets: Arc<Streets>) {
+        self.source = None;
+        let Some(tour) = tour else {
+            (self.compiled, self.state, self.t_s) = (None, TourState::Idle, 0.0);
+            self.versions += 1;
+            return;
+        };
+        self.t_s = self.t_s.min(tour.duration_s());
+        self.put(tour, streets);
+        if matches!(self.state, TourState::Idle | TourState::Waiting) {
+            (self.state, self.play_when_ready) = (TourState::Wandering, false);
+        }
+    }
+
+    /// Stands at a second of the tour, and takes the eye there: behind a fade if that is far.
+    pub(crate) fn stand_at(&mut self, t_s: f64, eye: Option<&Eye>, steering: &mut Steering) {
+        const NEAR_M: f64 = 40.0;
+        let Some(tour) = &self.compiled else { return };
+        self.t_s = t_s.clamp(0.0, tour.duration_s());
+        let there = tour.pose(self.t_s).plan_pos;
+        let is_near = eye.is_some_and(|eye| eye.plan_pos.distance(there) < NEAR_M);
+        self.hold = if is_near { Hold::None } else { Hold::Cut };
+        (self.leg, self.state) = (None, TourState::Paused);
+        *steering = Steering::Guided;
     }
 }
 
@@ -188,6 +229,7 @@ pub(crate) fn obey(
             TourCommand::Give(tour) => {
                 player.forget();
                 player.source = Some((**tour).clone());
+                player.given = Some(tour.clone());
                 player.play_when_ready = true;
                 player.state = TourState::Waiting;
             }
@@ -238,8 +280,8 @@ fn play_on(player: &mut TourPlayer, steering: &mut ResMut<Steering>, eye: Option
             }
         }
         TourState::Wandering => {
-            let (Some(tour), Some(net), Some(eye)) = (&player.compiled, &player.net, eye) else { return };
-            player.leg = Some((resume(tour, net, pose_of(eye, clock.hour), player.t_s), 0.0));
+            let (Some(tour), Some(streets), Some(eye)) = (&player.compiled, &player.streets, eye) else { return };
+            player.leg = Some((resume(tour, &streets.net, pose_of(eye, clock.hour), player.t_s), 0.0));
             player.state = TourState::Returning;
         }
         TourState::Idle | TourState::Waiting => player.play_when_ready = true,
@@ -250,7 +292,8 @@ fn play_on(player: &mut TourPlayer, steering: &mut ResMut<Steering>, eye: Option
     }
 }
 
-fn pose_of(eye: &Eye, hour: f64) -> Pose {
+/// Where an eye is and looks, at an hour.
+pub(crate) fn pose_of(eye: &Eye, hour: f64) -> Pose {
     Pose {
         plan_pos: [eye.plan_pos.x, eye.plan_pos.y].into(),
         eye_m: eye.eye_m,
@@ -259,105 +302,6 @@ fn pose_of(eye: &Eye, hour: f64) -> Pose {
         fov_deg: eye.fov_deg,
         hour,
         fade: eye.fade,
-    }
-}
-
-/// Tells of a tour that could not be read. The last good version, if there is one, plays on.
-pub(crate) fn tell_failures(mut failed: MessageReader<AssetLoadFailedEvent<TourAsset>>, mut player: ResMut<TourPlayer>) {
-    for failure in failed.read() {
-        if player.handle.as_ref().is_none_or(|handle| handle.id() != failure.id) {
-            continue;
-        }
-        let message = match &failure.error {
-            AssetLoadError::AssetLoaderError(error) => match error.error().downcast_ref::<TourLoadError>() {
-                Some(mistake) => mistake.to_string(),
-                None => format!("{}: the tour cannot be read", failure.path),
-            },
-            error => error.to_string(),
-        };
-        error!("{message}");
-        player.last_error = Some(message);
-        if player.compiled.is_none() {
-            player.state = TourState::Idle;
-        }
-    }
-}
-
-/// Streets and places of a tour are looked for so far about the city's start, then twice as far, until all of it lies within; metres.
-const SEARCH_M: f64 = 500.0;
-/// So far about a tour there may be shorter ways, metres.
-const AROUND_TOUR_M: f64 = 100.0;
-
-/// How far a tour leads from a place, metres.
-fn reach_m(tour: &CompiledTour, from: DVec2) -> f64 {
-    let stops = (0..=tour.duration_s().ceil() as u32).map(|s| tour.pose(f64::from(s)).plan_pos);
-    stops.map(|pos| pos.distance(from)).fold(0.0, f64::max)
-}
-
-/// Compiles the tour once it and the city's streets are here, and anew when its file has changed.
-pub(crate) fn compile_tour(
-    mut events: MessageReader<AssetEvent<TourAsset>>,
-    assets: Res<Assets<TourAsset>>,
-    city: Option<Res<City>>,
-    mut player: ResMut<TourPlayer>,
-    mut wants: ResMut<OverviewWants>,
-    mut steering: ResMut<Steering>,
-) {
-    let handle = player.handle.clone();
-    for event in events.read() {
-        let changed = |id: &AssetId<TourAsset>| handle.as_ref().is_some_and(|h| h.id() == *id);
-        if let AssetEvent::Added { id } | AssetEvent::Modified { id } = event
-            && changed(id)
-            && let Some(asset) = assets.get(*id)
-        {
-            player.source = Some(asset.0.clone());
-        }
-    }
-    if player.source.is_none() {
-        OverviewWants::ask(&mut wants, "tour", None);
-        return;
-    }
-    let Some(city) = city else { return };
-    let around = Around { middle: city.start.pos, radius_m: player.search_m.unwrap_or(SEARCH_M) };
-    OverviewWants::ask(&mut wants, "tour", Some(around));
-    if !city.overviews.has(around) {
-        return;
-    }
-    let Some(source) = player.source.take() else { return };
-    let overview = city.overviews.joined(around);
-    let net = StreetNet::new(&overview.streets).on(&overview.terrain);
-    let compiled = compile(&source, &net, &Gazetteer::new(&overview.places));
-    let reach_m = compiled.as_ref().map_or(f64::INFINITY, |tour| reach_m(tour, around.middle) + AROUND_TOUR_M);
-    if reach_m > around.radius_m && !city.overviews.is_all(around) {
-        // The same for the same city, whatever else of it is here: another way, or another place of that name, might be found.
-        player.search_m = Some(around.radius_m * 2.0);
-        player.source = Some(source);
-        return;
-    }
-    player.search_m = None;
-    match compiled {
-        Ok(tour) => {
-            info!("tour “{}”: {:.0} s", tour.title(), tour.duration_s());
-            player.t_s = player.t_s.min(tour.duration_s());
-            player.compiled = Some(tour);
-            player.net = Some(net);
-            player.last_error = None;
-            if player.play_when_ready {
-                player.play_when_ready = false;
-                player.state = TourState::Playing;
-                player.hold = Hold::Cut;
-                steering.set_if_neq(Steering::Guided);
-            }
-        }
-        Err(error) => {
-            // The last good version, if there is one, plays on.
-            let message = format!("tour “{}”: {error}", source.title);
-            error!("{message}");
-            player.last_error = Some(message);
-            if player.compiled.is_none() {
-                player.state = TourState::Idle;
-            }
-        }
     }
 }
 
@@ -386,11 +330,11 @@ fn tell_ahead(player: &TourPlayer, has_told: &mut bool, itineraries: &mut Query<
 const RAIN_CLOUDS: f32 = 0.85;
 
 /// Tells others where the tour leads.
-pub(crate) fn tell_path(player: Res<TourPlayer>, mut path: ResMut<TourPath>, mut told: Local<Option<(String, f64)>>) {
+pub(crate) fn tell_path(player: Res<TourPlayer>, mut path: ResMut<TourPath>, mut told: Local<Option<u64>>) {
     if !player.is_changed() {
         return;
     }
-    let now = player.compiled.as_ref().map(|tour| (tour.title().to_owned(), tour.duration_s()));
+    let now = player.compiled.as_ref().map(|_| player.versions);
     if *told != now {
         path.set_if_neq(TourPath(player.compiled.as_ref().map_or_else(Vec::new, CompiledTour::paths)));
         *told = now;
@@ -485,6 +429,8 @@ pub(crate) fn play(
 
 #[cfg(test)]
 mod tests {
+    use veduta_ecs::City;
+
     use super::*;
 
     #[test]

@@ -6,8 +6,8 @@ use veduta_ecs::{Interface, Steering, Words};
 use veduta_route::CompiledTour;
 use veduta_ui::{Look, Surface, Symbol, symbol_button};
 
-use crate::controls::TourPause;
-use crate::{TourCommand, TourPlayer, TourState};
+use crate::controls::{TourEdit, TourPause};
+use crate::{EditorCommand, TourCommand, TourEditor, TourPlayer, TourState};
 
 /// The strip of a tour's time and chapters. Live.
 #[derive(Resource, Debug, Clone, Copy, PartialEq)]
@@ -28,6 +28,7 @@ impl Default for StripSettings {
 enum Press {
     Toggle,
     Stop,
+    Edit,
     Seek(f64),
 }
 
@@ -42,12 +43,12 @@ pub(crate) fn draw(
     time: Res<Time<Real>>,
     player: Res<TourPlayer>,
     (words, interface, keys): (Res<Words>, Res<Interface>, Res<KeyNames>),
-    steering: Res<Steering>,
+    (steering, editor): (Res<Steering>, Res<TourEditor>),
     mut settings: ResMut<StripSettings>,
-    mut commands: MessageWriter<TourCommand>,
+    (mut commands, mut edits): (MessageWriter<TourCommand>, MessageWriter<EditorCommand>),
 ) -> Result {
-    let Some(tour) = player.tour().filter(|_| settings.visible && player.state() != TourState::Idle && *steering != Steering::Led)
-    else {
+    let is_shown = settings.visible && !editor.is_open();
+    let Some(tour) = player.tour().filter(|_| is_shown && player.state() != TourState::Idle && *steering != Steering::Led) else {
         return Ok(());
     };
     let context = contexts.ctx_mut()?;
@@ -68,6 +69,7 @@ pub(crate) fn draw(
     match press.inner {
         Some(Press::Toggle) => drop(commands.write(TourCommand::Toggle)),
         Some(Press::Stop) => drop(commands.write(TourCommand::Stop)),
+        Some(Press::Edit) => drop(edits.write(EditorCommand::Open)),
         Some(Press::Seek(t_s)) => drop(commands.write(TourCommand::Seek(t_s))),
         None => {}
     }
@@ -109,6 +111,9 @@ fn show(
             press = Some(Press::Toggle);
         }
         press = line(ui, look, words, tour, t_s).or(press);
+        if symbol_button(ui, look, surface, Symbol::Edit, false, &words.say("tour-edit"), keys.first::<TourEdit>()).clicked() {
+            press = Some(Press::Edit);
+        }
         if symbol_button(ui, look, surface, Symbol::Close, false, &words.say("tour-stop"), "").clicked() {
             press = Some(Press::Stop);
         }
@@ -203,7 +208,7 @@ mod tests {
         );
         harness.get_by_label("Věž");
         harness.get_by_label("1:05 / 1:20");
-        for (name, press) in [("tour-pause", Press::Toggle), ("tour-stop", Press::Stop)] {
+        for (name, press) in [("tour-pause", Press::Toggle), ("tour-edit", Press::Edit), ("tour-stop", Press::Stop)] {
             harness.get_by_label(&words.say(name)).click();
             harness.run();
             assert_eq!(harness.state_mut().pop(), Some(press), "{name}");

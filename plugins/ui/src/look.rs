@@ -1,5 +1,5 @@
 use bevy_egui::egui::{self, Color32, CornerRadius, FontId, Frame, Margin, RichText, Stroke, TextStyle};
-use veduta_ecs::Interface;
+use veduta_ecs::{Docks, Interface};
 
 /// Sizes and colours of one frame's interface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +31,16 @@ impl Look {
         let size = interface.size.clamp(0.5, 3.0);
         let text = (context.content_rect().height() * TEXT).max(11.0) * size;
         Self { text, high_contrast: interface.high_contrast, reduced_motion: interface.reduced_motion }
+    }
+
+    /// What docks leave of a window.
+    #[must_use]
+    pub fn free(docks: &Docks, context: &egui::Context) -> egui::Rect {
+        let mut rect = context.content_rect();
+        rect.min.x += docks.left;
+        rect.max.x = (rect.max.x - docks.right).max(rect.min.x);
+        rect.max.y = (rect.max.y - docks.bottom).max(rect.min.y);
+        rect
     }
 
     /// Colour of what is written on a surface.

@@ -35,6 +35,20 @@ pub enum Symbol {
     Walk,
     /// An arrow that leaps: go there at once.
     Jump,
+    /// A dot: record.
+    Record,
+    /// A square: end what is being recorded.
+    Stop,
+    /// A pencil.
+    Edit,
+    /// An arrow back.
+    Undo,
+    /// An arrow onward.
+    Redo,
+    /// An arrow into a tray.
+    Save,
+    /// A plus.
+    Add,
 }
 
 /// A button with a symbol, and what screen readers and the pointer's tooltip say of it. `is_on` marks what is chosen or open.
@@ -138,6 +152,32 @@ fn draw(painter: &Painter, square: Rect, symbol: Symbol, ink: Color32) {
             line(&[(0.52, 0.25), (0.48, 0.6), (0.28, 0.98)]);
             line(&[(0.48, 0.6), (0.68, 0.75), (0.74, 0.98)]);
             line(&[(0.22, 0.5), (0.5, 0.3), (0.8, 0.5)]);
+        }
+        Symbol::Record => drop(painter.circle_filled(at(0.5, 0.5), wide * 0.42, ink)),
+        Symbol::Stop => solid(&[(0.12, 0.12), (0.88, 0.12), (0.88, 0.88), (0.12, 0.88)]),
+        Symbol::Edit => {
+            line(&[(0.3, 0.92), (0.08, 0.92), (0.12, 0.68), (0.72, 0.08), (0.92, 0.28), (0.3, 0.92)]);
+            line(&[(0.56, 0.24), (0.76, 0.44)]);
+        }
+        Symbol::Undo | Symbol::Redo => {
+            let side = |x: f32| if symbol == Symbol::Undo { x } else { 1.0 - x };
+            line(
+                &[0.1, 0.65, 0.88, 0.88, 0.65, 0.3]
+                    .map(side)
+                    .into_iter()
+                    .zip([0.35, 0.35, 0.5, 0.75, 0.9, 0.9])
+                    .collect::<Vec<_>>(),
+            );
+            line(&[(side(0.38), 0.05), (side(0.1), 0.35), (side(0.38), 0.65)]);
+        }
+        Symbol::Save => {
+            line(&[(0.5, 0.0), (0.5, 0.6)]);
+            line(&[(0.24, 0.36), (0.5, 0.62), (0.76, 0.36)]);
+            line(&[(0.05, 0.6), (0.05, 0.95), (0.95, 0.95), (0.95, 0.6)]);
+        }
+        Symbol::Add => {
+            line(&[(0.5, 0.05), (0.5, 0.95)]);
+            line(&[(0.05, 0.5), (0.95, 0.5)]);
         }
         Symbol::Jump => {
             arc(painter, at(0.45, 0.75), wide * 0.4, 1.0..1.85, stroke);
