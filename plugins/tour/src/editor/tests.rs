@@ -6,7 +6,7 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_egui::egui::{self, Key, Modifiers, Pos2, Vec2 as EguiVec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use veduta_city::{GridPos, Id, Overview, Place, PlanStreet, Step};
+use veduta_city::{GridPos, Id, Overview, Place, PlanStreet, Step, StreetClass};
 use veduta_ecs::{Around, City, Docks, Eye, Overviews, PlaceNames, Steering, TourPath, Viewer, Words};
 use veduta_route::{Pose, StepKind, sketch};
 use veduta_ui::Look;
@@ -39,6 +39,7 @@ fn village() -> Overview {
         width: 6 * 1024,
         walkable: true,
         layer: 0,
+        class: StreetClass::Street,
     };
     let place = |name: &str, x: f64, y: f64| Place { name: name.into(), pos: DVec2::new(x, y), ..Place::default() };
     let streets = vec![street(1, (0, 0), (60, 0)), street(2, (60, 0), (60, 40))];
