@@ -20,7 +20,7 @@ use veduta::ui::UiSystems;
 use veduta::walker::WalkerSystems;
 
 pub(crate) use diary::StillsFolder;
-pub(crate) use offers::TourFiles;
+pub(crate) use offers::{TourFiles, asset_path};
 
 /// What lies over the picture.
 pub(crate) struct HudPlugin;
@@ -50,7 +50,10 @@ impl Plugin for HudPlugin {
             .init_resource::<TourFiles>()
             .init_resource::<crate::settings::DroppedKeys>()
             .add_systems(PreUpdate, pad::steer.after(InputSystems).before(EguiPreUpdateSet::ProcessInput))
-            .add_systems(Update, (controls::read_keys, notes::gather, notes::watch, first::watch, offers::offer, offers::take))
+            .add_systems(
+                Update,
+                (controls::read_keys, notes::gather, notes::watch, first::watch, offers::meet, offers::offer, offers::take),
+            )
             .add_systems(Update, (diary::take_still, diary::tell))
             .add_systems(Update, bar::press.after(WalkerSystems::Input).before(WalkerSystems::Move))
             .add_systems(

@@ -158,7 +158,6 @@ fn offer_tour(
     let idle = player.state() == veduta::tour::TourState::Idle;
     let toggled = asked.read().any(|command| *command == TourCommand::Toggle);
     if begins || (idle && toggled) {
-        let name = first.path.file_name().unwrap_or_default().to_string_lossy();
-        commands.write_message(TourCommand::Open(format!("tours://{name}")));
+        commands.write_message(TourCommand::Open(hud::asset_path(&first.path)));
     }
 }

@@ -3,18 +3,18 @@ use std::path::{Path, PathBuf};
 use bevy::prelude::*;
 use clap::ValueEnum;
 use veduta::city::{Tour, file};
-use veduta::ecs::{Words, WordsValue};
+use veduta::ecs::{CITY_SOURCE, Words, WordsValue};
 use veduta::guide::{Offer, OfferTaken, Offers};
 use veduta::minimap::MapView;
 use veduta::prelude::*;
-use veduta::tour::EditorCommand;
+use veduta::tour::{EditorCommand, TourAsset};
 
 use super::Open;
 use crate::profile::Profile;
 use crate::settings::Settings;
 use crate::walk::FirstTour;
 
-/// The tours that lie beside the city: file names and titles.
+/// The tours of the city: their files, or the asset server's paths of those that travel with it, and titles.
 #[derive(Resource, Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct TourFiles(pub Vec<(PathBuf, String)>);
 
@@ -28,6 +28,48 @@ impl TourFiles {
         tours.sort();
         Self(tours)
     }
+}
+
+/// Path for the asset server of a tour: as it is where it names its source, else in the scene's folder.
+pub(crate) fn asset_path(tour: &Path) -> String {
+    let path = tour.to_string_lossy();
+    if path.contains("://") {
+        path.into_owned()
+    } else {
+        format!("tours://{}", tour.file_name().unwrap_or_default().to_string_lossy())
+    }
+}
+
+/// Where no tours lie beside a city that opens, those that travel with it are offered as they come.
+pub(super) fn meet(
+    mut opened: MessageReader<CityOpened>,
+    (city, server, loaded): (Option<Res<City>>, Option<Res<AssetServer>>, Option<Res<Assets<TourAsset>>>),
+    mut coming: Local<Vec<Handle<TourAsset>>>,
+    mut tours: ResMut<TourFiles>,
+    first: Option<Res<FirstTour>>,
+    mut commands: Commands,
+) {
+    let (Some(city), Some(server), Some(loaded)) = (city, server, loaded) else { return };
+    if opened.read().count() > 0 {
+        let of_city = |path: &Path| path.to_string_lossy().starts_with(CITY_SOURCE);
+        if tours.0.iter().any(|(path, _)| of_city(path)) {
+            tours.0.retain(|(path, _)| !of_city(path));
+        }
+        if tours.0.is_empty() {
+            let own = city.files.iter().filter(|path| path.ends_with(".tour.ron"));
+            *coming = own.map(|path| server.load(format!("{CITY_SOURCE}://{path}"))).collect();
+        }
+    }
+    coming.retain(|handle| {
+        let (Some(asset), Some(path)) = (loaded.get(handle), handle.path()) else { return !server.load_state(handle).is_failed() };
+        let path = PathBuf::from(path.to_string());
+        if first.is_none() && tours.0.is_empty() {
+            commands.insert_resource(FirstTour { path: path.clone(), at_once: false });
+        }
+        tours.0.push((path, asset.0.title.clone()));
+        tours.0.sort();
+        false
+    });
 }
 
 /// What can be asked for by name: a key, and the message that names it.
@@ -108,9 +150,8 @@ pub(super) fn take(
             "new" => _ = editor.write(EditorCommand::New),
             "tour" => {
                 let path = PathBuf::from(value);
-                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                tour.write(TourCommand::Open(asset_path(&path)));
                 commands.insert_resource(FirstTour { path, at_once: false });
-                tour.write(TourCommand::Open(format!("tours://{name}")));
             }
             _ => warn!("nothing is known by {key:?}"),
         }
