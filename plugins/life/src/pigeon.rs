@@ -132,7 +132,7 @@ fn wing(sculpt: &mut Sculpt, uv_b: Vec2, side: f32) {
     let rows = SPAN.iter().flat_map(|&span| {
         CHORD.iter().map(move |&chord| {
             // Wrapped about the flank from the back to the belly, its tip over the tail.
-            let angle = 1.22 - 1.25 * chord;
+            let angle = 1.08 - 1.12 * chord;
             let around = Vec3::new(side * angle.cos(), angle.sin(), 0.0);
             let radius = 0.0635 * (1.0 - 0.72 * span * span) * (0.93 + 0.07 * (PI * span).sin());
             let lies = Vec3::new(0.0, 0.107 - 0.022 * span, 0.058 - 0.235 * span - 0.022 * chord * (1.0 - span));

@@ -109,7 +109,7 @@ fn vertex(vertex: Vertex) -> VertexOutput {
         let side = normalize(cross(way, to_eye) + vec3<f32>(1e-5, 0.0, 0.0));
         let size = vertex.color.r * (0.7 + 0.6 * hash(toss + 11.0));
         place += side * vertex.uv.x * size + way * vertex.uv.y * size * (1.0 + 0.28 * length(speed));
-        opacity = 0.75 * smoothstep(0.0, 0.06, age) * smoothstep(flight * 1.02, flight * 0.93, age);
+        opacity = 0.75 * smoothstep(0.0, 0.06, age) * (1.0 - smoothstep(flight * 0.93, flight, age));
         along = hash(toss + 19.0);
     } else if kind == RING {
         let turns = time / vertex.color.b + vertex.color.g;
@@ -123,13 +123,13 @@ fn vertex(vertex: Vertex) -> VertexOutput {
     } else {
         let n = u32(vertex.normal.x + 0.5) * 3u;
         let pose = sources[n];
-        // Where it stands it is told with `c.w`, above; in the air the shade is on no ground that is known here.
+        // In the air there is none: what lies below is not known here.
         let spread = sources[n + 1u].z;
         let s = sin(pose.w);
         let c = cos(pose.w);
-        let q = vec2<f32>(vertex.uv.x * 0.085, vertex.uv.y * 0.15);
+        let q = vec2<f32>(vertex.uv.x * 0.13, vertex.uv.y * 0.21 - 0.02);
         place = (model * vec4<f32>(pose.xyz, 1.0)).xyz + vec3<f32>(c * q.x + s * q.y, 0.012, s * q.x - c * q.y) * (1.0 - spread);
-        opacity = 0.62 * (1.0 - spread);
+        opacity = 0.7 * (1.0 - spread);
     }
     out.world_position = vec4<f32>(place, 1.0);
     out.position = position_world_to_clip(place);
@@ -142,7 +142,8 @@ fn vertex(vertex: Vertex) -> VertexOutput {
 
 @fragment
 fn fragment(in: VertexOutput) -> FragmentOutput {
-    let kind = in.uv_b.x;
+    // What is the same at all corners of a triangle may still be a little off between them.
+    let kind = round(in.uv_b.x);
     let night = life.fill[0].w;
     let to_eye = normalize(view.world_position - in.world_position.xyz);
     let off = length(in.uv);
@@ -159,27 +160,27 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     if kind == PUFF {
         // Soft in the middle, torn at the rim; brighter against the light.
         let torn = noise(in.uv * 2.3 + vec2<f32>(in.world_normal.z * 51.0, in.uv_b.y * 2.0));
-        alpha *= smoothstep(1.0, 0.15, off + 0.35 * (torn - 0.5));
+        alpha *= 1.0 - smoothstep(0.15, 1.0, off + 0.35 * (torn - 0.5));
         radiance = 0.78 * light + key * (0.30 + 0.35 * toward * toward);
     } else if kind == THREAD {
         // Waves run down with the water, and break it into drops.
         let runs = in.uv_b.y * 11.0 - globals.time * 11.0 + in.color.g * 31.0;
         let broken = noise(vec2<f32>(in.uv.x * 1.2 + in.color.g * 17.0, runs));
         let share = in.uv.y;
-        alpha *= smoothstep(1.0, 0.3, abs(in.uv.x)) * mix(1.0, smoothstep(0.3, 0.75, broken), smoothstep(0.15, 0.9, share));
+        alpha *= (1.0 - smoothstep(0.3, 1.0, abs(in.uv.x))) * mix(1.0, smoothstep(0.3, 0.75, broken), smoothstep(0.15, 0.9, share));
         let glint = pow(broken, 6.0);
         radiance = 0.55 * light + 0.45 * mix(life.horizon.xyz, life.zenith.xyz, broken) + key * (0.10 + 2.2 * glint + 1.5 * pow(toward, 8.0));
     } else if kind == DROP {
-        alpha *= smoothstep(1.0, 0.2, off);
+        alpha *= 1.0 - smoothstep(0.2, 1.0, off);
         let glint = step(0.82, in.uv_b.y);
         radiance = 0.7 * light + 0.5 * life.horizon.xyz + key * (0.15 + 2.4 * glint + 1.5 * pow(toward, 8.0));
     } else if kind == RING {
-        let rim = smoothstep(0.62, 0.85, off) * smoothstep(1.0, 0.88, off);
+        let rim = smoothstep(0.62, 0.85, off) * (1.0 - smoothstep(0.88, 1.0, off));
         let foam = (1.0 - smoothstep(0.0, 0.55, off)) * 0.5 * (1.0 - in.uv_b.y);
         alpha *= max(rim, foam);
         radiance = 0.6 * light + 0.5 * life.horizon.xyz + 0.15 * key;
     } else {
-        alpha *= smoothstep(1.0, 0.1, off);
+        alpha *= 1.0 - smoothstep(0.1, 1.0, off);
     }
     var out: FragmentOutput;
     var pbr_input = pbr_input_new();

@@ -89,10 +89,12 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     var through = 0.0;
 #ifdef BIRDS
     let hue = in.color.a;
-    if in.uv_b.y == 1.0 || in.uv_b.y == 2.0 {
+    // What is the same at all corners of a triangle may still be a little off between them.
+    let part = round(in.uv_b.y);
+    if part == 1.0 || part == 2.0 {
         // Two dark bars across a blue bird's wing, folded aslant; dark tips.
         let across = mix(0.92 * in.uv.x + 0.26 * in.uv.y, in.uv.y, in.uv_b.x);
-        let bars = smoothstep(0.045, 0.025, abs(across - 0.53)) + smoothstep(0.05, 0.03, abs(across - 0.76));
+        let bars = 2.0 - smoothstep(0.025, 0.045, abs(across - 0.53)) - smoothstep(0.03, 0.05, abs(across - 0.76));
         let chequer = step(0.6, hue) * step(hue, 0.84) * step(0.55, fract(across * 9.0 + floor(in.uv.y * 5.0) * 0.5));
         let inner = 1.0 - mix(smoothstep(0.75, 0.95, in.uv.x), smoothstep(0.55, 0.75, in.uv.x), in.uv_b.x);
         let dark = clamp(bars * step(hue, 0.6) * inner * smoothstep(0.08, 0.2, in.uv.y) + 0.6 * chequer, 0.0, 1.0);
@@ -100,9 +102,9 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         albedo *= 1.0 - 0.66 * smoothstep(0.66, 0.92, in.uv.x) * step(hue, 0.93);
         // Feathers.
         albedo *= 0.93 + 0.07 * cos(in.uv.y * 60.0);
-    } else if in.uv_b.y == 0.0 {
+    } else if part == 0.0 {
         // The neck gleams green and purple as it turns.
-        let neck = smoothstep(0.12, 0.4, in.uv.x) * smoothstep(0.98, 0.7, in.uv.x) * step(hue, 0.93);
+        let neck = smoothstep(0.12, 0.4, in.uv.x) * (1.0 - smoothstep(0.7, 0.98, in.uv.x)) * step(hue, 0.93);
         let turn = 0.5 + 0.5 * sin(9.0 * dot(n, to_eye) + 3.0 * n.y);
         albedo = mix(albedo, mix(vec3<f32>(0.035, 0.17, 0.11), vec3<f32>(0.16, 0.06, 0.18), turn), 0.75 * neck);
         roughness = mix(roughness, 0.4, neck);
