@@ -6,6 +6,7 @@ mod inspect;
 mod report;
 mod serve;
 mod source;
+mod tour;
 mod town;
 
 use std::path::{Path, PathBuf};
@@ -139,6 +140,9 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         model: PathBuf,
     },
+    /// Take tours to Google Earth and back (KML).
+    #[command(subcommand)]
+    Tour(tour::TourCommand),
     /// Measure this program beside its peers.
     #[command(subcommand)]
     Bench(Bench),
@@ -258,6 +262,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
             }
         }
         Command::Adopt { source, model } => adopt::take_back(&source.input()?, &model, quiet)?,
+        Command::Tour(command) => tour::tour(&command, quiet)?,
         Command::Bench(Bench::Survey(survey)) => bench::survey(&survey)?,
         Command::Bench(Bench::Thinning(thinning)) => bench::thinning(&thinning)?,
         Command::Bench(Bench::Cells(cells)) => bench::cells(&cells)?,
