@@ -7,6 +7,7 @@ mod map;
 mod report;
 mod serve;
 mod source;
+mod tour;
 mod town;
 
 use std::path::{Path, PathBuf};
@@ -142,6 +143,9 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         model: PathBuf,
     },
+    /// Take tours to Google Earth and back (KML).
+    #[command(subcommand)]
+    Tour(tour::TourCommand),
     /// Measure this program beside its peers.
     #[command(subcommand)]
     Bench(Bench),
@@ -257,6 +261,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
             }
         }
         Command::Adopt { source, model } => adopt::take_back(&source.input()?, &model, quiet)?,
+        Command::Tour(command) => tour::tour(&command, quiet)?,
         Command::Bench(Bench::Survey(survey)) => bench::survey(&survey)?,
         Command::Bench(Bench::Thinning(thinning)) => bench::thinning(&thinning)?,
         Command::Bench(Bench::Cells(cells)) => bench::cells(&cells)?,

@@ -322,22 +322,22 @@ fn tours_are_checked_against_the_city_beside_them() {
     for city in ["t.graph.ron", "https://example.org/t.city"] {
         for speed in ["NaN", "-1.0", "1e300"] {
             let (code, _, err) = check(city, &format!("speed: {speed}, {walk}"));
-            assert!(code == 1 && err.contains("t.tour.ron: the tour's speed in metres a second is"), "{city}, {speed}: {err}");
+            assert!(
+                code == 1 && err.contains("t.tour.ron:1:") && err.contains(": the tour's speed in metres a second is"),
+                "{city}, {speed}: {err}"
+            );
         }
     }
     write(&graph, &small_town(0.0).replace("buildings:", "places: [(name: \"The Well\", pos: (50, 1))], buildings:"));
     for city in ["t.graph.ron", "t.city"] {
         let (code, _, err) = check(city, walk);
         assert_eq!(code, 1, "{city}");
-        assert!(
-            err.contains("t.tour.ron: step 2 (Walk): there is no place named \"The Wel\"; did you mean \"The Well\"?"),
-            "{err}"
-        );
+        assert!(err.contains(": step 2 (Walk): there is no place named \"The Wel\"; did you mean \"The Well\"?"), "{err}");
         let (code, out, err) = check(city, &walk.replace("Wel", "Well"));
         assert!(code == 0 && out.contains("2 steps"), "{out}{err}");
     }
     let (code, _, err) = check("t.graph.ron", &format!("speed: NaN, {walk}"));
-    assert!(code == 1 && err.contains("t.tour.ron: the tour's speed in metres a second is NaN"), "{err}");
+    assert!(code == 1 && err.contains(": the tour's speed in metres a second is NaN"), "{err}");
     let (code, out, _) = check("https://example.org/t.city", walk);
     assert!(code == 0 && out.contains("were not looked at"), "{out}");
 

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Serialize, de::DeserializeOwned};
 
+mod advice;
+
 /// Files larger than this are refused before they are read; bytes.
 pub const LARGEST_FILE: u64 = 1 << 30;
 
@@ -40,7 +42,7 @@ pub enum FileError {
     },
 }
 
-/// A mistake in a RON text, with its place.
+/// A mistake in a text, with its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SyntaxError {
     /// File, or another name of the text.
@@ -82,9 +84,17 @@ fn options() -> ron::Options {
 /// A [`SyntaxError`] with the place of the first mistake.
 pub fn parse<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, SyntaxError> {
     options().from_str(text).map_err(|error| {
-        let place = error.span.start;
-        mistake(text, file, (place.line.max(1), place.col.max(1)), error.code.to_string())
+        let [start, end] = [error.span.start, error.span.end].map(|at| byte_of(text, at.line.max(1), at.col.max(1)));
+        let (at, message) = advice::advice(&error.code, text, start, end);
+        SyntaxError::at(text, file, at, message)
     })
+}
+
+/// The byte of a line and column, both from 1.
+fn byte_of(text: &str, line: usize, column: usize) -> usize {
+    let start = text.split_inclusive('\n').take(line - 1).map(str::len).sum::<usize>();
+    let within = text[start..].char_indices().nth(column - 1).map_or(text.len() - start, |(at, _)| at);
+    start + within
 }
 
 /// A mistake at a line and column, both from 1.
@@ -102,11 +112,20 @@ fn mistake(text: &str, file: &str, (line, column): (usize, usize), message: Stri
     }
 }
 
-/// A mistake at a byte of a text.
-pub(crate) fn mistake_at(text: &str, file: &str, at: usize, message: String) -> SyntaxError {
-    let before = &text[..at];
+/// Line and column of a byte of a text, both from 1; the column is counted in characters.
+#[must_use]
+pub fn line_and_column(text: &str, at: usize) -> (usize, usize) {
+    let before = &text[..text.floor_char_boundary(at)];
     let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
-    mistake(text, file, (before.matches('\n').count() + 1, column), message)
+    (before.matches('\n').count() + 1, column)
+}
+
+impl SyntaxError {
+    /// A mistake at a byte of a text, also one that is not RON; `file` names it.
+    #[must_use]
+    pub fn at(text: &str, file: &str, at: usize, message: impl Into<String>) -> Self {
+        mistake(text, file, line_and_column(text, at), message.into())
+    }
 }
 
 /// Reads a value from bytes of RON text.

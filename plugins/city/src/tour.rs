@@ -48,6 +48,14 @@ impl Tour {
         self.steps.iter().flat_map(of).collect()
     }
 
+    /// A tour without steps.
+    #[must_use]
+    pub fn new(title: String, city: String) -> Self {
+        let (speed, eye_m) = (Self::default_speed(), Self::default_eye_m());
+        let (fov_deg, hour, day) = (Self::default_fov_deg(), Self::default_hour(), Self::default_day());
+        Self { title, translations: BTreeMap::new(), city, speed, eye_m, fov_deg, hour, day, steps: Vec::new() }
+    }
+
     const fn default_speed() -> f64 {
         1.4
     }
@@ -169,6 +177,12 @@ pub enum Step {
         /// How it starts and stops.
         #[serde(default)]
         ease: Ease,
+    },
+    /// Move by key frames, as a camera that was recorded or animated elsewhere.
+    Track {
+        /// Each (seconds since the step's begin, x, y, metres above the ground, heading, pitch), after the present pose. It is at
+        /// rest at both ends, but a track that follows another goes on in the same movement.
+        keys: Vec<(f64, f64, f64, f64, f64, f64)>,
     },
     /// Turn on the spot.
     Look {

@@ -17,7 +17,7 @@ use std::{collections::BTreeMap, path::Path};
 
 use crate::{
     Step, Tour,
-    file::{self, FileError, SyntaxError, mistake_at},
+    file::{self, FileError, SyntaxError},
 };
 use layout::laid_out;
 use merge::Piece;
@@ -27,7 +27,7 @@ use value::{Field, Value};
 mod layout;
 mod merge;
 mod steps;
-mod syntax;
+pub(crate) mod syntax;
 #[cfg(test)]
 mod tests;
 mod value;
@@ -145,8 +145,8 @@ impl TourText {
         let tour: Tour = file::parse_bytes(text.as_bytes(), file)?;
         let mark = text.len() - text.trim_start_matches('\u{feff}').len();
         let found = Self::found(&text[mark..], tour.steps.len());
-        let root =
-            found.ok_or_else(|| mistake_at(text, file, 0, "the tour can be read, but not where its steps stand".to_owned()))?;
+        let root = found
+            .ok_or_else(|| SyntaxError::at(text, file, 0, "the tour can be read, but not where its steps stand".to_owned()))?;
         Ok(Self { text: text.to_owned(), tour, mark, root })
     }
 
@@ -196,14 +196,22 @@ impl TourText {
     #[must_use]
     pub fn mistake(&self, step: Option<usize>, file: &str, message: String) -> SyntaxError {
         let at = step.and_then(|step| self.step_span(step)).map_or(self.root.span.start + self.mark, |span| span.start);
-        mistake_at(&self.text, file, at, message)
+        SyntaxError::at(&self.text, file, at, message)
+    }
+
+    /// A mistake in a step, from 0, at the first of these words within it that stands there; `file` names the text.
+    #[must_use]
+    pub fn mistake_near(&self, step: usize, words: &[&str], file: &str, message: String) -> SyntaxError {
+        let Some(span) = self.step_span(step) else { return self.mistake(None, file, message) };
+        let within = words.iter().find_map(|word| self.text[span.clone()].find(word)).unwrap_or(0);
+        SyntaxError::at(&self.text, file, span.start + within, message)
     }
 
     /// A mistake in one of the tour's own settings, by its field's name.
     #[must_use]
     pub fn setting_mistake(&self, field: &str, file: &str, message: String) -> SyntaxError {
         let at = self.field(field).map_or(self.root.span.start, Item::start) + self.mark;
-        mistake_at(&self.text, file, at, message)
+        SyntaxError::at(&self.text, file, at, message)
     }
 
     /// Changes one of the tour's own settings.
@@ -400,7 +408,7 @@ impl TourText {
 }
 
 fn unreadable(file: &str) -> SyntaxError {
-    mistake_at("", file, 0, "the text is not UTF-8; save it as UTF-8".to_owned())
+    SyntaxError::at("", file, 0, "the text is not UTF-8; save it as UTF-8".to_owned())
 }
 
 /// A tour as text.

@@ -7,10 +7,11 @@ use crate::{
     FreeLine, Gazetteer, Pose, StepKind, StepProblem, StreetNet, TourError,
     error::{LONGEST_TOUR_S, MOST_STEPS},
     pace::{Haste, Pace},
-    plot::{Act, Leg, Plotter, within},
+    plot::{Act, Leg, Plotter, TrackLeg, within},
     pose::{Facing, smoothstep},
     script::{Ambience, Caption, Chapter, Mark, Narration, PICTURES, RECORDINGS, Script, Spoken, TourPicture, beside},
     timeline::{Draft, Gaze, Run, Timeline},
+    track::Key,
 };
 
 /// When a step plays.
@@ -32,7 +33,7 @@ pub struct StepSpan {
 #[derive(Debug, Clone)]
 pub struct CompiledTour {
     title: Spoken,
-    timeline: Timeline,
+    pub(crate) timeline: Timeline,
     fov: Dial,
     hour: Dial,
     /// How wet it is, if the tour says so at all.
@@ -206,11 +207,13 @@ impl Score<'_> {
                 *step
             }
             Act::Move { kind, legs, paths } => return self.movement(*kind, legs, paths),
+            Act::Track { legs, keys } => return self.track(legs, keys),
             Act::Turn { step, gaze, seconds } => {
                 let gaze = match gaze {
                     Gaze::Ahead => direction_ahead(following).map_or(Gaze::Hold, Gaze::Direction),
                     gaze => *gaze,
                 };
+                self.draft.settle_after_track();
                 self.draft.turn(gaze, *seconds);
                 *step
             }
@@ -255,6 +258,7 @@ impl Score<'_> {
 
     /// Plays the legs of a movement; between paths the visitor turns round.
     fn movement(&mut self, kind: StepKind, legs: &[Leg], paths: &[crate::path::Path]) -> Result<(), TourError> {
+        self.draft.settle_after_track();
         let start_s = self.draft.now_s;
         let mut starts: Vec<Option<f64>> = vec![None; legs.len()];
         let gaze_of = |leg: u32| legs.get(leg as usize).map_or(Gaze::Ahead, |l| l.gaze);
@@ -295,6 +299,23 @@ impl Score<'_> {
             gaze => self.draft.cue(self.draft.now_s, gaze, 0.0),
         }
         self.leg_spans(legs, &starts, start_s)
+    }
+
+    /// Plays the legs of a track, from rest to rest.
+    fn track(&mut self, legs: &[TrackLeg], keys: &[Key]) -> Result<(), TourError> {
+        self.draft.settle();
+        let start_s = self.draft.now_s;
+        if let Some(late) = legs.iter().find(|leg| is_too_late(start_s + leg.end_s)) {
+            return Err(self.fail(late.step, StepProblem::TooLate));
+        }
+        self.draft.track(keys);
+        for leg in legs {
+            for &aside in &leg.asides {
+                self.aside(aside, start_s + leg.start_s)?;
+            }
+            self.span(leg.step, start_s + leg.start_s, start_s + leg.end_s)?;
+        }
+        Ok(())
     }
 
     fn leg_spans(&mut self, legs: &[Leg], starts: &[Option<f64>], start_s: f64) -> Result<(), TourError> {

@@ -358,9 +358,10 @@ const CUT_S: f64 = 1.6;
 pub fn new_step(kind: StepKind, tour: &Tour, here: &Pose) -> Step {
     let spoken = Default::default;
     match kind {
-        StepKind::Start | StepKind::Walk | StepKind::Fly | StepKind::Cut => {
+        // Tracks are recorded elsewhere: by hand one flies.
+        StepKind::Start | StepKind::Walk | StepKind::Fly | StepKind::Track | StepKind::Cut => {
             let by = match kind {
-                StepKind::Fly => Approach::Fly,
+                StepKind::Fly | StepKind::Track => Approach::Fly,
                 StepKind::Cut => Approach::Cut,
                 _ => Approach::Walk,
             };
@@ -403,7 +404,8 @@ pub fn stretched(step: &Step, speed: f64, from_s: f64, to_s: f64) -> Option<Step
         Step::Picture { seconds, .. } => *seconds = to_s,
         Step::Walk { speed: own, .. } => *own = Some(faster(own.unwrap_or(speed), 10.0).clamp(0.1, 10.0)),
         Step::Fly { speed, .. } => *speed = faster(*speed, 200.0).clamp(0.1, 200.0),
-        Step::Start { .. } | Step::Chapter { .. } | Step::Mark { .. } | Step::Sound { .. } => return None,
+        Step::Track { keys } if from_s > 0.0 && to_s > 0.0 => keys.iter_mut().for_each(|key| key.0 *= to_s / from_s),
+        Step::Track { .. } | Step::Start { .. } | Step::Chapter { .. } | Step::Mark { .. } | Step::Sound { .. } => return None,
     }
     Some(next)
 }

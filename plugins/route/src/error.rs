@@ -12,6 +12,8 @@ pub const LONGEST_TOUR_S: f64 = 6.0 * 3600.0;
 pub const LONGEST_LEG_M: f64 = 100_000.0;
 /// Most steps of a tour, and most points of a flight.
 pub const MOST_STEPS: usize = 10_000;
+/// Most keys of a track.
+pub const MOST_KEYS: usize = 100_000;
 
 /// What a step does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -22,6 +24,8 @@ pub enum StepKind {
     Walk,
     /// Flies.
     Fly,
+    /// Moves by key frames.
+    Track,
     /// Turns on the spot.
     Look,
     /// Stays.
@@ -56,6 +60,7 @@ impl StepKind {
             Step::Start { .. } => Self::Start,
             Step::Walk { .. } => Self::Walk,
             Step::Fly { .. } => Self::Fly,
+            Step::Track { .. } => Self::Track,
             Step::Look { .. } => Self::Look,
             Step::Wait { .. } => Self::Wait,
             Step::Say { .. } => Self::Say,
@@ -172,6 +177,20 @@ pub enum StepProblem {
     /// A flight of too many points.
     #[error("the flight goes through {0} points, more than {MOST_STEPS}; split it")]
     TooManyPoints(usize),
+    /// A track without keys.
+    #[error("a track has at least one key; give `keys: [(seconds, x, y, height, heading, pitch)]`")]
+    NoKeys,
+    /// A track of too many keys.
+    #[error("the track has {0} keys, more than {MOST_KEYS}; split it")]
+    TooManyKeys(usize),
+    /// Keys that are not in the order of time.
+    #[error("key {key} of the track comes at {seconds} s, not after the one before; put them in the order of time")]
+    KeysOutOfOrder {
+        /// The key's number, from 1.
+        key: usize,
+        /// Its time.
+        seconds: f64,
+    },
     /// A walk from high above the ground.
     #[error("the walk would begin {eye_m} m above the ground; fly down to at most {WALK_EYE_M} m first, or use `Cut(to: ...)`")]
     FromAbove {

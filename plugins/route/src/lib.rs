@@ -41,6 +41,7 @@
 //! | `Start` | 0.8 s, out of the dark | the first step but for captions and the like; later on it is a `Cut` of 1.6 s |
 //! | `Walk` | as its speed demands | along streets; one that follows another goes on without a stop, at its own speed; the eye stays as high as it was |
 //! | `Fly` | likewise | a centripetal Catmull-Rom curve from the present position; one that follows another goes on in the same curve |
+//! | `Track` | as its last key says | smooth through its keys, in place and in direction, and at rest at both ends; one that follows another goes on. Between it and a walk, flight or turn the view comes to rest, in half a second |
 //! | `Look` | its seconds, or as many as 60° a second demand | `Ahead`: where the next movement sets off |
 //! | `Wait` | its seconds | |
 //! | `Cut` | its seconds, at least 0.4 | dark for a tenth of a second about the jump |
@@ -72,6 +73,7 @@ mod edit;
 mod error;
 mod flight;
 mod gazetteer;
+pub mod kml;
 mod letters;
 mod net;
 mod pace;
@@ -89,12 +91,13 @@ mod sketch;
 mod timeline;
 #[cfg(test)]
 mod tours;
+mod track;
 mod walk;
 mod way;
 
 pub use compile::{CompiledTour, StepSpan, compile, compile_with};
 pub use edit::{Approach, TourEdit, joined, new_step, steps_to_view, stretched};
-pub use error::{LONGEST_LEG_M, LONGEST_TOUR_S, MOST_STEPS, Range, StepKind, StepProblem, TourError, WALK_EYE_M};
+pub use error::{LONGEST_LEG_M, LONGEST_TOUR_S, MOST_KEYS, MOST_STEPS, Range, StepKind, StepProblem, TourError, WALK_EYE_M};
 pub use gazetteer::Gazetteer;
 pub use letters::{fold, plain_name};
 pub use net::{Foot, JOIN_M, StreetNet};

@@ -10,11 +10,12 @@ use crate::{
     path::{Mark, Path, round_corners},
     pose::Facing,
     timeline::Gaze,
+    track::{self, Key},
     way,
 };
 
 /// Furthest coordinate of a tour, in metres: the plan's grid ends there.
-const FURTHEST_M: f64 = 2_097_000.0;
+pub(crate) const FURTHEST_M: f64 = 2_097_000.0;
 
 /// A step or a run of joined steps, with everything known but time.
 pub(crate) enum Act {
@@ -29,6 +30,8 @@ pub(crate) enum Act {
     },
     /// Walks or flies without a stop between the legs.
     Move { kind: StepKind, legs: Vec<Leg>, paths: Vec<Path> },
+    /// Moves by the keys of one or more steps.
+    Track { legs: Vec<TrackLeg>, keys: Vec<Key> },
     /// Turns.
     Turn { step: usize, gaze: Gaze, seconds: f64 },
     /// Stays.
@@ -43,6 +46,16 @@ pub(crate) struct Leg {
     pub speed: f64,
     pub gaze: Gaze,
     pub ease: Ease,
+    /// Steps without time of their own that come just before it.
+    pub asides: Vec<usize>,
+}
+
+/// One step of a track.
+pub(crate) struct TrackLeg {
+    pub step: usize,
+    /// When it begins and ends, seconds from the first one's begin.
+    pub start_s: f64,
+    pub end_s: f64,
     /// Steps without time of their own that come just before it.
     pub asides: Vec<usize>,
 }
@@ -63,7 +76,7 @@ pub(crate) fn within(what: &'static str, value: f64, least: f64, most: f64) -> R
     if (least..=most).contains(&value) { Ok(value) } else { Err(Range { what, value, least, most }) }
 }
 
-fn checked(what: &'static str, value: f64, least: f64, most: f64) -> Checked<f64> {
+pub(crate) fn checked(what: &'static str, value: f64, least: f64, most: f64) -> Checked<f64> {
     within(what, value, least, most).map_err(StepProblem::Range)
 }
 
@@ -89,6 +102,7 @@ impl<'a> Plotter<'a> {
             let (act, next) = self.act(step, here)?;
             match &act {
                 Act::Place { at, .. } => here = Some(*at),
+                Act::Track { keys, .. } => here = keys.last().map(|key| key.at).or(here),
                 Act::Move { paths, .. } => here = paths.last().map(|p| p.at(p.length())).or(here),
                 _ => {}
             }
@@ -120,6 +134,10 @@ impl<'a> Plotter<'a> {
                 self.place(step, to, *eye_m, look, fade_s.max(SHORTEST_FADE_S)).map_err(fails)?
             }
             Step::Walk { .. } | Step::Fly { .. } => return self.movement(step, stands()?),
+            Step::Track { .. } => {
+                stands()?;
+                return self.track(step);
+            }
             Step::Look { at, seconds } => {
                 stands()?;
                 let seconds = checked("the time in seconds", *seconds, 0.0, 3600.0).map_err(&fails)?;
@@ -217,17 +235,7 @@ impl<'a> Plotter<'a> {
         let mut next = first;
         for (step, s) in self.tour.steps.iter().enumerate().skip(first) {
             match s {
-                Step::Say { .. }
-                | Step::Narrate { .. }
-                | Step::Sound { .. }
-                | Step::Picture { .. }
-                | Step::Chapter { .. }
-                | Step::Mark { .. }
-                | Step::Rain { .. }
-                | Step::Fov { .. }
-                | Step::Time { .. } => {
-                    asides.push(step);
-                }
+                s if is_aside(s) => asides.push(step),
                 s if StepKind::of(s) == kind => {
                     let mut leg = self.leg(step, legs.len() as u32, &mut marks).map_err(self.fails(step))?;
                     leg.asides = core::mem::take(&mut asides);
@@ -239,6 +247,25 @@ impl<'a> Plotter<'a> {
         }
         let paths = if kind == StepKind::Walk { round_corners(&marks, self.free) } else { fly(&marks) };
         Ok((Act::Move { kind, legs, paths }, next))
+    }
+
+    /// This track and all that follow, apart from steps that take no time.
+    fn track(&self, first: usize) -> Result<(Act, usize), TourError> {
+        let (mut legs, mut keys) = (Vec::<TrackLeg>::new(), Vec::new());
+        let (mut asides, mut next) = (Vec::new(), first);
+        for (step, s) in self.tour.steps.iter().enumerate().skip(first) {
+            match s {
+                Step::Track { keys: own } => {
+                    let start_s = legs.last().map_or(0.0, |leg| leg.end_s);
+                    let end_s = track::read(own, start_s, &mut keys).map_err(self.fails(step))?;
+                    legs.push(TrackLeg { step, start_s, end_s, asides: core::mem::take(&mut asides) });
+                    next = step + 1;
+                }
+                s if is_aside(s) => asides.push(step),
+                _ => break,
+            }
+        }
+        Ok((Act::Track { legs, keys }, next))
     }
 
     /// Reads one leg and adds where it goes.
@@ -290,6 +317,22 @@ impl<'a> Plotter<'a> {
         marks.extend(way.iter().skip(1).map(|p| Mark { at: p.extend(from.z), leg }));
         Ok(())
     }
+}
+
+/// Whether a step takes no time of its own.
+const fn is_aside(step: &Step) -> bool {
+    matches!(
+        step,
+        Step::Say { .. }
+            | Step::Narrate { .. }
+            | Step::Sound { .. }
+            | Step::Picture { .. }
+            | Step::Chapter { .. }
+            | Step::Mark { .. }
+            | Step::Rain { .. }
+            | Step::Fov { .. }
+            | Step::Time { .. }
+    )
 }
 
 /// Fade of a `Start`, out and in together, in seconds.

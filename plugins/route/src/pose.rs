@@ -54,6 +54,14 @@ impl Facing {
     }
 }
 
+impl Facing {
+    /// A share of the way to another direction, whose heading is counted on from this one's.
+    pub fn towards(self, to: Self, share: f64) -> Self {
+        let between = |a: f64, b: f64| a + (b - a) * share;
+        Self { heading: between(self.heading, to.heading), pitch: between(self.pitch, to.pitch) }
+    }
+}
+
 /// The turn from one heading to another the shorter way, degrees, over -180 to 180.
 #[must_use]
 pub fn turn_deg(from: f64, to: f64) -> f64 {

@@ -7,8 +7,8 @@ use crate::{CompiledTour, StepProblem};
 /// Words in a tour's own language and in others.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Spoken {
-    text: String,
-    translations: BTreeMap<String, String>,
+    pub(crate) text: String,
+    pub(crate) translations: BTreeMap<String, String>,
 }
 
 impl Spoken {

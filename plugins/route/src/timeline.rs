@@ -3,7 +3,8 @@
 //! Positions come from the paths and paces themselves. The direction wanted at each moment (a spot, a heading, along the
 //! way) jumps where steps meet; it is followed at a bounded angular speed sixty times a second, averaged over half a
 //! second twice (to both sides, so nothing lags), and read through a cubic B-spline. All three keep the bound, and the last
-//! two bound the angular acceleration and make it continuous. Nothing is averaged across a cut.
+//! two bound the angular acceleration and make it continuous. Nothing is averaged across a cut. A track's directions are its own:
+//! it is left as it was made, and what comes before and after it is led to its ends.
 
 use glam::{DVec2, DVec3, swizzles::Vec3Swizzles};
 use veduta_city::PlanTerrain;
@@ -12,6 +13,7 @@ use crate::{
     pace::Pace,
     path::Path,
     pose::{Facing, smoothstep, turn_deg},
+    track::{Key, Track},
 };
 
 /// Greatest angular speed, degrees a second.
@@ -75,6 +77,7 @@ impl Run {
 enum Motion {
     Stand(DVec3),
     Run(Box<Run>),
+    Track(Track),
 }
 
 #[derive(Debug, Clone)]
@@ -88,6 +91,15 @@ impl Clip {
         match &self.motion {
             Motion::Stand(at) => *at,
             Motion::Run(run) => run.path.at(run.pace.travelled(t - self.start_s)),
+            Motion::Track(track) => track.at(t - self.start_s),
+        }
+    }
+
+    /// The direction at a moment, if a track says it.
+    fn tracked(&self, t: f64) -> Option<Facing> {
+        match &self.motion {
+            Motion::Track(track) if t <= self.start_s + track.duration_s() => Some(track.facing(t - self.start_s)),
+            _ => None,
         }
     }
 }
@@ -119,11 +131,16 @@ pub(crate) struct Draft<'a> {
     clips: Vec<Clip>,
     cues: Vec<Cue>,
     shots: Vec<Shot>,
+    /// Since when nothing asks the eye to turn, and when the last track ended.
+    still_s: f64,
+    track_s: f64,
 }
 
 impl<'a> Draft<'a> {
     pub fn new(here: DVec3, facing: Facing, terrain: &'a PlanTerrain) -> Self {
-        let mut draft = Self { terrain, now_s: 0.0, here, facing, clips: Vec::new(), cues: Vec::new(), shots: Vec::new() };
+        let (clips, cues, shots) = (Vec::new(), Vec::new(), Vec::new());
+        let mut draft =
+            Self { terrain, now_s: 0.0, here, facing, clips, cues, shots, still_s: f64::NEG_INFINITY, track_s: f64::NEG_INFINITY };
         draft.place(here, facing);
         draft
     }
@@ -134,6 +151,29 @@ impl<'a> Draft<'a> {
         self.shots.push(Shot { start_s: self.now_s, first: facing, table: Vec::new() });
         self.clips.push(Clip { start_s: self.now_s, motion: Motion::Stand(here) });
         self.cue(self.now_s, Gaze::Hold, 0.0);
+        self.still_s = f64::NEG_INFINITY;
+    }
+
+    /// Stays until the view is at rest.
+    pub fn settle(&mut self) {
+        self.stand((self.still_s + SETTLE_S - self.now_s).min(SETTLE_S));
+    }
+
+    /// Stays after a track until the view may turn again without a jerk.
+    pub fn settle_after_track(&mut self) {
+        self.stand((self.track_s + SETTLE_S - self.now_s).min(SETTLE_S));
+    }
+
+    /// Moves by keys, each after the one before, from the present pose.
+    pub fn track(&mut self, keys: &[Key]) {
+        let first = Key { seconds: 0.0, at: self.here, facing: self.facing };
+        let track = Track::new(core::iter::once(first).chain(keys.iter().copied()));
+        (self.here, self.facing) = (track.at(track.duration_s()), track.facing(track.duration_s()));
+        let seconds = track.duration_s();
+        self.clips.push(Clip { start_s: self.now_s, motion: Motion::Track(track) });
+        self.now_s += seconds;
+        self.cue(self.now_s, Gaze::Hold, 0.0);
+        (self.still_s, self.track_s) = (f64::NEG_INFINITY, self.now_s);
     }
 
     /// From a moment on, turns the eye; in so many seconds, or as fast as it may.
@@ -157,6 +197,7 @@ impl<'a> Draft<'a> {
         self.cue(self.now_s, gaze, seconds);
         self.facing = to;
         self.stand(seconds);
+        self.still_s = self.now_s;
     }
 
     /// Turns towards a path that is to be followed with the eyes, until little of the turn is left for the way.
@@ -178,6 +219,7 @@ impl<'a> Draft<'a> {
         self.clips.push(Clip { start_s: self.now_s, motion: Motion::Run(Box::new(run.clone())) });
         self.now_s += run.pace.duration_s();
         self.here = run.path.at(run.path.length());
+        self.still_s = self.now_s;
     }
 
     /// Works out the directions of view. The timeline ends when all is said and done and the view is still.
@@ -205,6 +247,7 @@ fn look_along(terrain: &PlanTerrain, clips: &[Clip], cues: &[Cue], shot: &Shot, 
     let (mut state, mut from) = (shot.first, shot.first);
     let mut still = 0;
     let mut followed = Vec::with_capacity(least);
+    let mut are_tracked = Vec::with_capacity(least);
     while followed.len() < least || (cut_s.is_infinite() && still < 2 * AVERAGED + 2 && followed.len() < least + LONGEST) {
         let t = shot.start_s + followed.len() as f64 / RATE_HZ;
         // The last entry may lie beyond the shot, where the next one's clips begin.
@@ -218,13 +261,41 @@ fn look_along(terrain: &PlanTerrain, clips: &[Clip], cues: &[Cue], shot: &Shot, 
         }
         let last = state;
         if let (Some(clip), Some(cue)) = (clips.get(clip), cues.get(cue)) {
-            state = follow(state, wanted(terrain, clip, cue, t, from, state));
+            let tracked = clip.tracked(t);
+            are_tracked.push(tracked.is_some());
+            state = match tracked {
+                Some(facing) => Facing { heading: state.heading + turn_deg(state.heading, facing.heading), ..facing },
+                None => follow(state, wanted(terrain, clip, cue, t, from, state)),
+            };
         }
         let is_still = (state.heading - last.heading).abs().max((state.pitch - last.pitch).abs()) < 1e-9;
         still = if is_still { still + 1 } else { 0 };
         followed.push(state);
     }
-    averaged(&averaged(&followed))
+    smoothed(&followed, &are_tracked)
+}
+
+/// The directions averaged where no track says them; beside a track they are led to its ends.
+fn smoothed(followed: &[Facing], are_tracked: &[bool]) -> Vec<Facing> {
+    const LED: f64 = (2 * AVERAGED + 2) as f64;
+    let mut smoothed = Vec::with_capacity(followed.len());
+    for run in are_tracked.chunk_by(|a, b| a == b) {
+        let (start, end) = (smoothed.len(), smoothed.len() + run.len());
+        let own = &followed[start..end];
+        if run.first() == Some(&true) {
+            smoothed.extend_from_slice(own);
+            continue;
+        }
+        let before = start.checked_sub(1).map(|i| followed[i]);
+        let after = followed.get(end);
+        for (i, facing) in averaged(&averaged(own)).into_iter().enumerate() {
+            let led = |to: Option<Facing>, away: usize, facing: Facing| {
+                to.map_or(facing, |to| to.towards(facing, smoothstep((away + 1) as f64 / LED)))
+            };
+            smoothed.push(led(after.copied(), run.len() - 1 - i, led(before, i, facing)));
+        }
+    }
+    smoothed
 }
 
 fn wanted(terrain: &PlanTerrain, clip: &Clip, cue: &Cue, t: f64, from: Facing, state: Facing) -> Facing {
@@ -315,6 +386,11 @@ impl Timeline {
         Facing { heading: if heading < 360.0 { heading } else { 0.0 }, pitch: pitch.clamp(-90.0, 90.0) }
     }
 
+    /// When each shot begins, seconds: the first at 0, each other where the tour is cut.
+    pub fn cuts(&self) -> Vec<f64> {
+        self.shots.iter().map(|shot| shot.start_s).collect()
+    }
+
     /// The ways gone on the ground between two cuts, plan metres; standing still is one position.
     pub fn ways(&self) -> Vec<Vec<DVec2>> {
         let mut ways: Vec<Vec<DVec2>> = Vec::new();
@@ -328,6 +404,7 @@ impl Timeline {
             let points: Vec<DVec2> = match &clip.motion {
                 Motion::Stand(at) => vec![at.xy()],
                 Motion::Run(run) => run.path.knots().iter().map(|k| k.at.xy()).collect(),
+                Motion::Track(track) => track.keys().iter().map(|key| key.at.xy()).collect(),
             };
             way.extend(points);
             way.dedup();

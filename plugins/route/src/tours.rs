@@ -502,3 +502,52 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_track_is_followed_as_it_is_told_and_joined_without_a_jerk() {
+    let text = r#"(title: "t", city: "c", steps: [
+        Start(at: At(0, 0), look: Heading(deg: 90)),
+        Walk(to: At(50, 0), look: Heading(deg: 90)),
+        Track(keys: [(2, 50, 10, 4, 120, 5), (4, 60, 20, 9, 200, -10), (6, 70, 20, 9, 240, -20)]),
+        Say(text: "on"),
+        Track(keys: [(1.5, 75, 20, 8, 260, -25), (4, 80, 10, 1.65, 300, 0)]),
+        Walk(to: At(100, 0)),
+    ])"#;
+    let tour = compiled(&read(text));
+    let (first, second) = (tour.steps()[2], tour.steps()[4]);
+    assert_eq!((first.end_s - first.start_s, second.start_s, second.end_s - second.start_s), (6.0, first.end_s, 4.0));
+    assert_eq!(tour.steps()[3].start_s, first.end_s, "what is said begins between the two");
+    let key = |t: f64, at: (f64, f64, f64), heading: f64, pitch: f64| {
+        let pose = tour.pose(t);
+        assert!(pose.at().distance(at.into()) < 1e-6, "{pose:?} at {t}");
+        // A spline reads the directions: a little of the curve is lost.
+        let off = turn_deg(pose.heading_deg, heading).abs().max((pose.pitch_deg - pitch).abs());
+        assert!(off < 0.05, "{pose:?} at {t}");
+    };
+    key(first.start_s + 4.0, (60.0, 20.0, 9.0), 200.0, -10.0);
+    key(first.end_s, (70.0, 20.0, 9.0), 240.0, -20.0);
+    key(second.start_s + 1.5, (75.0, 20.0, 8.0), 260.0, -25.0);
+    key(second.end_s, (80.0, 10.0, 1.65), 300.0, 0.0);
+    let speed = |t: f64| tour.pose(t + 0.01).at().distance(tour.pose(t - 0.01).at()) / 0.02;
+    assert!(speed(first.end_s) > 2.0 && speed(second.end_s) < 0.5, "on between the two, and at rest in the end");
+    no_jerk(|t| tour.pose(t), tour.duration_s(), 40.0).unwrap_or_else(|e| panic!("{e}"));
+}
+
+#[test]
+fn a_track_that_cannot_be_is_told_what_is_wrong() {
+    let wrong = |keys: Vec<(f64, f64, f64, f64, f64, f64)>| {
+        let tour = with_steps(vec![start(0.0, 0.0), Step::Track { keys }]);
+        compile(&tour, &town(), &places()).expect_err("it cannot be").to_string()
+    };
+    let key = |s: f64, height: f64| (s, 0.0, 0.0, height, 0.0, 0.0);
+    for (keys, words) in [
+        (vec![], "step 2 (Track): a track has at least one key"),
+        (vec![key(0.0, 2.0)], "key 1 of the track comes at 0 s"),
+        (vec![key(2.0, 2.0), key(1.0, 2.0)], "key 2 of the track comes at 1 s"),
+        (vec![key(2.0, f64::NAN)], "a height in metres is NaN"),
+        (vec![key(1e9, 2.0)], "a key's time in seconds is"),
+    ] {
+        let told = wrong(keys);
+        assert!(told.contains(words), "{told}");
+    }
+}

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use anstream::{eprintln, println};
 use glam::DVec2;
-use veduta_city::{CityGraph, CityPlan, GraphOverrides, Guide, Life, Monuments, Soundscape, StyleDraft, Tour, Views, file};
+use veduta_city::{CityGraph, CityPlan, GraphOverrides, Guide, Life, Monuments, Soundscape, StyleDraft, TourText, Views, file};
 use veduta_growth::plan::{Repetition, Stock, repetition};
 use veduta_survey::CityWords;
 
@@ -73,7 +73,7 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
         return told(path, plan.styles.validate(), format!("{} houses{}", plan.houses.len(), repeated(&plan)));
     }
     if name.ends_with(".tour.ron") {
-        let tour: Tour = file::read(path).map_err(one)?;
+        let tour = TourText::read(path).map_err(one)?;
         return check_tour(path, &tour, towns);
     }
     if name.ends_with(".guide.ron") {

@@ -19,6 +19,13 @@ pub(crate) fn report(findings: &[Finding], quiet: bool, all: bool) {
     }
 }
 
+/// Tells every finding about a file.
+pub(crate) fn report_all(findings: &[Finding], file: &str, quiet: bool) {
+    if !quiet {
+        findings.iter().for_each(|finding| eprintln!("{file}: {finding}"));
+    }
+}
+
 /// Findings of one kind: those of one severity whose messages differ in numbers and names alone.
 struct Kind<'a> {
     message: String,

@@ -87,13 +87,39 @@ pub(super) fn scan(text: &str) -> Option<Node> {
 
 /// White space or a comment.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Trivia {
+pub(crate) enum Trivia {
     Space(Range<usize>),
     Comment(Range<usize>),
 }
 
+impl Trivia {
+    /// Where it stands.
+    pub(crate) fn range(&self) -> core::ops::Range<usize> {
+        match self {
+            Self::Space(range) | Self::Comment(range) => range.clone(),
+        }
+    }
+}
+
+/// Where the word, number or string begins that ends at a byte.
+pub(crate) fn last_scalar(text: &str, end: usize) -> Option<usize> {
+    let mut scanner = Scanner { text: &text[..end], at: 0, depth: 0 };
+    let mut last = None;
+    while let Some(c) = scanner.peek() {
+        let start = scanner.at;
+        if scanner.comment() == Some(true) {
+            continue;
+        }
+        match scanner.scalar() {
+            Some(range) if scanner.at > start => last = Some(range),
+            _ => scanner.at = start + c.len_utf8(),
+        }
+    }
+    last.filter(|range| range.end == end).map(|range| range.start)
+}
+
 /// The white space and comments of a stretch of text; what else stands there (a comma, a value) is passed over.
-pub(super) fn trivia(text: &str, range: Range<usize>) -> Vec<Trivia> {
+pub(crate) fn trivia(text: &str, range: Range<usize>) -> Vec<Trivia> {
     let mut found = Vec::new();
     let mut scanner = Scanner { text: &text[..range.end], at: range.start, depth: 0 };
     while let Some(c) = scanner.peek() {
@@ -110,6 +136,25 @@ pub(super) fn trivia(text: &str, range: Range<usize>) -> Vec<Trivia> {
     found
 }
 
+/// The brackets that a text opens and does not close, and where they stand; it need not be whole.
+pub(crate) fn unclosed(text: &str) -> Vec<(usize, char)> {
+    let mut open: Vec<(usize, char)> = Vec::new();
+    let mut scanner = Scanner { text, at: 0, depth: 0 };
+    while let Some(c) = scanner.peek() {
+        let start = scanner.at;
+        match c {
+            '(' | '[' | '{' => open.push((start, c)),
+            ')' | ']' | '}' => {
+                open.pop();
+            }
+            _ if scanner.comment() == Some(true) || scanner.at == start && scanner.scalar().is_some() => continue,
+            _ => {}
+        }
+        scanner.at = start + c.len_utf8();
+    }
+    open
+}
+
 /// The comments of a stretch of text, those within values among them.
 pub(super) fn comments(text: &str, range: Range<usize>) -> Vec<Range<usize>> {
     let comment = |trivia| match trivia {
@@ -119,7 +164,7 @@ pub(super) fn comments(text: &str, range: Range<usize>) -> Vec<Range<usize>> {
     trivia(text, range).into_iter().filter_map(comment).collect()
 }
 
-const fn is_space(c: char) -> bool {
+pub(crate) const fn is_space(c: char) -> bool {
     matches!(c, ' ' | '\t' | '\n' | '\r' | '\x0B' | '\x0C' | '\u{85}' | '\u{200E}' | '\u{200F}' | '\u{2028}' | '\u{2029}')
 }
 

@@ -173,6 +173,11 @@ fn number() -> impl Strategy<Value = f64> {
     prop_oneof![(-400i32..400).prop_map(f64::from), -1e6..1e6, Just(1e-9), Just(1e21)]
 }
 
+/// Numbers of which six have room on a line.
+fn short() -> impl Strategy<Value = f64> {
+    (-400_000i32..400_000).prop_map(|thousandths| f64::from(thousandths) / 1000.0)
+}
+
 fn words() -> impl Strategy<Value = String> {
     prop_oneof!["[a-zé“\"\\\\\n\t/*,()\\[\\]{}#:' \u{2028}]{0,12}", "[a-z ]{100,150}"]
 }
@@ -205,6 +210,8 @@ fn step() -> impl Strategy<Value = Step> {
             .prop_map(|(to, via, speed, look, ease)| Step::Walk { to, via, speed, look, ease }),
         (proptest::collection::vec((number(), number(), number()), 0..12), number(), look(), ease())
             .prop_map(|(through, speed, look, ease)| Step::Fly { through, speed, look, ease }),
+        proptest::collection::vec((short(), short(), short(), short(), short(), short()), 0..6)
+            .prop_map(|keys| Step::Track { keys }),
         (look(), number()).prop_map(|(at, seconds)| Step::Look { at, seconds }),
         number().prop_map(|seconds| Step::Wait { seconds }),
         (words(), translations(), maybe()).prop_map(|(text, translations, seconds)| Step::Say { text, translations, seconds }),
@@ -294,6 +301,7 @@ fn touched(step: &Step, number: f64) -> Step {
             }
         }
         Step::Fly { through, .. } => through.insert(through.len() / 2, (number, number, 1.0)),
+        Step::Track { keys } => keys.extend([(number, 0.0, 1.0, 2.0, 3.0, 4.0)]),
         Step::Look { seconds, .. } | Step::Wait { seconds } | Step::Rain { seconds, .. } => *seconds = number,
         Step::Fov { seconds, .. } | Step::Time { seconds, .. } => *seconds = 0.0,
         Step::Say { translations, seconds, .. } => {

@@ -139,6 +139,12 @@ pub(super) fn step(step: &Step) -> Value {
             let through = Value::List(through.iter().map(point).collect());
             ("Fly", vec![told("through", through), number("speed", *speed), look(gaze), ease(*how)])
         }
+        Step::Track { keys } => {
+            let key = |&(s, x, y, z, heading, pitch): &(f64, f64, f64, f64, f64, f64)| {
+                Value::Tuple("", [s, x, y, z, heading, pitch].map(Value::Number).to_vec())
+            };
+            ("Track", vec![told("keys", Value::List(keys.iter().map(key).collect()))])
+        }
         Step::Look { at, seconds } => ("Look", vec![told("at", gaze(at)), number("seconds", *seconds)]),
         Step::Wait { seconds } => ("Wait", vec![number("seconds", *seconds)]),
         Step::Say { text: words, translations, seconds } => {

@@ -72,7 +72,7 @@ pub(super) const fn colour(kind: StepKind) -> Color32 {
     match kind {
         StepKind::Start | StepKind::Cut => Color32::from_rgb(0x5B, 0x53, 0x4A),
         StepKind::Walk => Color32::from_rgb(0x3F, 0x6B, 0x46),
-        StepKind::Fly => Color32::from_rgb(0x2F, 0x62, 0x8E),
+        StepKind::Fly | StepKind::Track => Color32::from_rgb(0x2F, 0x62, 0x8E),
         StepKind::Look => Color32::from_rgb(0x7A, 0x4F, 0x86),
         StepKind::Wait => Color32::from_rgb(0x6F, 0x67, 0x5C),
         StepKind::Say | StepKind::Narrate | StepKind::Sound | StepKind::Picture => Color32::from_rgb(0x8A, 0x5A, 0x1E),
@@ -87,6 +87,7 @@ pub(super) const fn kind_name(kind: StepKind) -> &'static str {
         StepKind::Start => "step-start",
         StepKind::Walk => "step-walk",
         StepKind::Fly => "step-fly",
+        StepKind::Track => "step-track",
         StepKind::Look => "step-look",
         StepKind::Wait => "step-wait",
         StepKind::Say => "step-say",

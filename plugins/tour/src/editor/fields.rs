@@ -121,6 +121,8 @@ fn step_fields(ui: &mut Ui, bench: &Bench<'_>, step: &mut Step) {
             spots::gaze(ui, bench, look);
             spots::points(ui, bench, through);
         }
+        // What was recorded elsewhere is mended there; its length is its edge on the line of time.
+        Step::Track { keys } => _ = ui.label(label::key_frames(bench, keys.len())),
         Step::Look { at, seconds } => {
             spots::gaze(ui, bench, at);
             grid(ui, bench, |ui| number(ui, bench, "field-seconds", seconds, &SECONDS));

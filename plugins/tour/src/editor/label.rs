@@ -1,6 +1,7 @@
 //! What a step is called in lists.
 
 use veduta_city::{LookAt, Step, Where};
+use veduta_ecs::WordsValue;
 use veduta_route::StepKind;
 
 use super::bench::{Bench, kind_name};
@@ -17,6 +18,11 @@ pub(super) fn of(bench: &Bench<'_>, step: &Step) -> String {
     if about.is_empty() { kind } else { format!("{kind} · {about}") }
 }
 
+/// How many key frames a recorded camera has.
+pub(super) fn key_frames(bench: &Bench<'_>, count: usize) -> String {
+    bench.words.say_with("track-keys", &[("count", WordsValue::from(count))])
+}
+
 fn about(bench: &Bench<'_>, step: &Step) -> String {
     let number = |value: f64, digits: usize, unit: &str| format!("{} {}", bench.words.number(value, digits), bench.say(unit));
     match step {
@@ -25,6 +31,7 @@ fn about(bench: &Bench<'_>, step: &Step) -> String {
         Step::Fly { through, .. } => through.last().map_or_else(String::new, |&(x, y, height)| {
             format!("{}, {}", place(bench, &Where::At(x, y)), number(height, 0, "unit-m"))
         }),
+        Step::Track { keys } => key_frames(bench, keys.len()),
         Step::Look { at, .. } => look(bench, at),
         Step::Wait { .. } => String::new(),
         Step::Say { text, .. } | Step::Narrate { text, .. } => format!("“{}”", short(text)),
