@@ -163,7 +163,8 @@ impl Guide {
             if !place.hours.is_empty() {
                 wrong.extend(crate::hours::mistake(&place.hours).map(of));
             }
-            if !place.sound.is_empty() && !(crate::is_beside(&place.sound) && place.sound.to_ascii_lowercase().ends_with(".ogg")) {
+            let is_recording = crate::is_beside(&place.sound) && place.sound.to_ascii_lowercase().ends_with(".ogg");
+            if !(place.sound.is_empty() || is_recording) {
                 wrong.push(of(format!("the sound `{}` must be an .ogg in or below the guide's folder", place.sound)));
             }
             for link in place.links.iter().filter(|link| !is_web_address(link)) {

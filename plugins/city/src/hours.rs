@@ -12,7 +12,7 @@ pub(crate) fn mistake(hours: &str) -> Option<String> {
         let fix = "write it as in \"Apr-Oct Tu-Su 09:00-18:00; Mo off\"";
         match check_rule(rule) {
             Ok(()) => None,
-            Err(part) if part.is_empty() => Some(format!("the opening hours have an empty rule: {fix}")),
+            Err("") => Some(format!("the opening hours have an empty rule: {fix}")),
             Err(part) => Some(format!("`{part}` of the opening hours `{rule}` is no month, day or time: {fix}")),
         }
     })
