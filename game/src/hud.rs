@@ -4,6 +4,7 @@ mod bar;
 mod diary;
 mod first;
 mod help;
+mod mute;
 mod notes;
 mod offers;
 mod settings;
@@ -44,7 +45,15 @@ impl Plugin for HudPlugin {
             .init_resource::<TourFiles>()
             .add_systems(
                 Update,
-                (read_keys.run_if(keys_are_free), notes::gather, notes::watch, first::watch, offers::offer, offers::take),
+                (
+                    read_keys.run_if(keys_are_free),
+                    mute::read_key.run_if(keys_are_free),
+                    notes::gather,
+                    notes::watch,
+                    first::watch,
+                    offers::offer,
+                    offers::take,
+                ),
             )
             .add_systems(Update, (diary::take_still, diary::tell))
             .add_systems(Update, bar::press.after(WalkerSystems::Input).before(WalkerSystems::Move))

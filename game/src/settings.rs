@@ -10,6 +10,7 @@ use veduta::ecs::{Interface, Words};
 use veduta::facade::{AutoLevels, LevelReach};
 use veduta::guide::PanelSettings;
 use veduta::prelude::*;
+use veduta::sound::SoundSettings;
 use veduta::streaming::Link;
 use veduta::tour::CaptionSettings;
 
@@ -43,6 +44,15 @@ pub(crate) struct Settings {
     pub place_panel: bool,
     pub place_unfolded: bool,
     pub captions: bool,
+    /// How loud all is, and of that the city, steps, bells and narration: factors.
+    pub volume: f32,
+    pub volume_city: f32,
+    pub volume_steps: f32,
+    pub volume_bells: f32,
+    pub volume_narration: f32,
+    pub muted: bool,
+    /// Whether the city falls silent while its window is not in front.
+    pub silent_behind: bool,
     /// Whether the bar stays; else it hides itself.
     pub bar_stays: bool,
     /// Whether the first minute has been gone through or skipped.
@@ -51,7 +61,7 @@ pub(crate) struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        let map = MinimapSettings::default();
+        let (map, sound) = (MinimapSettings::default(), SoundSettings::default());
         Self {
             language: None,
             profile: None,
@@ -71,6 +81,13 @@ impl Default for Settings {
             place_panel: true,
             place_unfolded: true,
             captions: true,
+            volume: sound.master,
+            volume_city: sound.ambience,
+            volume_steps: sound.steps,
+            volume_bells: sound.bells,
+            volume_narration: sound.narration,
+            muted: sound.is_muted,
+            silent_behind: sound.rests_without_focus,
             bar_stays: false,
             knows_the_way: false,
         }
@@ -143,6 +160,15 @@ impl Settings {
         self.text_size = within(self.text_size, TEXT_SIZE, usual.text_size);
         self.minimap_share = within(self.minimap_share, MINIMAP_SHARE, usual.minimap_share);
         self.minimap_radius_m = within(self.minimap_radius_m, MINIMAP_RADIUS_M, usual.minimap_radius_m);
+        for (volume, usual) in [
+            (&mut self.volume, usual.volume),
+            (&mut self.volume_city, usual.volume_city),
+            (&mut self.volume_steps, usual.volume_steps),
+            (&mut self.volume_bells, usual.volume_bells),
+            (&mut self.volume_narration, usual.volume_narration),
+        ] {
+            *volume = within(*volume, VOLUME, usual);
+        }
         self.finest = self.finest.clamp(1, 4);
         self.hold_fps = self.hold_fps.map(|frames| frames.clamp(5, 500));
         self.kilobytes_s = self.kilobytes_s.map(|kilobytes| kilobytes.clamp(1, 1_000_000));
@@ -151,6 +177,7 @@ impl Settings {
 }
 
 pub(crate) const TEXT_SIZE: (f32, f32) = (0.6, 2.5);
+pub(crate) const VOLUME: (f32, f32) = (0.0, 1.5);
 pub(crate) const MINIMAP_SHARE: (f32, f32) = (0.15, 0.6);
 const MINIMAP_RADIUS_M: (f32, f32) = (25.0, 5_000.0);
 
@@ -192,7 +219,7 @@ pub(crate) struct SettingsPlugin;
 impl Plugin for SettingsPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(PreUpdate, gather)
-            .add_systems(Update, (speak, dress, reach).run_if(resource_changed::<Settings>))
+            .add_systems(Update, (speak, dress, tune, reach).run_if(resource_changed::<Settings>))
             .add_systems(Update, follow.after(reach))
             .add_systems(PostUpdate, keep)
             .add_systems(Last, keep_at_the_end);
@@ -247,6 +274,19 @@ fn dress(
     });
     panel.set_if_neq(PanelSettings { visible: settings.place_panel, unfolded: settings.place_unfolded });
     captions.set_if_neq(CaptionSettings { visible: settings.captions, ..*captions });
+}
+
+/// How loud things are.
+fn tune(settings: Res<Settings>, mut sound: ResMut<SoundSettings>) {
+    sound.set_if_neq(SoundSettings {
+        master: settings.volume,
+        ambience: settings.volume_city,
+        steps: settings.volume_steps,
+        bells: settings.volume_bells,
+        narration: settings.volume_narration,
+        is_muted: settings.muted,
+        rests_without_focus: settings.silent_behind,
+    });
 }
 
 /// Quality and what streaming may take.

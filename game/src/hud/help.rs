@@ -9,7 +9,7 @@ use super::first::FirstMinute;
 use crate::settings::Settings;
 
 /// Keys, by their names or by a message that tells them, and what they do.
-const CONTROLS: [(&str, &str); 19] = [
+const CONTROLS: [(&str, &str); 20] = [
     ("W A S D", "help-walk"),
     ("key-mouse", "help-look"),
     ("Shift", "help-run"),
@@ -24,6 +24,7 @@ const CONTROLS: [(&str, &str); 19] = [
     ("[ ]", "help-tour-speed"),
     ("H J", "help-hour"),
     ("K", "help-season"),
+    ("U", "help-mute"),
     ("F12", "help-still"),
     ("F3", "help-settings"),
     ("F1", "help-help"),

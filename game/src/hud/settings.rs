@@ -6,7 +6,7 @@ use veduta::ui::{Look, Surface, Symbol, symbol_button};
 
 use super::Open;
 use crate::profile::Profile;
-use crate::settings::{MINIMAP_SHARE, Settings, TEXT_SIZE};
+use crate::settings::{MINIMAP_SHARE, Settings, TEXT_SIZE, VOLUME};
 
 pub(super) fn draw(
     mut contexts: EguiContexts,
@@ -76,6 +76,7 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) -> boo
             check(ui, &words.say("settings-map-tour"), &mut settings.map_tour);
             check(ui, &words.say("settings-panel"), &mut settings.place_panel);
             check(ui, &words.say("settings-captions"), &mut settings.captions);
+            sound(ui, words, settings);
             check(ui, &words.say("settings-bar"), &mut settings.bar_stays);
         });
     });
@@ -125,6 +126,17 @@ fn quality(ui: &mut Ui, words: &Words, settings: &mut Settings) {
     ui.end_row();
 }
 
+/// How loud things are.
+fn sound(ui: &mut Ui, words: &Words, settings: &mut Settings) {
+    check(ui, &words.say("settings-mute"), &mut settings.muted);
+    slider(ui, &words.say("settings-volume"), &mut settings.volume, VOLUME);
+    slider(ui, &words.say("settings-volume-city"), &mut settings.volume_city, VOLUME);
+    slider(ui, &words.say("settings-volume-steps"), &mut settings.volume_steps, VOLUME);
+    slider(ui, &words.say("settings-volume-bells"), &mut settings.volume_bells, VOLUME);
+    slider(ui, &words.say("settings-volume-narration"), &mut settings.volume_narration, VOLUME);
+    check(ui, &words.say("settings-silent-behind"), &mut settings.silent_behind);
+}
+
 fn check(ui: &mut Ui, name: &str, value: &mut bool) {
     ui.checkbox(value, name);
     ui.end_row();
@@ -172,7 +184,7 @@ mod tests {
     fn every_setting_has_a_name_and_does_what_it_says() {
         let (look, words) = (Look { text: 14.0, high_contrast: false, reduced_motion: true }, words());
         let mut harness = Harness::builder()
-            .with_size(Vec2::new(900.0, 900.0))
+            .with_size(Vec2::new(900.0, 1300.0))
             .build_ui_state(|ui, settings: &mut Settings| _ = show(ui, &look, &words, settings), Settings::default());
         harness.run();
         let choose = |harness: &mut Harness<'_, Settings>, box_name: &str, choice: &str| {
@@ -194,6 +206,8 @@ mod tests {
             "Map: where the tour leads",
             "What stands near",
             "Captions of tours",
+            "Mute",
+            "Silent while the window is not in front",
             "The bar stays",
         ] {
             harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, name).click();
@@ -218,6 +232,8 @@ mod tests {
             map_tour: false,
             place_panel: false,
             captions: false,
+            muted: true,
+            silent_behind: false,
             bar_stays: true,
             ..Settings::default()
         };

@@ -42,6 +42,7 @@
 
 mod asset;
 mod directory;
+mod gallery;
 mod lead;
 mod names;
 mod near;

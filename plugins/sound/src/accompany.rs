@@ -58,7 +58,9 @@ pub(crate) fn play(
         obey(now, wish, &server, output);
     }
     for failure in failed.read() {
-        let Some(file) = now.prepared.iter().find(|(_, handle)| handle.id() == failure.id).map(|(file, _)| file.clone()) else { continue };
+        let Some(file) = now.prepared.iter().find(|(_, handle)| handle.id() == failure.id).map(|(file, _)| file.clone()) else {
+            continue;
+        };
         now.playing.retain(|_, playing| playing.file != file);
         let message = format!("{}; the tour goes on without it", reason(&failure.error));
         warn!("{message}");
@@ -94,6 +96,8 @@ fn obey(now: &mut Accompaniment, wish: &Accompany, server: &AssetServer, output:
         Accompany::Prepare(file) => load(now, file),
         Accompany::Play { file, part } => {
             load(now, file);
+            // Whoever asks for something while a tour stands wants to hear it.
+            now.is_held = false;
             now.count += 1;
             let id = ChannelId(PARTS | now.count);
             let playing = Playing { file: file.clone(), id, has_begun: false, levels: Levels::SILENT };

@@ -92,8 +92,8 @@ impl AssetLoader for RecordingLoader {
     ) -> Result<RecordingAsset, RecordingLoadError> {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
-        let recording = Recording::new(bytes)
-            .map_err(|error| RecordingLoadError::Recording { path: context.path().to_string(), error })?;
+        let recording =
+            Recording::new(bytes).map_err(|error| RecordingLoadError::Recording { path: context.path().to_string(), error })?;
         Ok(RecordingAsset(recording))
     }
 
@@ -108,26 +108,19 @@ pub struct CitySounds {
     sounds: Soundscape,
     handle: Option<Handle<SoundsAsset>>,
     recordings: BTreeMap<String, Handle<RecordingAsset>>,
-    version: u64,
 }
 
 impl CitySounds {
     /// Sounds given as a value.
     #[must_use]
     pub fn of(sounds: Soundscape) -> Self {
-        Self { sounds, version: 1, ..Self::default() }
+        Self { sounds, ..Self::default() }
     }
 
     /// The sounds.
     #[must_use]
     pub fn sounds(&self) -> &Soundscape {
         &self.sounds
-    }
-
-    /// Grows whenever there are others.
-    #[must_use]
-    pub fn version(&self) -> u64 {
-        self.version
     }
 
     /// A recording by its path beside the file of sounds, once it is here.
@@ -174,7 +167,6 @@ pub(crate) fn take(
             let load = |file: &&str| Some(((*file).to_owned(), server.load(path(file)?)));
             sounds.recordings = asset.0.files().iter().filter_map(load).collect();
             sounds.sounds = asset.0.clone();
-            sounds.version += 1;
         }
     }
     for failure in failed.read().filter(|failure| asked == Some(failure.id)) {

@@ -6,8 +6,8 @@
 //!  Eye, CityClock, Weather ───────────┼─► mix ─► orders ─► Desk
 //!  Cue, Accompany, the walker's way ──┘                     └─► SoundTrack (beside a film)
 //! ```
-//! All of it is one stream: the [`Desk`](veduta_synth::Desk) of `veduta-synth` mixes on the audio device's own thread, and is told levels through
-//! a channel that nobody waits at.
+//! All of it is one stream: the [`Desk`](veduta_synth::Desk) of `veduta-synth` mixes on the audio device's own thread, and is told
+//! levels through a channel that nobody waits at.
 //!
 //! # Use
 //! ```no_run
@@ -24,16 +24,16 @@
 //!     })
 //!     .run();
 //! ```
-//! Without a file of sounds a city sounds as its plan tells: squares murmur, parks sing, fountains splash, rivers flow, and steps follow the
-//! ground. It needs the engine's `AudioPlugin` (`DefaultPlugins` has it, with the feature `bevy_audio`), and says so once where that is missing.
-//! Where there is no audio device all goes on in silence.
+//! Without a file of sounds a city sounds as its plan tells: squares murmur, parks sing, fountains splash, rivers flow, and steps
+//! follow the ground. It needs the engine's `AudioPlugin` (`DefaultPlugins` has it, with the feature `bevy_audio`), and says so
+//! once where that is missing. Where there is no audio device all goes on in silence.
 //!
 //! # Limits
 //! What is behind houses is told by straight lines over their ridges: nothing is heard around corners or by echoes.
 //!
 //! # Rejected
-//! A sink of the engine for each sound: none can be dulled, placed or begun late, and nobody keeps their sum from clipping. Occlusion by
-//! the visible sets: bells are heard from squares that do not see their towers.
+//! A sink of the engine for each sound: none can be dulled, placed or begun late, and nobody keeps their sum from clipping.
+//! Occlusion by the visible sets: bells are heard from squares that do not see their towers.
 
 mod accompany;
 mod asset;
@@ -89,10 +89,7 @@ impl Plugin for SoundPlugin {
             .add_systems(Update, hearing::listen.run_if(output::is_heard).in_set(SoundSystems::Listen))
             .add_systems(
                 Update,
-                (hearing::mix, cues::sound, steps::tread)
-                    .chain()
-                    .run_if(output::is_heard)
-                    .in_set(SoundSystems::Mix),
+                (hearing::mix, cues::sound, steps::tread).chain().run_if(output::is_heard).in_set(SoundSystems::Mix),
             )
             .add_systems(Update, (output::turn_up, output::send, output::look_for_device).chain().in_set(SoundSystems::Send));
     }
@@ -111,7 +108,9 @@ impl Plugin for SoundPlugin {
             app.add_audio_source::<output::CityStream>();
             app.add_systems(Startup, output::connect);
         } else if !app.world().contains_resource::<SoundTrack>() {
-            warn!("the city is silent: add `AudioPlugin` of the engine's feature `bevy_audio` (`DefaultPlugins` has it), or a `SoundTrack`");
+            warn!(
+                "the city is silent: add `AudioPlugin` of the engine's feature `bevy_audio` (`DefaultPlugins` has it), or a `SoundTrack`"
+            );
         }
     }
 }

@@ -85,9 +85,13 @@ mod tests {
 
     #[test]
     fn cues_belong_to_faders_by_the_first_part_of_their_names() {
-        for (name, fader) in
-            [("bell.tyn", Fader::Bells), ("bell", Fader::Bells), ("step.grass", Fader::Steps), ("wings", Fader::Ambience), ("bells", Fader::Ambience)]
-        {
+        for (name, fader) in [
+            ("bell.tyn", Fader::Bells),
+            ("bell", Fader::Bells),
+            ("step.grass", Fader::Steps),
+            ("wings", Fader::Ambience),
+            ("bells", Fader::Ambience),
+        ] {
             assert_eq!(Fader::of_cue(name), fader, "{name}");
         }
     }

@@ -114,7 +114,10 @@ mod tests {
     fn steps_keep_the_pace_of_people_at_any_frame_rate() {
         for fps in [15.0, 60.0, 144.0] {
             let (stroll, walk, run) = (steps(1.0, fps), steps(1.9, fps), steps(6.0, fps));
-            assert!((80..100).contains(&stroll) && (125..150).contains(&walk) && (225..260).contains(&run), "{stroll} {walk} {run}");
+            assert!(
+                (80..100).contains(&stroll) && (125..150).contains(&walk) && (225..260).contains(&run),
+                "{stroll} {walk} {run}"
+            );
         }
     }
 

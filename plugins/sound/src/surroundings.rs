@@ -100,7 +100,8 @@ fn shares(looks: &[Look], is_roofed: bool) -> [f32; Setting::ALL.len()] {
     let bridge = ramp(water, 0.35, 0.65) * if is_wet_here { 0.0 } else { 1.0 };
     let roofed = if is_roofed { 1.0 } else { 0.0 };
     let park = ramp(green, 0.15, 0.55) * (1.0 - roofed);
-    let paved = (1.0 - park) * (1.0 - bridge) * (1.0 - roofed);
+    // On a quay people are fewer than in a street.
+    let paved = (1.0 - park) * (1.0 - bridge) * (1.0 - roofed) * (1.0 - 0.6 * by_water);
     let square = ramp(open, 0.5, 0.8) * paved;
     let of = |setting| match setting {
         Setting::Lane => paved - square,
@@ -166,11 +167,16 @@ mod tests {
 
     #[test]
     fn water_is_nearer_the_louder_and_fountains_are_found() {
-        let mut shell = cell(vec![
-            patch(SurfaceKind::Gravel, (-60, -60), (20, 60)),
-            patch(SurfaceKind::Water, (20, -60), (60, 60)),
-        ]);
-        let fountain = ObjectShell { kind: ObjectKind::Fountain, pos: GridPos(0, 10_240), z: 1_024, heading: 0, height: 2_048, monument: None };
+        let mut shell =
+            cell(vec![patch(SurfaceKind::Gravel, (-60, -60), (20, 60)), patch(SurfaceKind::Water, (20, -60), (60, 60))]);
+        let fountain = ObjectShell {
+            kind: ObjectKind::Fountain,
+            pos: GridPos(0, 10_240),
+            z: 1_024,
+            heading: 0,
+            height: 2_048,
+            monument: None,
+        };
         shell.objects = vec![fountain, ObjectShell { kind: ObjectKind::Lamp, ..fountain }];
         let bank = |x: f64| Surroundings::of(DVec2::new(100.0 + x, 0.0), [&shell].into_iter());
         assert!(bank(16.0).share(Setting::Bank) > bank(0.0).share(Setting::Bank) && bank(0.0).share(Setting::Bank) > 0.3);

@@ -6,6 +6,7 @@ use veduta_ecs::{Around, Awaited, City, CityClock, Eye, Itinerary, OverviewWants
 use veduta_route::{CompiledTour, Gazetteer, Pose, ResumeLeg, StreetNet, compile, resume};
 
 use crate::TourAsset;
+use crate::accompany::Moments;
 use crate::asset::TourLoadError;
 
 /// What to do with the tour.
@@ -122,6 +123,10 @@ pub struct TourPlayer {
     /// Whether it has just been sent to another time: what is marked there counts.
     has_sought: bool,
     last_error: Option<String>,
+    /// Grows with every tour that is opened, made ready or ended.
+    version: u64,
+    /// Grows whenever it is sent to another time.
+    seeks: u64,
 }
 
 impl TourPlayer {
@@ -162,8 +167,25 @@ impl TourPlayer {
         self.last_error.as_deref()
     }
 
+    /// Which tour it is, by a number of its own; another once its file has changed.
+    pub(crate) fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// How often it was sent to another time.
+    pub(crate) fn seeks(&self) -> u64 {
+        self.seeks
+    }
+
+    /// A path of the asset server for a file beside the tour's. A tour that was given as a value lies among the assets.
+    pub(crate) fn beside(&self, file: &str) -> String {
+        let tour = self.handle.as_ref().and_then(Handle::path);
+        let path = tour.and_then(|tour| tour.resolve_embed_str(file).ok());
+        path.map_or_else(|| file.to_owned(), |path| path.to_string())
+    }
+
     fn forget(&mut self) {
-        *self = Self { speed: self.speed, ..Self::default() };
+        *self = Self { speed: self.speed, version: self.version + 1, ..Self::default() };
     }
 }
 
@@ -200,6 +222,7 @@ pub(crate) fn obey(
                 player.t_s = if t_s.is_finite() { t_s.clamp(0.0, end) } else { player.t_s };
                 player.hold = Hold::Cut;
                 player.has_sought = true;
+                player.seeks += 1;
                 // Who goes to a moment of the tour is on the tour again.
                 if matches!(player.state, TourState::Returning | TourState::Wandering) {
                     (player.leg, player.state) = (None, TourState::Playing);
@@ -235,6 +258,7 @@ fn play_on(player: &mut TourPlayer, steering: &mut ResMut<Steering>, eye: Option
             // From its end it begins again.
             if player.compiled.as_ref().is_some_and(|tour| player.t_s >= tour.duration_s()) {
                 (player.t_s, player.hold) = (0.0, Hold::Cut);
+                player.seeks += 1;
             }
         }
         TourState::Wandering => {
@@ -340,6 +364,7 @@ pub(crate) fn compile_tour(
             info!("tour “{}”: {:.0} s", tour.title(), tour.duration_s());
             player.t_s = player.t_s.min(tour.duration_s());
             player.compiled = Some(tour);
+            player.version += 1;
             player.net = Some(net);
             player.last_error = None;
             if player.play_when_ready {
@@ -409,7 +434,7 @@ pub(crate) fn play(
     mut has_told: Local<bool>,
     mut weather: ResMut<Weather>,
     mut ended: MessageWriter<TourEnded>,
-    mut marks: MessageWriter<TourMark>,
+    mut moments: Moments,
 ) {
     tell_ahead(&player, &mut has_told, &mut itineraries);
     let guided = *steering == Steering::Guided;
@@ -434,7 +459,7 @@ pub(crate) fn play(
             let marked_s = if core::mem::take(&mut player.has_sought) { before_s - 1e-6 } else { before_s };
             player.t_s = (before_s + dt).min(end);
             if let Some(tour) = &player.compiled {
-                marks.write_batch(tour.marks(marked_s, player.t_s).iter().map(|mark| TourMark { name: mark.name.clone() }));
+                moments.tell(&player, tour, marked_s);
             }
             if player.t_s >= end {
                 ended.write(TourEnded { title, finished: true });

@@ -3,6 +3,7 @@
 //! ```text
 //!  Interface (ecs) ──► Look ──► what tour, minimap, guide and games draw
 //!  fields with a cursor ──► Interface::is_typing ──► keys rest
+//!  pictures by their paths ──► Pictures (decoded within limits) ──► panels
 //!  links that are clicked ──► AskLink ──► "open this page?" ──► browser
 //! ```
 //!
@@ -17,6 +18,7 @@
 
 mod ask;
 mod look;
+mod picture;
 mod symbol;
 
 use bevy::prelude::*;
@@ -25,6 +27,7 @@ use veduta_ecs::{Interface, Words};
 
 pub use ask::{AskLink, ask_panel};
 pub use look::{Look, Surface};
+pub use picture::{LARGEST_BYTES, MOST_PIXELS, PictureAsset, PictureError, PictureLoadError, Pictures};
 pub use symbol::{Symbol, symbol_button};
 
 /// Shared parts of interfaces. Every plugin that draws one adds it if it is missing.
@@ -46,9 +49,18 @@ impl Plugin for UiPlugin {
             ],
         );
         app.init_resource::<AskLink>()
+            .init_resource::<picture::Shelf>()
             .add_systems(PreUpdate, watch_typing.after(bevy_egui::EguiPreUpdateSet::BeginPass))
             .add_systems(EguiPrimaryContextPass, ask::ask.in_set(UiSystems::Ask))
             .configure_sets(EguiPrimaryContextPass, (UiSystems::Draw, UiSystems::Ask).chain());
+    }
+
+    fn finish(&self, app: &mut App) {
+        if app.world().contains_resource::<AssetServer>() {
+            app.init_asset::<PictureAsset>()
+                .register_asset_loader(picture::PictureLoader)
+                .add_systems(Update, picture::tell_failures);
+        }
     }
 
     fn is_unique(&self) -> bool {
