@@ -8,9 +8,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use veduta::city::{Tour, file};
 use veduta::facade::FadeSettings;
 use veduta::prelude::*;
+use veduta::sound::OpenSounds;
 
 use crate::encode::Encoder;
 use crate::profile::Profile;
+use crate::soundtrack::TrackFile;
 use crate::studio::{Size, Studio};
 use crate::{Failure, cities, encode};
 
@@ -70,10 +72,14 @@ pub fn film(order: &FilmOrder) -> Result<(), Failure> {
     if let Some(parent) = order.out.parent().filter(|p| !p.as_os_str().is_empty()) {
         std::fs::create_dir_all(parent).map_err(|e| format!("{}: {e}", parent.display()))?;
     }
-    let life = cities::life_in(&cities::folder_of(&order.tour))?;
-    let mut studio = Studio::open(&city, order.size, order.profile)?;
+    let folder = cities::folder_of(&order.tour);
+    let life = cities::life_in(&folder)?;
+    let mut studio = Studio::open_with_sound(&city, order.size, order.profile, &folder)?;
     studio.enliven(life, order.profile);
-    let duration_s = begin(&mut studio, tour, order)?;
+    if let Some(sounds) = cities::file_in(&folder, ".sound.ron") {
+        studio.world().write_message(OpenSounds(format!("tours://{sounds}")));
+    }
+    let duration_s = begin(&mut studio, order)?;
     let to_s = order.to_s.unwrap_or(duration_s).min(duration_s);
     if !(order.from_s >= 0.0 && order.from_s < to_s) {
         let (tour, from_s) = (order.tour.display(), order.from_s);
@@ -81,6 +87,7 @@ pub fn film(order: &FilmOrder) -> Result<(), Failure> {
     }
     let frames = ((to_s - order.from_s) * f64::from(order.fps)).floor().max(1.0) as u32;
     let mut encoder = Encoder::open(&order.out, order.size, order.fps, frames)?;
+    let mut track = TrackFile::beside(&order.out)?;
     let bar = if order.json { ProgressBar::hidden() } else { ProgressBar::new(u64::from(frames)) };
     if let Ok(style) = ProgressStyle::with_template("filming {bar:32} {pos}/{len} frames, {eta} to go; {msg}") {
         bar.set_style(style);
@@ -90,6 +97,7 @@ pub fn film(order: &FilmOrder) -> Result<(), Failure> {
     for n in 0..frames {
         if n > 0 {
             studio.advance(step);
+            track.add(&studio.heard())?;
         }
         let missing = studio.settle();
         if !missing.is_empty() {
@@ -114,16 +122,23 @@ pub fn film(order: &FilmOrder) -> Result<(), Failure> {
         }
     }
     bar.finish_and_clear();
+    // As long as the last frame is shown.
+    studio.advance(step);
+    track.add(&studio.heard())?;
     let path = encoder.finish()?;
+    if let Some(track) = track.finish(&path)? {
+        println!("{}: its sound", track.display());
+    }
     println!("{}: {frames} frames, {holes} with missing cells", path.display());
     if holes == 0 { Ok(()) } else { Err(format!("{holes} of {frames} frames miss cells").into()) }
 }
 
 /// Starts the tour, stands at its first moment, and warms up there. Gives its length in seconds.
-fn begin(studio: &mut Studio, tour: Tour, order: &FilmOrder) -> Result<f64, Failure> {
+fn begin(studio: &mut Studio, order: &FilmOrder) -> Result<f64, Failure> {
     // The first picture has no before: its levels stand at once. Those that come into sight later fade in.
     let fading = core::mem::replace(&mut studio.world().resource_mut::<FadeSettings>().seconds, 0.0);
-    studio.world().write_message(TourCommand::Give(Box::new(tour)));
+    let name = order.tour.file_name().unwrap_or_default().to_string_lossy();
+    studio.world().write_message(TourCommand::Open(format!("tours://{name}")));
     studio.advance(Duration::ZERO);
     studio.await_tour();
     let player = studio.world().resource::<TourPlayer>();
@@ -137,6 +152,8 @@ fn begin(studio: &mut Studio, tour: Tour, order: &FilmOrder) -> Result<f64, Fail
     studio.advance(Duration::ZERO);
     studio.settle();
     studio.warm_up();
+    // What was heard of the first look about is not of the film.
+    studio.heard();
     studio.world().resource_mut::<FadeSettings>().seconds = fading;
     Ok(duration_s)
 }

@@ -52,7 +52,16 @@ impl Plugin for HudPlugin {
             .add_systems(PreUpdate, pad::steer.after(InputSystems).before(EguiPreUpdateSet::ProcessInput))
             .add_systems(
                 Update,
-                (controls::read_keys, notes::gather, notes::watch, first::watch, offers::meet, offers::offer, offers::take),
+                (
+                    controls::read_keys,
+                    notes::gather,
+                    notes::watch,
+                    first::watch,
+                    offers::meet,
+                    offers::offer,
+                    offers::take,
+                    controls::mute,
+                ),
             )
             .add_systems(Update, (diary::take_still, diary::tell))
             .add_systems(Update, bar::press.after(WalkerSystems::Input).before(WalkerSystems::Move))

@@ -25,6 +25,7 @@ mod hud;
 pub mod profile;
 mod settings;
 pub mod shot;
+mod soundtrack;
 pub mod studio;
 mod tours;
 pub mod walk;

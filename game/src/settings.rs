@@ -12,6 +12,7 @@ use veduta::facade::{AutoLevels, LevelReach};
 use veduta::guide::PanelSettings;
 use veduta::life::{LifeKinds, LifeSettings};
 use veduta::prelude::*;
+use veduta::sound::SoundSettings;
 use veduta::streaming::Link;
 use veduta::tour::CaptionSettings;
 
@@ -47,6 +48,15 @@ pub(crate) struct Settings {
     pub captions: bool,
     /// Whether the city lives: pigeons, flags, water, clocks.
     pub life: bool,
+    /// How loud all is, and of that the city, steps, bells and narration: factors.
+    pub volume: f32,
+    pub volume_city: f32,
+    pub volume_steps: f32,
+    pub volume_bells: f32,
+    pub volume_narration: f32,
+    pub muted: bool,
+    /// Whether the city falls silent while its window is not in front.
+    pub silent_behind: bool,
     /// Whether the bar stays; else it hides itself.
     pub bar_stays: bool,
     /// Whether the first minute has been gone through or skipped.
@@ -57,7 +67,7 @@ pub(crate) struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        let map = MinimapSettings::default();
+        let (map, sound) = (MinimapSettings::default(), SoundSettings::default());
         Self {
             language: None,
             profile: None,
@@ -78,6 +88,13 @@ impl Default for Settings {
             place_unfolded: true,
             captions: true,
             life: true,
+            volume: sound.master,
+            volume_city: sound.ambience,
+            volume_steps: sound.steps,
+            volume_bells: sound.bells,
+            volume_narration: sound.narration,
+            muted: sound.is_muted,
+            silent_behind: sound.rests_without_focus,
             bar_stays: false,
             knows_the_way: false,
             keys: WrittenControls::new(),
@@ -151,6 +168,15 @@ impl Settings {
         self.text_size = within(self.text_size, TEXT_SIZE, usual.text_size);
         self.minimap_share = within(self.minimap_share, MINIMAP_SHARE, usual.minimap_share);
         self.minimap_radius_m = within(self.minimap_radius_m, MINIMAP_RADIUS_M, usual.minimap_radius_m);
+        for (volume, usual) in [
+            (&mut self.volume, usual.volume),
+            (&mut self.volume_city, usual.volume_city),
+            (&mut self.volume_steps, usual.volume_steps),
+            (&mut self.volume_bells, usual.volume_bells),
+            (&mut self.volume_narration, usual.volume_narration),
+        ] {
+            *volume = within(*volume, VOLUME, usual);
+        }
         self.finest = self.finest.clamp(1, 4);
         self.hold_fps = self.hold_fps.map(|frames| frames.clamp(5, 500));
         self.kilobytes_s = self.kilobytes_s.map(|kilobytes| kilobytes.clamp(1, 1_000_000));
@@ -159,6 +185,7 @@ impl Settings {
 }
 
 pub(crate) const TEXT_SIZE: (f32, f32) = (0.6, 2.5);
+pub(crate) const VOLUME: (f32, f32) = (0.0, 1.5);
 pub(crate) const MINIMAP_SHARE: (f32, f32) = (0.15, 0.6);
 const MINIMAP_RADIUS_M: (f32, f32) = (25.0, 5_000.0);
 
@@ -202,7 +229,7 @@ impl Plugin for SettingsPlugin {
         app.add_systems(PreUpdate, gather.after(ControlsSystems::Sense))
             .init_resource::<DroppedKeys>()
             .add_systems(PostStartup, read_controls)
-            .add_systems(Update, (speak, dress, reach, bind, enliven.after(reach)).run_if(resource_changed::<Settings>))
+            .add_systems(Update, (speak, dress, tune, reach, bind, enliven.after(reach)).run_if(resource_changed::<Settings>))
             .add_systems(Update, follow.after(reach))
             .add_systems(PostUpdate, keep)
             .add_systems(Last, keep_at_the_end);
@@ -292,6 +319,19 @@ fn bind(settings: Res<Settings>, list: Res<ControlList>, mut controls: ResMut<Co
     if settings.keys != controls.written() {
         controls.set_if_neq(Controls::read(&settings.keys, &list).0);
     }
+}
+
+/// How loud things are.
+fn tune(settings: Res<Settings>, mut sound: ResMut<SoundSettings>) {
+    sound.set_if_neq(SoundSettings {
+        master: settings.volume,
+        ambience: settings.volume_city,
+        steps: settings.volume_steps,
+        bells: settings.volume_bells,
+        narration: settings.volume_narration,
+        is_muted: settings.muted,
+        rests_without_focus: settings.silent_behind,
+    });
 }
 
 /// Quality and what streaming may take.

@@ -2,10 +2,13 @@
 
 use core::str::FromStr;
 use std::collections::BTreeSet;
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use bevy::app::PluginsState;
+use bevy::asset::io::AssetSourceBuilder;
+use bevy::audio::AudioPlugin;
 use bevy::camera::{RenderTarget, ShadowLodOrigin};
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
@@ -23,12 +26,13 @@ use veduta::ecs::StandingCells;
 use veduta::facade::{FacadePlugin, Painting};
 use veduta::life::{CityLife, LifeKinds, LifePlugin, LifeSettings};
 use veduta::prelude::*;
+use veduta::sound::{SoundPlugin, SoundTrack};
 use veduta::streaming::{Fetching, RetryTime, Wanted};
 use veduta::tour::TourState;
 
-use crate::Failure;
 use crate::camera::camera;
 use crate::profile::Profile;
+use crate::{Failure, soundtrack};
 
 /// Width and height in pixels, written `1280x720`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +65,16 @@ type Captured = Arc<Mutex<Option<RgbaImage>>>;
 
 /// The engine without windows, in which time stands; each update draws at once.
 pub(crate) fn darkroom() -> App {
+    darkroom_beside(None)
+}
+
+/// The same; files of a folder can be read as `tours://`.
+fn darkroom_beside(folder: Option<&Path>) -> App {
     let mut app = App::new();
+    if let Some(folder) = folder {
+        let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+        app.register_asset_source("tours", AssetSourceBuilder::platform_default(&folder.display().to_string(), None));
+    }
     app.add_plugins(
         DefaultPlugins
             .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
@@ -69,6 +82,7 @@ pub(crate) fn darkroom() -> App {
             .set(AssetPlugin { watch_for_changes_override: Some(false), ..default() })
             .set(bevy::log::LogPlugin { filter: "warn,wgpu=error,naga=warn,bevy_render=error".into(), ..default() })
             .disable::<WinitPlugin>()
+            .disable::<AudioPlugin>()
             .disable::<PipelinedRenderingPlugin>(),
     )
     .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO))
@@ -159,7 +173,25 @@ impl Studio {
 
     /// The same; the engine is prepared before it begins.
     pub(crate) fn open_with(city: &str, size: Size, profile: Profile, prepare: impl FnOnce(&mut App)) -> Result<Self, Failure> {
-        let mut app = darkroom();
+        Self::make(city, size, profile, None, prepare)
+    }
+
+    /// The same for a film with sound: files beside its tour are read as `tours://`, and what is heard is kept.
+    pub(crate) fn open_with_sound(city: &str, size: Size, profile: Profile, folder: &Path) -> Result<Self, Failure> {
+        Self::make(city, size, profile, Some(folder), |_| ())
+    }
+
+    fn make(
+        city: &str,
+        size: Size,
+        profile: Profile,
+        folder: Option<&Path>,
+        prepare: impl FnOnce(&mut App),
+    ) -> Result<Self, Failure> {
+        let mut app = darkroom_beside(folder);
+        if folder.is_some() {
+            app.insert_resource(SoundTrack::new(soundtrack::RATE_HZ)).add_plugins(SoundPlugin);
+        }
         profile.apply(&mut app);
         app.add_plugins((
             veduta::ecs::EcsPlugin,
@@ -250,6 +282,11 @@ impl Studio {
     /// The world, for what a command sets beside the camera.
     pub fn world(&mut self) -> &mut World {
         self.app.world_mut()
+    }
+
+    /// What has been heard since it was last asked, interleaved stereo; nothing where it is not kept.
+    pub(crate) fn heard(&mut self) -> Vec<f32> {
+        self.app.world_mut().get_resource_mut::<SoundTrack>().map(|mut track| track.take()).unwrap_or_default()
     }
 
     /// Lets time pass.

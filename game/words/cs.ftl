@@ -38,6 +38,7 @@ help-record = nahrát procházku jako prohlídku; ukončit
 help-editor = editor prohlídek; přidat pohled
 help-hour = denní doba: dřív, později
 help-season = další roční období
+help-mute = vypnout zvuk
 help-still = uložit snímek
 help-settings = nastavení
 help-help = tato stránka
@@ -67,6 +68,8 @@ hint-idle = { $walk } chůze, { $find } hledání, { $tour } prohlídka, { $help
 still-taken = Snímek uložen: { $path }
 tour-ended = Prohlídka skončila. { $tour } ji začne znovu.
 walk-arrived = Jste na místě: { $name }.
+sound-off = Zvuk je vypnutý. Klávesa U ho zapne.
+sound-on = Zvuk je zapnutý.
 
 # Nastavení
 settings-title = Nastavení
@@ -97,6 +100,13 @@ settings-map-tour = Mapa: kudy vede prohlídka
 settings-panel = Co stojí poblíž
 settings-captions = Titulky prohlídek
 settings-life = Život: holubi, vlajky, voda, hodiny
+settings-mute = Vypnout zvuk
+settings-volume = Hlasitost
+settings-volume-city = Hlasitost: město
+settings-volume-steps = Hlasitost: kroky
+settings-volume-bells = Hlasitost: zvony
+settings-volume-narration = Hlasitost: výklad
+settings-silent-behind = Ticho, když okno není vpředu
 settings-bar = Lišta zůstává
 settings-reset = Jako na začátku
 settings-tiles = Jemnost malby zdí se změní při příštím spuštění.
@@ -131,6 +141,7 @@ control-still-take = uložit snímek
 control-hour-earlier = denní doba: dřív
 control-hour-later = denní doba: později
 control-season-next = další roční období
+control-sound-mute = zvuk vypnout, zapnout
 control-quit = konec
 
 # Klávesy

@@ -38,6 +38,7 @@ help-record = record a walk as a tour; end it
 help-editor = tour editor; add the present view
 help-hour = hour of the day: earlier, later
 help-season = the next season
+help-mute = mute
 help-still = take a still
 help-settings = settings
 help-help = this page
@@ -67,6 +68,8 @@ hint-idle = { $walk } walks, { $find } finds, { $tour } takes the tour, { $help 
 still-taken = Still saved: { $path }
 tour-ended = The tour has ended. { $tour } begins it again.
 walk-arrived = Here you are: { $name }.
+sound-off = Sound off. U brings it back.
+sound-on = Sound on.
 
 # Settings
 settings-title = Settings
@@ -97,6 +100,13 @@ settings-map-tour = Map: where the tour leads
 settings-panel = What stands near
 settings-captions = Captions of tours
 settings-life = Life: pigeons, flags, water, clocks
+settings-mute = Mute
+settings-volume = Volume
+settings-volume-city = Volume: the city
+settings-volume-steps = Volume: steps
+settings-volume-bells = Volume: bells
+settings-volume-narration = Volume: narration
+settings-silent-behind = Silent while the window is not in front
 settings-bar = The bar stays
 settings-reset = As at first
 settings-tiles = How finely walls are painted changes at the next start.
@@ -131,6 +141,7 @@ control-still-take = take a still
 control-hour-earlier = hour of the day: earlier
 control-hour-later = hour of the day: later
 control-season-next = the next season
+control-sound-mute = sound off, sound on
 control-quit = quit
 
 # Keys

@@ -38,6 +38,7 @@ help-record = registra una passeggiata come visita; termina
 help-editor = editor delle visite; aggiungi la vista
 help-hour = ora del giorno: prima, dopo
 help-season = la stagione seguente
+help-mute = togli l'audio
 help-still = salva un'immagine
 help-settings = impostazioni
 help-help = questa pagina
@@ -67,6 +68,8 @@ hint-idle = { $walk } cammina, { $find } cerca, { $tour } visita guidata, { $hel
 still-taken = Immagine salvata: { $path }
 tour-ended = La visita è finita. { $tour } la ricomincia.
 walk-arrived = Eccoci: { $name }.
+sound-off = Audio spento. U lo riaccende.
+sound-on = Audio acceso.
 
 # Impostazioni
 settings-title = Impostazioni
@@ -97,6 +100,13 @@ settings-map-tour = Mappa: dove porta la visita
 settings-panel = Che cosa c'è vicino
 settings-captions = Didascalie delle visite
 settings-life = Vita: piccioni, bandiere, acqua, orologi
+settings-mute = Senza audio
+settings-volume = Volume
+settings-volume-city = Volume: la città
+settings-volume-steps = Volume: passi
+settings-volume-bells = Volume: campane
+settings-volume-narration = Volume: racconto
+settings-silent-behind = Silenzio quando la finestra non è davanti
 settings-bar = La barra resta
 settings-reset = Come all'inizio
 settings-tiles = La finezza dei muri dipinti cambia al prossimo avvio.
@@ -131,6 +141,7 @@ control-still-take = salva un'immagine
 control-hour-earlier = ora del giorno: prima
 control-hour-later = ora del giorno: dopo
 control-season-next = la stagione seguente
+control-sound-mute = audio spento, acceso
 control-quit = esci
 
 # Tasti

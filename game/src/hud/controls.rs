@@ -1,10 +1,13 @@
 use bevy::input::gamepad::GamepadButton as Pad;
 use bevy::prelude::*;
 use veduta::controls::{Always, ControlsAppExt, Input, Layers, ModKeys, Presses, control};
+use veduta::ecs::Words;
 use veduta::prelude::*;
 use veduta::tour::EditorCommand;
 
 use super::Open;
+use super::notes::Notes;
+use crate::settings::Settings;
 
 control! {
     /// Opens the page of all controls, and closes it.
@@ -21,6 +24,8 @@ control! {
     pub(crate) HourLater: Always = "hour.later", [Input::key(KeyCode::KeyJ)];
     /// Goes on to the next season.
     pub(crate) SeasonNext: Always = "season.next", [Input::key(KeyCode::KeyK)];
+    /// Silences the city, and lets it be heard again.
+    pub(crate) Mute: Always = "sound.mute", [Input::key(KeyCode::KeyU)];
     /// Ends the program.
     pub(crate) Quit: Always = "quit", [Input::ctrl(KeyCode::KeyQ), Input::Key(KeyCode::KeyQ, ModKeys::SUPER)];
 }
@@ -34,6 +39,7 @@ pub(super) fn add_controls(app: &mut App) {
         .add_control::<HourEarlier>()
         .add_control::<HourLater>()
         .add_control::<SeasonNext>()
+        .add_control::<Mute>()
         .add_control::<Quit>();
 }
 
@@ -70,6 +76,21 @@ pub(super) fn read_keys(
     }
 }
 
+/// No sound, and sound again; a note tells which, for who hears nothing does not know why.
+pub(super) fn mute(
+    time: Res<Time<Real>>,
+    presses: Presses<'_, '_>,
+    words: Res<Words>,
+    mut settings: ResMut<Settings>,
+    mut notes: ResMut<Notes>,
+) {
+    if presses.begins::<Mute>() {
+        settings.muted = !settings.muted;
+        let told = if settings.muted { "sound-off" } else { "sound-on" };
+        notes.add(words.say(told), false, time.elapsed_secs_f64());
+    }
+}
+
 /// All controls of the game, for tests.
 #[cfg(test)]
 pub(super) fn app() -> App {
@@ -87,7 +108,6 @@ pub(super) fn app() -> App {
 #[cfg(test)]
 mod tests {
     use veduta::controls::{ControlList, Controls, message_of};
-    use veduta::ecs::Words;
 
     use super::*;
 

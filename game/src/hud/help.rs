@@ -11,7 +11,7 @@ use super::first::FirstMinute;
 use crate::settings::Settings;
 
 /// Controls, and what they do together.
-const CONTROLS: [(&[&str], &str); 25] = [
+const CONTROLS: [(&[&str], &str); 26] = [
     (&["walk.forward", "walk.left", "walk.back", "walk.right"], "help-walk"),
     (&["look.hold", "look.left", "look.right"], "help-look"),
     (&["walk.run"], "help-run"),
@@ -31,6 +31,7 @@ const CONTROLS: [(&[&str], &str); 25] = [
     (&["tour.edit", "tour.view"], "help-editor"),
     (&["hour.earlier", "hour.later"], "help-hour"),
     (&["season.next"], "help-season"),
+    (&["sound.mute"], "help-mute"),
     (&["still.take"], "help-still"),
     (&["settings.open"], "help-settings"),
     (&["help.open"], "help-help"),

@@ -66,7 +66,7 @@ pub(super) fn meet(
         if first.is_none() && tours.0.is_empty() {
             commands.insert_resource(FirstTour { path: path.clone(), at_once: false });
         }
-        tours.0.push((path, asset.0.title.clone()));
+        tours.0.push((path, asset.tour.title.clone()));
         tours.0.sort();
         false
     });

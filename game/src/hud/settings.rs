@@ -9,7 +9,7 @@ use super::Open;
 use super::controls::SettingsOpen;
 use super::keys::{self, Part, Shown};
 use crate::profile::Profile;
-use crate::settings::{MINIMAP_SHARE, Settings, TEXT_SIZE};
+use crate::settings::{MINIMAP_SHARE, Settings, TEXT_SIZE, VOLUME};
 
 pub(super) fn draw(
     mut contexts: EguiContexts,
@@ -109,6 +109,7 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) {
             check(ui, &words.say("settings-panel"), &mut settings.place_panel);
             check(ui, &words.say("settings-captions"), &mut settings.captions);
             check(ui, &words.say("settings-life"), &mut settings.life);
+            sound(ui, words, settings);
             check(ui, &words.say("settings-bar"), &mut settings.bar_stays);
         });
     });
@@ -155,6 +156,17 @@ fn quality(ui: &mut Ui, words: &Words, settings: &mut Settings) {
     });
     chosen.response.labelled_by(label.id);
     ui.end_row();
+}
+
+/// How loud things are.
+fn sound(ui: &mut Ui, words: &Words, settings: &mut Settings) {
+    check(ui, &words.say("settings-mute"), &mut settings.muted);
+    slider(ui, &words.say("settings-volume"), &mut settings.volume, VOLUME);
+    slider(ui, &words.say("settings-volume-city"), &mut settings.volume_city, VOLUME);
+    slider(ui, &words.say("settings-volume-steps"), &mut settings.volume_steps, VOLUME);
+    slider(ui, &words.say("settings-volume-bells"), &mut settings.volume_bells, VOLUME);
+    slider(ui, &words.say("settings-volume-narration"), &mut settings.volume_narration, VOLUME);
+    check(ui, &words.say("settings-silent-behind"), &mut settings.silent_behind);
 }
 
 fn check(ui: &mut Ui, name: &str, value: &mut bool) {
@@ -204,7 +216,7 @@ mod tests {
     fn every_setting_has_a_name_and_does_what_it_says() {
         let (look, words) = (Look { text: 14.0, high_contrast: false, reduced_motion: true }, words());
         let mut harness = Harness::builder()
-            .with_size(Vec2::new(900.0, 900.0))
+            .with_size(Vec2::new(900.0, 1300.0))
             .build_ui_state(|ui, settings: &mut Settings| show(ui, &look, &words, settings), Settings::default());
         harness.run();
         let choose = |harness: &mut Harness<'_, Settings>, box_name: &str, choice: &str| {
@@ -227,6 +239,8 @@ mod tests {
             "What stands near",
             "Captions of tours",
             "Life: pigeons, flags, water, clocks",
+            "Mute",
+            "Silent while the window is not in front",
             "The bar stays",
         ] {
             harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, name).click();
@@ -252,6 +266,8 @@ mod tests {
             place_panel: false,
             captions: false,
             life: false,
+            muted: true,
+            silent_behind: false,
             bar_stays: true,
             ..Settings::default()
         };

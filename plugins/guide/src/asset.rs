@@ -76,6 +76,14 @@ impl CityGuide {
         self.version
     }
 
+    /// A path of the asset server for a file beside the guide's. A guide that was given as a value lies among the assets.
+    #[must_use]
+    pub fn beside(&self, file: &str) -> String {
+        let guide = self.handle.as_ref().and_then(Handle::path);
+        let path = guide.and_then(|guide| guide.resolve_embed_str(file).ok());
+        path.map_or_else(|| file.to_owned(), |path| path.to_string())
+    }
+
     /// What is told of a place of the map.
     #[must_use]
     pub fn place(&self, name: &str) -> Option<&GuidePlace> {

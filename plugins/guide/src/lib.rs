@@ -45,6 +45,7 @@
 mod asset;
 pub mod controls;
 mod directory;
+mod gallery;
 mod lead;
 mod names;
 mod near;

@@ -3,9 +3,10 @@ use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id as EguiId, Order, ScrollArea, Ui, Vec2};
 use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 use veduta_city::{Certainty, GuidePlace, Place};
-use veduta_ecs::{Docks, Interface, Words};
-use veduta_ui::{Look, Surface, Symbol, symbol_button};
+use veduta_ecs::{Accompany, Docks, Interface, Part, Words};
+use veduta_ui::{Look, Pictures, Surface, Symbol, symbol_button};
 
+use crate::gallery::{self, Shown};
 use crate::{CityGuide, NearPlace};
 
 /// How the panel looks. Live.
@@ -30,6 +31,8 @@ pub(crate) struct PanelState {
     /// How far it has come in, 0 to 1.
     shown: f32,
     last: Option<Place>,
+    /// What is listened to, as a path of the asset server.
+    listens: Option<String>,
 }
 
 /// What is told of a place, in the visitor's language.
@@ -40,6 +43,8 @@ struct Told<'a> {
     certainty: Option<Certainty>,
     hours: &'a str,
     links: &'a [String],
+    /// Whether there is something to listen to, and whether it is listened to.
+    sound: Option<bool>,
 }
 
 impl<'a> Told<'a> {
@@ -51,6 +56,7 @@ impl<'a> Told<'a> {
             certainty: told.and_then(|told| told.certainty),
             hours: told.map_or("", |told| &told.hours),
             links: told.map_or(&[], |told| &told.links),
+            sound: told.filter(|told| !told.sound.is_empty()).map(|_| false),
         }
     }
 }
@@ -68,6 +74,8 @@ pub(crate) fn draw(
     (interface, docks): (Res<Interface>, Res<Docks>),
     mut settings: ResMut<PanelSettings>,
     mut state: ResMut<PanelState>,
+    mut pictures: Pictures,
+    mut accompany: MessageWriter<Accompany>,
 ) -> Result {
     let state = &mut *state;
     let goal = if settings.visible && near.0.is_some() { 1.0 } else { 0.0 };
@@ -84,8 +92,18 @@ pub(crate) fn draw(
         state.last = Some(place.clone());
     }
     let Some(place) = state.last.clone() else { return Ok(()) };
-    let told = Told::of(&place, guide.place(&place.name), &words);
+    let told_of = guide.place(&place.name);
+    let sound = told_of.filter(|told| !told.sound.is_empty()).map(|told| guide.beside(&told.sound));
+    // Who has gone on no longer listens.
+    if state.listens.is_some() && (state.listens != sound || near.0.is_none()) {
+        state.listens = None;
+        accompany.write(Accompany::End(Part::Narration));
+    }
+    let mut told = Told::of(&place, told_of, &words);
+    told.sound = sound.as_ref().map(|_| state.listens.is_some());
     let mut unfolded = settings.unfolded;
+    let shown = if unfolded { gallery::of_place(told_of, &guide, &words, &mut pictures, context) } else { Vec::new() };
+    let mut listens = state.listens.is_some();
     let screen = context.content_rect();
     let area = Area::new(EguiId::new("veduta place")).constrain_to(Look::free(&docks, context)).order(Order::Middle);
     area.anchor(Align2::LEFT_TOP, Vec2::splat(screen.height() * 0.03)).show(context, |ui| {
@@ -93,9 +111,16 @@ pub(crate) fn draw(
         look.frame(Surface::Paper).show(ui, |ui| {
             ui.set_max_width((look.text * 22.0).min(screen.width() * 0.4));
             ui.set_max_height(screen.height() * 0.55);
-            show(ui, &look, &words, &told, &mut unfolded, &mut state.cache);
+            show(ui, &look, &words, &told, &shown, &mut unfolded, &mut listens, &mut state.cache);
         });
     });
+    if listens != state.listens.is_some() {
+        state.listens = sound.filter(|_| listens);
+        accompany.write(match &state.listens {
+            Some(file) => Accompany::Play { file: file.clone(), part: Part::Narration },
+            None => Accompany::End(Part::Narration),
+        });
+    }
     if unfolded != settings.unfolded {
         settings.unfolded = unfolded;
     }
@@ -108,7 +133,16 @@ fn glide(value: f32, goal: f32, step: f32) -> f32 {
 }
 
 /// The sheet of a place.
-fn show(ui: &mut Ui, look: &Look, words: &Words, told: &Told<'_>, unfolded: &mut bool, cache: &mut CommonMarkCache) {
+fn show(
+    ui: &mut Ui,
+    look: &Look,
+    words: &Words,
+    told: &Told<'_>,
+    pictures: &[Shown],
+    unfolded: &mut bool,
+    listens: &mut bool,
+    cache: &mut CommonMarkCache,
+) {
     let surface = Surface::Paper;
     look.dress(ui, surface);
     ui.horizontal_top(|ui| {
@@ -122,7 +156,7 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, told: &Told<'_>, unfolded: &mut
                 ui.label(look.words(about.join(" · "), 0.85, look.faint(surface)));
             }
         });
-        let has_more = !told.text.is_empty() || !told.links.is_empty();
+        let has_more = !told.text.is_empty() || !told.links.is_empty() || !pictures.is_empty() || told.sound.is_some();
         if has_more {
             let (symbol, name) = if *unfolded { (Symbol::Close, "place-fold") } else { (Symbol::Help, "place-unfold") };
             if symbol_button(ui, look, surface, symbol, false, &words.say(name), "").clicked() {
@@ -135,6 +169,12 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, told: &Told<'_>, unfolded: &mut
     }
     let room = ui.available_height();
     ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| {
+        if let Some(plays) = told.sound
+            && ui.button(words.say(if plays { "place-silence" } else { "place-listen" })).clicked()
+        {
+            *listens = !plays;
+        }
+        pictures.iter().for_each(|picture| gallery::show(ui, look, words, picture));
         CommonMarkViewer::new().show(ui, cache, told.text);
         if !told.hours.is_empty() {
             ui.label(words.say_with("place-hours", &[("hours", told.hours.to_owned().into())]));
@@ -207,13 +247,37 @@ mod tests {
             let words = words(language);
             let mut cache = CommonMarkCache::default();
             let mut unfolded = true;
-            let harness =
-                Harness::new_ui(|ui| show(ui, &look, &words, &Told::of(&place, Some(&told), &words), &mut unfolded, &mut cache));
+            let harness = Harness::new_ui(|ui| {
+                let told = Told::of(&place, Some(&told), &words);
+                show(ui, &look, &words, &told, &[], &mut unfolded, &mut false, &mut cache);
+            });
             harness.get_by_label(name);
             harness.get_by_label_contains(text);
         }
         let told = Told::of(&place, None, &words("cs"));
         assert_eq!((told.name, told.text), ("Powder Tower", "Old text."), "without a guide, what the map says");
+    }
+
+    #[test]
+    fn what_can_be_listened_to_is_played_and_ended() {
+        let (place, told) = tower();
+        let told = GuidePlace { sound: "bells.ogg".into(), ..told };
+        let look = Look { text: 16.0, high_contrast: false, reduced_motion: true };
+        let words = words("en");
+        let mut cache = CommonMarkCache::default();
+        let mut harness = Harness::new_ui_state(
+            |ui, listens| {
+                let told = Told { sound: Some(*listens), ..Told::of(&place, Some(&told), &words) };
+                show(ui, &look, &words, &told, &[], &mut true, listens, &mut cache);
+            },
+            false,
+        );
+        harness.get_by_label(&words.say("place-listen")).click();
+        harness.run();
+        assert!(*harness.state());
+        harness.get_by_label(&words.say("place-silence")).click();
+        harness.run();
+        assert!(!*harness.state());
     }
 
     #[test]
@@ -223,7 +287,7 @@ mod tests {
         let words = words("en");
         let mut cache = CommonMarkCache::default();
         let mut harness = Harness::new_ui_state(
-            |ui, unfolded| show(ui, &look, &words, &Told::of(&place, Some(&told), &words), unfolded, &mut cache),
+            |ui, unfolded| show(ui, &look, &words, &Told::of(&place, Some(&told), &words), &[], unfolded, &mut false, &mut cache),
             true,
         );
         harness.get_by_label_contains("example.org").click();

@@ -96,6 +96,8 @@ fn obey(now: &mut Accompaniment, wish: &Accompany, server: &AssetServer, output:
         Accompany::Prepare(file) => load(now, file),
         Accompany::Play { file, part } => {
             load(now, file);
+            // Whoever asks for something while a tour stands wants to hear it.
+            now.is_held = false;
             now.count += 1;
             let id = ChannelId(PARTS | now.count);
             let playing = Playing { file: file.clone(), id, has_begun: false, levels: Levels::SILENT };

@@ -108,26 +108,19 @@ pub struct CitySounds {
     sounds: Soundscape,
     handle: Option<Handle<SoundsAsset>>,
     recordings: BTreeMap<String, Handle<RecordingAsset>>,
-    version: u64,
 }
 
 impl CitySounds {
     /// Sounds given as a value.
     #[must_use]
     pub fn of(sounds: Soundscape) -> Self {
-        Self { sounds, version: 1, ..Self::default() }
+        Self { sounds, ..Self::default() }
     }
 
     /// The sounds.
     #[must_use]
     pub fn sounds(&self) -> &Soundscape {
         &self.sounds
-    }
-
-    /// Grows whenever there are others.
-    #[must_use]
-    pub fn version(&self) -> u64 {
-        self.version
     }
 
     /// A recording by its path beside the file of sounds, once it is here.
@@ -148,7 +141,7 @@ pub(crate) fn open(
     if let Some(OpenSounds(path)) = asked.read().last() {
         sounds.handle = Some(assets.load(path.clone()));
     } else if has_opened
-        && (sounds.version == 0 || sounds.handle.is_some())
+        && (sounds.sounds == Soundscape::default() || sounds.handle.is_some())
         && let Some(path) = city.and_then(|city| own_file(&city, ".sound.ron", sounds.handle.as_ref()))
     {
         // Another city's file may have had the same name.
@@ -188,7 +181,6 @@ pub(crate) fn take(
             let load = |file: &&str| Some(((*file).to_owned(), server.load(path(file)?)));
             sounds.recordings = asset.0.files().iter().filter_map(load).collect();
             sounds.sounds = asset.0.clone();
-            sounds.version += 1;
         }
     }
     for failure in failed.read().filter(|failure| asked == Some(failure.id)) {

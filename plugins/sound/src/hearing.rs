@@ -51,8 +51,6 @@ pub(crate) struct Hearing {
     listener: Option<Listener>,
     sources: Vec<Placed>,
     beds: Vec<Bed>,
-    /// Version of the sounds that beds and channels come from.
-    version: Option<u64>,
     looked_s: f64,
     playing: BTreeMap<ChannelId, Playing>,
 }
@@ -85,7 +83,7 @@ pub(crate) fn listen(
     let now_s = time.elapsed_secs_f64();
     let lat_deg = city.as_ref().map_or(50.0, |city| city.anchor.lat);
     let has_jumped = hearing.listener.as_ref().is_none_or(|before| before.plan_pos.truncate().distance(eye.plan_pos) > 20.0);
-    let is_new = hearing.version != Some(sounds.version());
+    let is_new = sounds.is_changed();
     let looks = is_new || has_jumped || now_s >= hearing.looked_s + LOOK_EVERY_S || now_s < hearing.looked_s;
     let surroundings = match &hearing.listener {
         Some(before) if !looks => before.surroundings.clone(),
@@ -109,7 +107,6 @@ pub(crate) fn listen(
     }
     if is_new {
         hearing.beds = sounds.sounds().all_beds();
-        hearing.version = Some(sounds.version());
         // What was heard of other sounds fades out.
         hearing.playing.values_mut().for_each(|playing| playing.wanted = Levels::SILENT);
     }

@@ -6,8 +6,8 @@
 //!  Eye, CityClock, Weather ───────────┼─► mix ─► orders ─► Desk
 //!  Cue, Accompany, the walker's way ──┘                     └─► SoundTrack (beside a film)
 //! ```
-//! All of it is one stream: the [`Desk`](veduta_synth::Desk) of `veduta-synth` mixes on the audio device's own thread, and is told levels through
-//! a channel that nobody waits at.
+//! All of it is one stream: the [`Desk`](veduta_synth::Desk) of `veduta-synth` mixes on the audio device's own thread, and is told
+//! levels through a channel that nobody waits at.
 //!
 //! # Use
 //! ```no_run
@@ -24,16 +24,16 @@
 //!     })
 //!     .run();
 //! ```
-//! Without a file of sounds a city sounds as its plan tells: squares murmur, parks sing, fountains splash, rivers flow, and steps follow the
-//! ground. It needs the engine's `AudioPlugin` (`DefaultPlugins` has it, with the feature `bevy_audio`), and says so once where that is missing.
-//! Where there is no audio device all goes on in silence.
+//! Without a file of sounds a city sounds as its plan tells: squares murmur, parks sing, fountains splash, rivers flow, and steps
+//! follow the ground. It needs the engine's `AudioPlugin` (`DefaultPlugins` has it, with the feature `bevy_audio`), and says so
+//! once where that is missing. Where there is no audio device all goes on in silence.
 //!
 //! # Limits
 //! What is behind houses is told by straight lines over their ridges: nothing is heard around corners or by echoes.
 //!
 //! # Rejected
-//! A sink of the engine for each sound: none can be dulled, placed or begun late, and nobody keeps their sum from clipping. Occlusion by
-//! the visible sets: bells are heard from squares that do not see their towers.
+//! A sink of the engine for each sound: none can be dulled, placed or begun late, and nobody keeps their sum from clipping.
+//! Occlusion by the visible sets: bells are heard from squares that do not see their towers.
 
 mod accompany;
 mod asset;

@@ -93,8 +93,8 @@ pub fn bed_gain(bed: &Bed, listener: &Listener) -> f32 {
 const FIRST_WALL_DB: f64 = -6.0;
 const FURTHER_WALL_DB: f64 = -2.5;
 
-/// How something is heard from where it is, as loud as it gets within a radius, with so many houses between. Sound spreads (6 dB at twice the
-/// distance), air and houses take the high notes first, and what is behind the listener is a little duller.
+/// How something is heard from where it is, as loud as it gets within a radius, with so many houses between. Sound spreads (6 dB at
+/// twice the distance), air and houses take the high notes first, and what is behind the listener is a little duller.
 #[must_use]
 pub fn heard_from(plan_pos: DVec3, radius_m: f64, level_db: f64, houses: u32, listener: &Listener) -> Levels {
     let to = plan_pos - listener.plan_pos;

@@ -207,7 +207,8 @@ pub(crate) fn send(time: Res<Time>, track: Option<ResMut<SoundTrack>>, mut outpu
         let track = &mut *track;
         output.orders.drain(..).for_each(|order| track.desk.obey(order));
         track.owed += time.delta_secs_f64() * f64::from(track.desk.rate_hz());
-        let frames = track.owed.floor();
+        // Times are sums of fractions: what lacks a trifle of a frame is one.
+        let frames = (track.owed + 1e-6).floor();
         track.owed -= frames;
         let from = track.samples.len();
         track.samples.resize(from + 2 * frames as usize, 0.0);

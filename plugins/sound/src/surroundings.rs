@@ -100,7 +100,8 @@ fn shares(looks: &[Look], is_roofed: bool) -> [f32; Setting::ALL.len()] {
     let bridge = ramp(water, 0.35, 0.65) * if is_wet_here { 0.0 } else { 1.0 };
     let roofed = if is_roofed { 1.0 } else { 0.0 };
     let park = ramp(green, 0.15, 0.55) * (1.0 - roofed);
-    let paved = (1.0 - park) * (1.0 - bridge) * (1.0 - roofed);
+    // On a quay people are fewer than in a street.
+    let paved = (1.0 - park) * (1.0 - bridge) * (1.0 - roofed) * (1.0 - 0.6 * by_water);
     let square = ramp(open, 0.5, 0.8) * paved;
     let of = |setting| match setting {
         Setting::Lane => paved - square,

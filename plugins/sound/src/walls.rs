@@ -4,8 +4,8 @@ use veduta_city::{GridPos, Overview, metres};
 /// More houses than this between ear and source make no difference.
 pub(crate) const MOST: u32 = 4;
 
-/// How many houses stand in the straight way between two points in plan space, of those that lie in a part of the overview; at most [`MOST`].
-/// A house that one of the points is in, or over, does not count: bells hang in towers.
+/// How many houses stand in the straight way between two points in plan space, of those that lie in a part of the overview; at most
+/// [`MOST`]. A house that one of the points is in, or over, does not count: bells hang in towers.
 pub(crate) fn between(overview: &Overview, a: DVec3, b: DVec3) -> u32 {
     let (lo, hi) = (a.min(b), a.max(b));
     let mut count = 0;

@@ -37,6 +37,29 @@
 //!     .run();
 //! ```
 //!
+//! Recordings and pictures lie beside the tour's file: Ogg Vorbis, and PNG, JPEG or WebP. Narration is heard out while the tour goes
+//! on, at its own pace however fast the tour plays; it stands still with the tour, and ends when the tour is sent to another time. Whoever
+//! makes sounds (`veduta-sound`) plays them as [`Accompany`](veduta_ecs::Accompany) says; what is missing is told once, and the tour goes on.
+//! ```
+//! let text = r#"(
+//!     title: "At the bridge",
+//!     city: "old_prague.graph.ron",
+//!     steps: [
+//!         Start(at: Place("Old Town Bridge Tower")),
+//!         Sound(file: "river.ogg"),
+//!         Narrate(
+//!             file: "bridge.ogg", files: {"cs": "bridge.cs.ogg"},
+//!             text: "The bridge is of 1357.", translations: {"cs": "Most je z roku 1357."},
+//!         ),
+//!         Picture(file: "bridge-1850.webp", caption: "The bridge about 1850", seconds: 6),
+//!         Wait(seconds: 8),
+//!         Sound(),
+//!     ],
+//! )"#;
+//! let tour: veduta_city::Tour = veduta_city::file::parse(text, "bridge.tour.ron")?;
+//! assert_eq!(tour.steps.len(), 6);
+//! # Ok::<(), veduta_city::file::SyntaxError>(())
+//! ```
 //! A [`TourMark`] tells a game that a moment has come which the tour marks: to ring bells, to open a door.
 //!
 //! Its [`controls`], whose keys a visitor may change ([`veduta_controls`]); at first they are:
@@ -64,10 +87,12 @@
 //! # Rejected
 //! Animation clips in the engine's format: nobody writes them by hand.
 
+mod accompany;
 mod asset;
 mod caption;
 pub mod controls;
 mod editor;
+mod picture;
 mod play;
 mod ready;
 mod streets;
@@ -114,7 +139,7 @@ impl Plugin for TourPlugin {
             .add_message::<TourMark>()
             .add_systems(
                 Update,
-                (play::obey, ready::tell_failures, ready::compile_tour, play::play, play::tell_path)
+                (play::obey, ready::tell_failures, ready::compile_tour, accompany::accompany, play::play, play::tell_path)
                     .chain()
                     .in_set(VedutaSystems::Steer),
             );
@@ -124,8 +149,12 @@ impl Plugin for TourPlugin {
             editor::build(app);
             editor::build_windows(app);
             app.init_resource::<StripSettings>()
+                .init_resource::<picture::Shown>()
                 .add_systems(Update, controls::read_keys)
-                .add_systems(EguiPrimaryContextPass, (caption::draw_caption, strip::draw).chain().in_set(UiSystems::Draw));
+                .add_systems(
+                    EguiPrimaryContextPass,
+                    (caption::draw_caption, picture::draw_picture, strip::draw).chain().in_set(UiSystems::Draw),
+                );
         }
     }
 }

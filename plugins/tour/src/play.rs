@@ -7,6 +7,7 @@ use veduta_ecs::{Awaited, CityClock, Eye, Itinerary, Steering, Stop, TourPath, V
 use veduta_route::{CompiledTour, Pose, ResumeLeg, resume};
 
 use crate::TourAsset;
+use crate::accompany::Moments;
 use crate::streets::Streets;
 
 /// What to do with the tour.
@@ -130,6 +131,8 @@ pub struct TourPlayer {
     pub(crate) last_error: Option<String>,
     /// Whether it is under edit: what is played then comes from there, not from its file.
     pub(crate) is_edited: bool,
+    /// Grows whenever it is sent to another time.
+    seeks: u64,
 }
 
 impl TourPlayer {
@@ -170,8 +173,25 @@ impl TourPlayer {
         self.last_error.as_deref()
     }
 
+    /// Which tour it is, by a number of its own; another once its file has changed.
+    pub(crate) fn version(&self) -> u64 {
+        self.versions
+    }
+
+    /// How often it was sent to another time.
+    pub(crate) fn seeks(&self) -> u64 {
+        self.seeks
+    }
+
+    /// A path of the asset server for a file beside the tour's. A tour that was given as a value lies among the assets.
+    pub(crate) fn beside(&self, file: &str) -> String {
+        let tour = self.handle.as_ref().and_then(Handle::path);
+        let path = tour.and_then(|tour| tour.resolve_embed_str(file).ok());
+        path.map_or_else(|| file.to_owned(), |path| path.to_string())
+    }
+
     pub(crate) fn forget(&mut self) {
-        *self = Self { speed: self.speed, versions: self.versions, ..Self::default() };
+        *self = Self { speed: self.speed, versions: self.versions + 1, ..Self::default() };
     }
 
     /// Has a tour that can be played, in place of the one before.
@@ -242,6 +262,7 @@ pub(crate) fn obey(
                 player.t_s = if t_s.is_finite() { t_s.clamp(0.0, end) } else { player.t_s };
                 player.hold = Hold::Cut;
                 player.has_sought = true;
+                player.seeks += 1;
                 // Who goes to a moment of the tour is on the tour again.
                 if matches!(player.state, TourState::Returning | TourState::Wandering) {
                     (player.leg, player.state) = (None, TourState::Playing);
@@ -277,6 +298,7 @@ fn play_on(player: &mut TourPlayer, steering: &mut ResMut<Steering>, eye: Option
             // From its end it begins again.
             if player.compiled.as_ref().is_some_and(|tour| player.t_s >= tour.duration_s()) {
                 (player.t_s, player.hold) = (0.0, Hold::Cut);
+                player.seeks += 1;
             }
         }
         TourState::Wandering => {
@@ -353,7 +375,7 @@ pub(crate) fn play(
     mut has_told: Local<bool>,
     mut weather: ResMut<Weather>,
     mut ended: MessageWriter<TourEnded>,
-    mut marks: MessageWriter<TourMark>,
+    mut moments: Moments,
 ) {
     tell_ahead(&player, &mut has_told, &mut itineraries);
     let guided = *steering == Steering::Guided;
@@ -378,7 +400,7 @@ pub(crate) fn play(
             let marked_s = if core::mem::take(&mut player.has_sought) { before_s - 1e-6 } else { before_s };
             player.t_s = (before_s + dt).min(end);
             if let Some(tour) = &player.compiled {
-                marks.write_batch(tour.marks(marked_s, player.t_s).iter().map(|mark| TourMark { name: mark.name.clone() }));
+                moments.tell(&player, tour, marked_s);
             }
             if player.t_s >= end {
                 ended.write(TourEnded { title, finished: true });

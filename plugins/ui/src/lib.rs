@@ -4,6 +4,7 @@
 //!  Interface (ecs) ──► Look ──► what tour, minimap, guide and games draw
 //!  fields with a cursor, lists that hang open ──► Interface::is_typing ──► keys rest
 //!  pointers over windows ──► PointersTaken ──► they mean nothing in the city
+//!  pictures by their paths ──► Pictures (decoded within limits) ──► panels
 //!  links that are clicked ──► AskLink ──► "open this page?" ──► browser
 //! ```
 //!
@@ -18,6 +19,7 @@
 
 mod ask;
 mod look;
+mod picture;
 mod symbol;
 
 use bevy::input::touch::Touches;
@@ -27,6 +29,7 @@ use veduta_ecs::{Interface, InterfaceSystems, PointersTaken, Words};
 
 pub use ask::{AskLink, ask_panel};
 pub use look::{Look, Surface};
+pub use picture::{LARGEST_BYTES, MOST_PIXELS, PictureAsset, PictureError, PictureLoadError, Pictures};
 pub use symbol::{Symbol, symbol_button};
 
 /// Shared parts of interfaces. Every plugin that draws one adds it if it is missing.
@@ -48,12 +51,21 @@ impl Plugin for UiPlugin {
             ],
         );
         app.init_resource::<AskLink>()
+            .init_resource::<picture::Shelf>()
             .add_systems(
                 PreUpdate,
                 (watch_typing, watch_pointers).after(bevy_egui::EguiPreUpdateSet::BeginPass).in_set(InterfaceSystems::Watch),
             )
             .add_systems(EguiPrimaryContextPass, ask::ask.in_set(UiSystems::Ask))
             .configure_sets(EguiPrimaryContextPass, (UiSystems::Draw, UiSystems::Ask).chain());
+    }
+
+    fn finish(&self, app: &mut App) {
+        if app.world().contains_resource::<AssetServer>() {
+            app.init_asset::<PictureAsset>()
+                .register_asset_loader(picture::PictureLoader)
+                .add_systems(Update, picture::tell_failures);
+        }
     }
 
     fn is_unique(&self) -> bool {
