@@ -7,7 +7,7 @@ use crate::drawing::{Align, Baseline, Group, Item, Stroke, Text};
 use crate::layout::{Course, LEADING, Layout, Name, SIGN, Shown};
 use crate::letters::{CAPITAL, SMALL};
 use crate::ribbon::beside;
-use crate::{Area, Colours, Detail, Frame, Inks, Named, NameKind, Symbol, Ways, tones};
+use crate::{Area, Colours, Detail, Frame, Inks, NameKind, Named, Symbol, Ways, tones};
 
 /// How a map's body is drawn.
 pub(crate) struct Body<'a> {
@@ -44,7 +44,13 @@ impl Body<'_> {
     }
 
     /// Ground of some kinds: a rim under all of it, then the areas, which leave no seam between them.
-    fn ground(&self, group: &'static str, overview: &Overview, is_kind: impl Fn(SurfaceKind) -> bool, rim: Option<Stroke>) -> Group {
+    fn ground(
+        &self,
+        group: &'static str,
+        overview: &Overview,
+        is_kind: impl Fn(SurfaceKind) -> bool,
+        rim: Option<Stroke>,
+    ) -> Group {
         let mut drawn = self.group(group);
         let patches = || {
             let found = overview.ground.iter().filter(|patch| is_kind(patch.surface));
@@ -53,9 +59,11 @@ impl Body<'_> {
         if let Some(rim) = rim {
             drawn.items.extend(patches().map(|(_, rings)| Item::Area { rings, fill: None, edge: Some(rim.clone()) }));
         }
-        drawn.items.extend(
-            patches().map(|(ink, rings)| Item::Area { rings, fill: Some(ink), edge: Some(Stroke::round(ink, 0.07)) }),
-        );
+        drawn.items.extend(patches().map(|(ink, rings)| Item::Area {
+            rings,
+            fill: Some(ink),
+            edge: Some(Stroke::round(ink, 0.07)),
+        }));
         drawn
     }
 
@@ -63,7 +71,8 @@ impl Body<'_> {
     pub fn ground_and_houses(&self, overview: &Overview, detail: &Detail, extent: Option<&GridPolygon>, trees: bool) -> Vec<Group> {
         let inks = self.inks;
         let mut land = self.group("land");
-        let edge = [self.map.min, DVec2::new(self.map.max.x, self.map.min.y), self.map.max, DVec2::new(self.map.min.x, self.map.max.y)];
+        let edge =
+            [self.map.min, DVec2::new(self.map.max.x, self.map.min.y), self.map.max, DVec2::new(self.map.min.x, self.map.max.y)];
         let beyond = extent.and_then(|extent| self.rings(extent));
         let rings = beyond.unwrap_or_else(|| vec![edge.to_vec()]);
         land.items.push(Item::Area { rings, fill: Some(inks.yard), edge: None });

@@ -4,9 +4,7 @@
 use std::collections::HashMap;
 
 use glam::DVec2;
-use tiny_skia::{
-    FillRule, LineCap, LineJoin, Mask, Paint, Path, PathBuilder, Pixmap, Rect, Stroke as Pen, StrokeDash, Transform,
-};
+use tiny_skia::{FillRule, LineCap, LineJoin, Mask, Paint, Path, PathBuilder, Pixmap, Rect, Stroke as Pen, StrokeDash, Transform};
 use veduta_city::Rgb;
 
 use crate::drawing::{Align, Baseline, Drawing, Item, SLANT, Stroke, Text};
@@ -270,7 +268,12 @@ mod tests {
         let ink = |item: Item| {
             let pixmap = paint(&drawing(vec![item]), 254.0).expect("small");
             let width = pixmap.width();
-            let dark = pixmap.pixels().iter().enumerate().filter(|(_, p)| p.red() < 128).map(|(i, _)| (i as u32 % width, i as u32 / width));
+            let dark = pixmap
+                .pixels()
+                .iter()
+                .enumerate()
+                .filter(|(_, p)| p.red() < 128)
+                .map(|(i, _)| (i as u32 % width, i as u32 / width));
             dark.fold((u32::MAX, u32::MAX, 0, 0), |(l, t, r, b), (x, y)| (l.min(x), t.min(y), r.max(x), b.max(y)))
         };
         let (left, top, right, bottom) = ink(text(Baseline::At(DVec2::new(10.0, 8.0), Align::Middle)));

@@ -34,7 +34,7 @@ impl Ribbon {
     pub fn smooth(line: Vec<DVec2>, reach: f64, most_off: f64) -> Option<Self> {
         let rough = Self::new(line)?;
         let step = (reach / 4.0).max(rough.length() / MOST as f64);
-        if !(step > 0.0) {
+        if step.is_nan() || step <= 0.0 {
             return Some(rough);
         }
         let count = (libm::ceil(rough.length() / step) as usize).clamp(1, MOST);

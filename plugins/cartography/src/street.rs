@@ -112,12 +112,9 @@ fn enters(pieces: &[&PlanStreet], link: Link) -> DVec2 {
 }
 
 fn line(name: &str, is_below: bool, pieces: &[&PlanStreet], chain: &[Link]) -> StreetLine {
-    let mut vertices: Vec<DVec2> =
-        chain.iter().flat_map(|&link| vertices(pieces, link)).map(GridPos::to_metres).collect();
+    let mut vertices: Vec<DVec2> = chain.iter().flat_map(|&link| vertices(pieces, link)).map(GridPos::to_metres).collect();
     vertices.dedup();
-    let length = |street: &PlanStreet| {
-        street.line.windows(2).map(|w| w[0].to_metres().distance(w[1].to_metres())).sum::<f64>()
-    };
+    let length = |street: &PlanStreet| street.line.windows(2).map(|w| w[0].to_metres().distance(w[1].to_metres())).sum::<f64>();
     let of_chain = || chain.iter().map(|&(n, _)| (pieces[n], length(pieces[n])));
     let longest = of_chain().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(StreetClass::default(), |(piece, _)| piece.class);
     let total: f64 = of_chain().map(|(_, length)| length).sum();

@@ -412,7 +412,8 @@ mod tests {
         let stairs = PlanStreet { class: StreetClass::Steps, ..street(&[(0.0, 0.0), (0.0, 60.0)]) };
         let round = street(&[(0.0, 0.0), (200.0, 0.0), (200.0, 60.0), (0.0, 60.0)]);
         let (below, above) = (DVec2::new(0.0, -1.0), DVec2::new(0.0, 61.0));
-        let long = |streets: &[PlanStreet], free| StreetNet::without_steps(streets).way_with(below, above, free).map(|w| length(&w));
+        let long =
+            |streets: &[PlanStreet], free| StreetNet::without_steps(streets).way_with(below, above, free).map(|w| length(&w));
         let town = [stairs.clone(), round];
         assert_eq!(StreetNet::new(&town).way(below, above).map(|w| length(&w)), Ok(62.0));
         assert!(long(&town, None).expect("round the block") > 450.0);
@@ -429,7 +430,10 @@ mod tests {
         let with = StreetNet::new(&town).way_with(below, above, Some(OPEN)).expect("across the court");
         assert_eq!(length(&with), 40.0);
         let without = StreetNet::without_steps(&town).way_with(below, above, Some(OPEN)).expect("round the stairs");
-        assert!(length(&without) > 70.0 && without.windows(2).all(|w| w[0].y == w[1].y || w[0].x > 30.0 || w[1].x > 30.0), "{without:?}");
+        assert!(
+            length(&without) > 70.0 && without.windows(2).all(|w| w[0].y == w[1].y || w[0].x > 30.0 || w[1].x > 30.0),
+            "{without:?}"
+        );
     }
 
     #[test]

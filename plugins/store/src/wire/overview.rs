@@ -141,9 +141,10 @@ impl TryFrom<WireOverview> for Overview {
         let streets = lines.pull(&mut points, || texts.take())?;
         points.finish()?;
         let mut parts = Pull::new("parts of named houses", wire.parts);
-        let named = wire.named.numbers().into_iter().map(|house| {
-            Ok(HouseName { house: house as u32, name: texts.take()?, number: texts.take()?, parts: parts.take()? })
-        });
+        let named =
+            wire.named.numbers().into_iter().map(|house| {
+                Ok(HouseName { house: house as u32, name: texts.take()?, number: texts.take()?, parts: parts.take()? })
+            });
         let names = named.collect::<Result<_, _>>()?;
         parts.finish()?;
         texts.finish()?;
