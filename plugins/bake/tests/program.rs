@@ -246,6 +246,40 @@ fn baked(folder: &Folder) -> (PathBuf, veduta_store::CityIndex) {
 }
 
 #[test]
+fn a_map_is_drawn_as_it_is_wished_for() {
+    let folder = Folder::new("map");
+    let lane = place("lane/lane.graph.ron");
+    let (city, _) = baked(&folder);
+    let drawn = |source: &Path, name: &str, wishes: &[&'static str]| {
+        let output = folder.0.join(name);
+        let mut arguments: Vec<&dyn AsRef<std::ffi::OsStr>> = vec![&"map", &source, &"-o", &output, &"--quiet"];
+        arguments.extend(wishes.iter().map(|wish| wish as &dyn AsRef<std::ffi::OsStr>));
+        let (code, out, err) = run(&arguments);
+        (code, out + &err, std::fs::read(&output).unwrap_or_default())
+    };
+    let (code, told, svg) = drawn(&lane, "a.svg", &["--paper", "A4", "--scale", "1:500", "--index", "--language", "cs"]);
+    let svg = String::from_utf8(svg).unwrap_or_else(|e| panic!("{e}"));
+    assert!(code == 0 && told.contains("1:500"), "{told}");
+    assert!(svg.contains("1 : 500") && svg.contains("Ulice a místa"), "{svg}");
+    let (code, told, png) = drawn(&city, "a.png", &["--paper", "254x127mm", "--dpi", "50", "--inks", "colour-blind"]);
+    assert!(code == 0 && png.starts_with(b"\x89PNG"), "{told}");
+    // Its header tells 500 by 250 pixels.
+    assert_eq!(png.get(16..24), Some(&[0, 0, 1, 244, 0, 0, 0, 250][..]));
+    for (name, wishes, code, said) in [
+        ("b.svg", &["--layers", "names,moon"][..], 1, "no layer `moon`"),
+        ("b.svg", &["--place", "Nowhere"], 1, "no place or street"),
+        ("b.svg", &["--language", "tlh"], 1, "not written in `tlh`"),
+        ("b.gif", &[], 1, ".svg or .png"),
+        ("b.svg", &["--paper", "A9"], 2, "A0 to A5"),
+        ("b.svg", &["--scale", "1:0"], 2, "give 100"),
+        ("b.png", &["--paper", "A0", "--dpi", "1200"], 1, "fewer pixels"),
+    ] {
+        let (found, told, bytes) = drawn(&lane, name, wishes);
+        assert!(found == code && told.contains(said) && bytes.is_empty(), "{wishes:?}: {found} {told}");
+    }
+}
+
+#[test]
 fn every_part_of_a_city_is_inspected() {
     let folder = Folder::new("parts");
     let (city, index) = baked(&folder);

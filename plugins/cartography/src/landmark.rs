@@ -103,6 +103,9 @@ const UP: f64 = 0.866_025_403_784_438_6;
 /// Light comes from the left, before and above: x to the right, y away, z up.
 const LIGHT: DVec3 = DVec3::new(-0.52, -0.38, 0.765);
 
+/// Headings that pictures may be seen along besides that of the map's upper edge, degrees from there.
+const ASLANT_DEG: [f64; 2] = [40.0, -40.0];
+
 /// Heights of a round roof's rings and their radii, both in parts.
 const DOME: [(f64, f64); 5] = [(0.0, 1.0), (0.38, 0.93), (0.70, 0.71), (0.92, 0.38), (1.0, 0.0)];
 const ONION: [(f64, f64); 6] = [(0.0, 0.8), (0.2, 1.0), (0.42, 0.85), (0.62, 0.42), (0.78, 0.16), (1.0, 0.0)];
@@ -122,16 +125,33 @@ impl Landmark {
     #[must_use]
     pub fn stands_on(&self, plan_pos: DVec2) -> bool {
         let p = GridPos::from_metres(plan_pos);
-        self.parts.iter().any(|part| {
-            let ring = part.ring.iter().map(|&p| GridPos::from_metres(p)).collect();
-            veduta_city::GridPolygon::simple(ring).contains(p)
-        })
+        // Few places lie near enough to be looked at more closely.
+        let is_near = self.plan_pos.distance(plan_pos) <= self.reach_m;
+        is_near
+            && self.parts.iter().any(|part| {
+                let ring = part.ring.iter().map(|&p| GridPos::from_metres(p)).collect();
+                veduta_city::GridPolygon::simple(ring).contains(p)
+            })
+    }
+
+    /// From where it is seen, as the heading that points up: from the lower edge, or from aslant where its towers would hide one another.
+    fn best_view(&self, up_deg: f64) -> f64 {
+        let high = self.parts.iter().filter(|part| part.height_m >= self.height_m * 0.85);
+        let tops: Vec<DVec2> = high.map(|part| part.ring.iter().sum::<DVec2>() / part.ring.len().max(1) as f64).collect();
+        let spread = |turn_deg: f64| {
+            let frame = Frame::new(self.plan_pos, DVec2::ZERO, 1.0, up_deg + turn_deg);
+            let across = || tops.iter().map(|&top| frame.project(top).x);
+            across().fold(f64::NEG_INFINITY, f64::max) - across().fold(f64::INFINITY, f64::min)
+        };
+        let best = ASLANT_DEG.into_iter().max_by(|a, b| spread(*a).total_cmp(&spread(*b))).unwrap_or_default();
+        // Straight on, unless much more is seen.
+        up_deg + if spread(best) > 1.5 * spread(0.0) + 2.0 { best } else { 0.0 }
     }
 
     /// Its picture on a map whose upper edge lies in a direction.
     #[must_use]
     pub fn picture(&self, up_deg: f64, colours: Colours) -> Picture {
-        let frame = Frame::new(self.plan_pos, DVec2::ZERO, 1.0, up_deg);
+        let frame = Frame::new(self.plan_pos, DVec2::ZERO, 1.0, self.best_view(up_deg));
         // x to the right, y away from who looks.
         let seen = |p: DVec2| {
             let at = frame.project(p);
@@ -199,7 +219,8 @@ impl Draft {
         let ((from, to), (left, right)) = (range(along), range(across));
         let inset = (hip * (right - left) / 2.0).min((to - from) / 2.0);
         let ridge = |p: DVec2| {
-            let at = p.dot(along).clamp(from + inset, to - inset);
+            // Over a point both ends are one, but for rounding.
+            let at = p.dot(along).max(from + inset).min(to - inset);
             (along * at + across * ((left + right) / 2.0)).extend(part.height_m)
         };
         for (a, b) in ring.iter().copied().zip(ring.iter().copied().cycle().skip(1)) {
@@ -312,6 +333,16 @@ mod tests {
         // A house 80 m high and 24 m broad.
         let size = picture.bounds.size();
         assert!((size.x - 24.0).abs() < 1e-6 && size.y > 69.0 && size.y < 95.0, "{size}");
+    }
+
+    #[test]
+    fn towers_that_would_hide_one_another_are_seen_from_aslant() {
+        let church = &landmarks(&church())[0];
+        assert_eq!(
+            (church.best_view(90.0), church.best_view(0.0).abs()),
+            (90.0, 40.0),
+            "they stand one behind the other from the south"
+        );
     }
 
     #[test]

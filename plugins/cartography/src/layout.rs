@@ -242,7 +242,9 @@ impl Draft<'_> {
             }
             return;
         };
-        if em_a_metre < symbol.from_scale() {
+        // Of hundreds of shops the signs alone would say nothing.
+        let is_lesser = matches!(mark.kind, NameKind::House | NameKind::Shop);
+        if em_a_metre < symbol.from_scale() || is_lesser && !is_named {
             return;
         }
         let sign = Slab::upright(Area { min: at - em * SIGN * 0.5, max: at + em * SIGN * 0.5 });
@@ -251,8 +253,12 @@ impl Draft<'_> {
         }
         self.taken.take(&[sign]);
         self.layout.signs.push(Sign { symbol, at, mark: n });
+        let before = self.layout.names.len();
         if is_named {
             self.beside(&mark.name, mark.kind, at, DVec2::ZERO, DVec2::splat(em * SIGN * 0.5), &[0, 1, 2, 3, 4, 5, 6, 7]);
+        }
+        if is_lesser && self.layout.names.len() == before {
+            self.layout.signs.pop();
         }
     }
 

@@ -148,15 +148,15 @@ pub fn draw(order: &Order<'_>) -> Result<Drawn, MapError> {
 
 /// The part of the plan that is shown: its middle, and its size across and up.
 fn part(order: &Order<'_>) -> Option<(DVec2, DVec2)> {
-    let edge: Vec<DVec2> = order.extent.into_iter().flat_map(|extent| &extent.outer).map(|pos| pos.to_metres()).collect();
-    let whole = if edge.len() > 2 { extent(edge, order.up_deg) } else { extent(positions(order.overview), order.up_deg) };
-    let (middle, size_m) = whole?;
-    Some((order.middle.unwrap_or(middle), size_m))
+    // What is built decides, not how far the ground goes on.
+    let (middle, size_m) = extent(positions(order.overview), order.up_deg)?;
+    Some((order.middle.unwrap_or(middle), size_m * 1.02))
 }
 
 /// The sheet, turned so that the larger scale fits, or where the scale is given, so that more is seen.
 fn sheet(order: &Order<'_>, size_m: DVec2, named: &Named) -> Sheet {
-    let count = named.marks.len() + named.streets.len();
+    let streets: BTreeSet<&str> = named.streets.iter().map(|street| street.name.as_str()).collect();
+    let count = named.marks.iter().filter(|mark| is_told(named, mark.kind)).count() + streets.len();
     let of = |size_mm: DVec2| Sheet::new(size_mm, if order.has_index { index_width(count, size_mm.y) } else { 0.0 });
     let upright = of(order.paper.size_mm);
     if !order.paper.may_turn {
@@ -206,6 +206,18 @@ fn keys(order: &Order<'_>, groups: &[Group], layout: &Layout) -> Vec<Key> {
     shown.chain(signs.into_iter().map(Key::Sign)).chain(ways).collect()
 }
 
+/// So many houses with a name are told in the index, or none.
+const MOST_HOUSES: usize = 80;
+
+/// Whether the index tells of places of a kind.
+fn is_told(named: &Named, kind: NameKind) -> bool {
+    match kind {
+        NameKind::View | NameKind::Shop => false,
+        NameKind::House => named.marks.iter().filter(|mark| mark.kind == kind).count() <= MOST_HOUSES,
+        _ => true,
+    }
+}
+
 /// Lines of the index: streets where their names stand, else where their middle lies; places and landmarks where they are.
 fn entries(named: &Named, layout: &Layout, frame: Frame, fields: &Fields) -> Vec<Entry> {
     let mut entries = Vec::new();
@@ -214,20 +226,20 @@ fn entries(named: &Named, layout: &Layout, frame: Frame, fields: &Fields) -> Vec
             entries.push(Entry { name: name.to_owned(), field });
         }
     };
-    let mut is_told = BTreeSet::new();
+    let mut done = BTreeSet::new();
     let streets = layout.names.iter().filter(|name| matches!(name.course, crate::Course::Along(_)));
     for name in streets {
-        if is_told.insert(name.text.as_str()) {
+        if done.insert(name.text.as_str()) {
             add(&name.text, name.slabs[name.slabs.len() / 2].middle);
         }
     }
     for street in &named.streets {
         // The longest line of a name comes first.
-        if is_told.insert(street.name.as_str()) {
+        if done.insert(street.name.as_str()) {
             add(&street.name, frame.project(street.line[street.line.len() / 2]));
         }
     }
-    let marks = named.marks.iter().filter(|mark| mark.kind != NameKind::View);
+    let marks = named.marks.iter().filter(|mark| is_told(named, mark.kind));
     marks.for_each(|mark| add(&mark.name, frame.project(mark.plan_pos)));
     let told: BTreeSet<&str> = named.marks.iter().map(|mark| mark.name.as_str()).collect();
     let landmarks = named.landmarks.iter().filter(|(_, name)| !told.contains(name.as_str()));

@@ -230,6 +230,8 @@ impl Margin<'_> {
         let rows = (libm::floor((area.max.y - first.y - row_mm) / row_mm) as usize).max(1);
         let columns = (libm::round(area.size().x / COLUMN_MM) as usize).max(1);
         let width = area.size().x / columns as f64;
+        // Columns of one length, as long as there is room.
+        let rows = rows.min(entries.len().div_ceil(columns).max(1));
         for (n, entry) in entries.iter().take(rows * columns).enumerate() {
             let at = first + DVec2::new(width * (n / rows) as f64, row_mm * (n % rows) as f64);
             let room = width - 3.0 - self.letters.width(&entry.field) * INDEX_MM - 1.5;

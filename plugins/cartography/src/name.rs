@@ -23,8 +23,10 @@ pub enum NameKind {
     Lane,
     /// A way for walkers, stairs, a service road.
     Path,
-    /// A house, inn or shop.
+    /// A house.
     House,
+    /// A shop, inn or office.
+    Shop,
     /// A spot with a view.
     View,
 }
@@ -48,7 +50,7 @@ pub struct NameStyle {
 
 impl NameKind {
     /// All of them, in order.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Square,
         Self::Landmark,
         Self::Water,
@@ -59,6 +61,7 @@ impl NameKind {
         Self::Lane,
         Self::Path,
         Self::House,
+        Self::Shop,
         Self::View,
     ];
 
@@ -79,7 +82,8 @@ impl NameKind {
         match kind {
             PlaceKind::Square => Some(Self::Square),
             PlaceKind::Monument => Some(Self::Sight),
-            PlaceKind::House | PlaceKind::Shop => Some(Self::House),
+            PlaceKind::House => Some(Self::House),
+            PlaceKind::Shop => Some(Self::Shop),
             PlaceKind::Viewpoint => Some(Self::View),
             PlaceKind::Other => Some(Self::Park),
             PlaceKind::Street => None,
@@ -100,7 +104,9 @@ impl NameKind {
             Self::Sight => NameStyle { size: 0.88, weight: 0.04, from_scale: 0.05, ..plain },
             Self::Lane => NameStyle { size: 0.9, least: 0.7, from_scale: 0.055, ..plain },
             Self::Path => NameStyle { size: 0.8, least: 0.68, weight: 0.02, from_scale: 0.09, ..plain },
-            Self::House => NameStyle { size: 0.76, least: 0.7, weight: 0.02, from_scale: 0.14, ..plain },
+            Self::House => NameStyle { size: 0.76, least: 0.7, weight: 0.02, from_scale: 0.1, ..plain },
+            // There are hundreds of them in a town.
+            Self::Shop => NameStyle { size: 0.72, least: 0.7, weight: 0.02, from_scale: 0.22, ..plain },
             Self::View => NameStyle { size: 0.76, least: 0.7, weight: 0.02, is_slanted: true, from_scale: 0.14, ..plain },
         }
     }

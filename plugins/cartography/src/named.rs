@@ -1,4 +1,4 @@
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 use veduta_city::{GridPos, Overview, Place, PlaceKind, SurfaceKind, metres};
@@ -53,6 +53,9 @@ impl Layers {
     }
 }
 
+/// Streets longer than this in all are no squares, metres.
+const LONGEST_SQUARE_M: f64 = 220.0;
+
 /// What of a city there is to be named on maps, made once.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Named {
@@ -69,10 +72,19 @@ impl Named {
     #[must_use]
     pub fn of<'a>(parts: impl IntoIterator<Item = &'a Overview> + Clone, written: &dyn Fn(&str) -> String) -> Self {
         let streets = join_streets(parts.clone().into_iter().flat_map(|part| &part.streets));
+        let mut long: BTreeMap<&str, f64> = BTreeMap::new();
+        for street in &streets {
+            *long.entry(&street.name).or_default() += street.length_m();
+        }
+        // Maps draw pedestrian streets as areas; they are named along their lines.
+        let is_street = |place: &Place| {
+            place.kind == PlaceKind::Square && long.get(place.name.as_str()).is_some_and(|&length_m| length_m > LONGEST_SQUARE_M)
+        };
         let mut marks = Vec::new();
         let mut high = Vec::new();
         for part in parts {
-            marks.extend(part.places.iter().filter_map(|place| mark(place, part, written)));
+            let places = part.places.iter().filter(|place| !is_street(place));
+            marks.extend(places.filter_map(|place| mark(place, part, written)));
             high.extend(landmarks(part));
         }
         high.sort_by(|a, b| b.height_m.total_cmp(&a.height_m).then_with(|| a.name.cmp(&b.name)));
@@ -85,7 +97,7 @@ impl Named {
     pub fn shown(&self, layers: &Layers) -> Self {
         let is_shown = |mark: &&Mark| match mark.kind {
             NameKind::View => layers.views,
-            NameKind::Sight | NameKind::House => layers.places,
+            NameKind::Sight | NameKind::House | NameKind::Shop => layers.places,
             _ => layers.names,
         };
         Self {
@@ -119,17 +131,17 @@ fn mark(place: &Place, part: &Overview, written: &dyn Fn(&str) -> String) -> Opt
 /// How dark each entry of an overview's houses is drawn.
 #[must_use]
 pub fn tones(overview: &Overview) -> Vec<Tone> {
-    let tone = |height: i32| if metres(height) >= LANDMARK_M { Tone::Monument } else { Tone::House };
+    let tone = |height: i32| if metres(height) >= LANDMARK_M { Tone::Notable } else { Tone::House };
     let mut tones: Vec<Tone> = overview.houses.iter().map(|massing| tone(massing.height)).collect();
     let monuments: BTreeSet<&str> =
         overview.places.iter().filter(|place| place.kind == PlaceKind::Monument).map(|place| place.name.as_str()).collect();
     for name in overview.names.iter().filter(|name| !name.name.is_empty()) {
         let parts = tones.iter_mut().skip(name.house as usize).take(name.parts as usize);
-        let least = if monuments.contains(name.name.as_str()) { Tone::Monument } else { Tone::Notable };
         let mut parts: Vec<&mut Tone> = parts.collect();
         // A church is one thing, however low its aisles.
-        let highest = parts.iter().map(|tone| **tone).max().unwrap_or_default().max(least);
-        parts.iter_mut().for_each(|tone| **tone = highest);
+        let is_high = parts.iter().any(|tone| **tone > Tone::House);
+        let tone = if is_high || monuments.contains(name.name.as_str()) { Tone::Monument } else { Tone::Notable };
+        parts.iter_mut().for_each(|part| **part = tone);
     }
     tones
 }
@@ -168,7 +180,7 @@ mod tests {
             places: vec![Place { name: "Well".into(), kind: PlaceKind::Monument, ..Place::default() }],
             ..Overview::default()
         };
-        let expected = [Tone::House, Tone::Notable, Tone::Monument, Tone::Monument, Tone::Monument, Tone::Monument];
+        let expected = [Tone::House, Tone::Notable, Tone::Notable, Tone::Monument, Tone::Monument, Tone::Monument];
         assert_eq!(tones(&overview), expected);
     }
 

@@ -52,9 +52,9 @@ impl FromStr for Paper {
 }
 
 /// Denominators of scales that maps have.
-const SCALES: [f64; 20] = [
-    250.0, 500.0, 750.0, 1_000.0, 1_250.0, 1_500.0, 2_000.0, 2_500.0, 3_000.0, 4_000.0, 5_000.0, 6_000.0, 7_500.0, 10_000.0,
-    12_500.0, 15_000.0, 20_000.0, 25_000.0, 50_000.0, 100_000.0,
+const SCALES: [f64; 25] = [
+    250.0, 500.0, 750.0, 1_000.0, 1_250.0, 1_500.0, 1_750.0, 2_000.0, 2_500.0, 3_000.0, 3_500.0, 4_000.0, 4_500.0, 5_000.0,
+    6_000.0, 7_000.0, 8_000.0, 9_000.0, 10_000.0, 12_500.0, 15_000.0, 20_000.0, 25_000.0, 50_000.0, 100_000.0,
 ];
 /// Denominators of scales that can be asked for.
 pub const DENOMINATORS: core::ops::RangeInclusive<f64> = 100.0..=200_000.0;
@@ -84,12 +84,13 @@ impl Sheet {
     #[must_use]
     pub fn new(size_mm: DVec2, index_mm: f64) -> Self {
         let inner = Area { min: DVec2::splat(MARGIN_MM), max: size_mm - MARGIN_MM };
-        let index_mm = index_mm.min(inner.size().x * 0.5);
-        let right = inner.max.x - if index_mm > 0.0 { index_mm + GAP_MM } else { 0.0 };
+        let index_mm = index_mm.min(inner.size().x * 0.36);
+        // Between them stand the numbers of the fields.
+        let right = inner.max.x - if index_mm > 0.0 { index_mm + 2.0 * GAP_MM } else { 0.0 };
         let map = Area { min: inner.min + DVec2::new(0.0, HEAD_MM), max: DVec2::new(right, inner.max.y - FOOT_MM) };
         let head = Area { min: inner.min, max: DVec2::new(inner.max.x, map.min.y) };
         let foot = Area { min: DVec2::new(inner.min.x, map.max.y + GAP_MM), max: inner.max };
-        let beside = Area { min: DVec2::new(right + GAP_MM, map.min.y), max: DVec2::new(inner.max.x, map.max.y) };
+        let beside = Area { min: DVec2::new(right + 2.0 * GAP_MM, map.min.y), max: DVec2::new(inner.max.x, map.max.y) };
         Self { size_mm, map, head, foot, index: (index_mm > 0.0).then_some(beside) }
     }
 

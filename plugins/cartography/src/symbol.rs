@@ -7,7 +7,7 @@ use crate::Inks;
 pub enum Symbol {
     /// A sight: a tower with a pointed roof.
     Sight,
-    /// A house, inn or shop: a gable.
+    /// A house, shop or inn: a gable.
     House,
     /// A spot with a view: an eye's cone.
     View,
@@ -57,7 +57,8 @@ impl Symbol {
     pub const fn from_scale(self) -> f64 {
         match self {
             Self::Sight | Self::End => 0.0,
-            Self::House | Self::View => 0.075,
+            Self::View => 0.075,
+            Self::House => 0.1,
         }
     }
 

@@ -50,8 +50,8 @@ pub(crate) struct Wishes {
     #[arg(long, value_name = "FILE")]
     tour: Option<PathBuf>,
     /// Inks: paper, contrast or colour-blind.
-    #[arg(long, default_value = "paper", value_parser = colours)]
-    colours: Colours,
+    #[arg(long, default_value = "paper", value_parser = inks)]
+    inks: Colours,
     /// Pixels an inch of a PNG.
     #[arg(long, default_value_t = 300.0, value_parser = dpi)]
     dpi: f64,
@@ -62,8 +62,8 @@ pub(crate) struct Wishes {
     #[arg(long)]
     title: Option<String>,
     /// A date or other words for the margin; none is taken from a clock.
-    #[arg(long)]
-    date: Option<String>,
+    #[arg(long, value_name = "WORDS")]
+    dated: Option<String>,
 }
 
 fn number(text: &str, least: f64, most: f64) -> Result<f64, String> {
@@ -88,7 +88,7 @@ fn dpi(text: &str) -> Result<f64, String> {
     number(text, 20.0, 1_200.0)
 }
 
-fn colours(text: &str) -> Result<Colours, String> {
+fn inks(text: &str) -> Result<Colours, String> {
     match text {
         "paper" => Ok(Colours::Paper),
         "contrast" => Ok(Colours::Contrast),
@@ -129,13 +129,13 @@ pub(crate) fn map(source: &Source, output: &Path, wishes: &Wishes, quiet: bool) 
         extent: Some(&subject.extent).filter(|extent| extent.outer.len() > 2),
         title: wishes.title.as_deref().unwrap_or(&subject.name),
         credit: &subject.credit,
-        date: wishes.date.as_deref(),
+        date: wishes.dated.as_deref(),
         paper: wishes.paper,
         denominator: wishes.scale,
         middle,
         up_deg: wishes.turn,
         layers,
-        colours: wishes.colours,
+        colours: wishes.inks,
         has_index: wishes.index,
         ways: &ways,
         words: &words,
