@@ -1,5 +1,6 @@
 //! What lies over the picture: the bar, help, the first minute, hints, settings, and what has gone wrong.
 
+mod atlas;
 mod bar;
 mod diary;
 mod first;
@@ -46,7 +47,9 @@ impl Plugin for HudPlugin {
                 Update,
                 (read_keys.run_if(keys_are_free), notes::gather, notes::watch, first::watch, offers::offer, offers::take),
             )
-            .add_systems(Update, (diary::take_still, diary::tell))
+            .init_resource::<atlas::Saving>()
+            .add_message::<veduta::minimap::ExportMap>()
+            .add_systems(Update, (diary::take_still, diary::tell, atlas::save_maps))
             .add_systems(Update, bar::press.after(WalkerSystems::Input).before(WalkerSystems::Move))
             .add_systems(
                 EguiPrimaryContextPass,

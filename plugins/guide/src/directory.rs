@@ -225,8 +225,14 @@ mod tests {
 
     fn town() -> Overview {
         let line = [(0, 0), (50, 0), (100, 0)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec();
-        let street =
-            |name: &str| PlanStreet { id: Id(7), name: name.into(), line: line.clone(), width: 6 * 1024, walkable: true, ..PlanStreet::default() };
+        let street = |name: &str| PlanStreet {
+            id: Id(7),
+            name: name.into(),
+            line: line.clone(),
+            width: 6 * 1024,
+            walkable: true,
+            ..PlanStreet::default()
+        };
         let place = |id, name: &str, kind| Place { id: Id(id), name: name.into(), kind, ..Place::default() };
         Overview {
             streets: vec![street("Celetná"), street("Karlova")],

@@ -27,7 +27,8 @@ fn rectangle(middle: (i32, i32), half: (i32, i32)) -> GridPolygon {
 /// A square with houses round it, a street across it and a pond.
 fn village() -> City {
     let line = [(-120, 0), (0, 0), (120, 20)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec();
-    let street = PlanStreet { id: Id(1), name: "Long Street".into(), line, width: 8 * 1024, walkable: true, ..PlanStreet::default() };
+    let street =
+        PlanStreet { id: Id(1), name: "Long Street".into(), line, width: 8 * 1024, walkable: true, ..PlanStreet::default() };
     let house = |(x, y)| Massing::block(rectangle((x, y), (7, 6)), 9 * 1024);
     let patch = |surface, outline| GroundPatch { surface, outline, z: 0, course: None };
     let beside = [(-40, 45), (-20, 45), (0, 45), (20, 45), (40, 45), (-40, -45), (-20, -45), (0, -45), (20, -45)];

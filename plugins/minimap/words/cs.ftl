@@ -1,3 +1,14 @@
 map-open = Kliknutím velká mapa
-map-hint = kliknutí: být tam · Shift+kliknutí: dojít tam · tažení, kolečko: posun, zvětšení · M: zpět
+map-hint = kliknutí: být tam · Shift+kliknutí: dojít tam · přetáhnout sebe: postavit se jinam · tažení, kolečko: posun, zvětšení · M: zpět
 map-close = Zavřít mapu
+map-layer-names = Názvy
+map-layer-places = Pamětihodnosti a domy
+map-layer-views = Vyhlídky
+map-layer-landmarks = Význačné stavby jako obrázky
+map-layer-route = Cesta
+map-layer-tour = Prohlídka
+map-layer-trail = Kudy jste šli
+map-colour-blind = Barvy, které rozliší každý
+map-save = Uložit
+map-save-svg = Uložit mapu jako SVG
+map-save-png = Uložit mapu jako PNG

@@ -1,3 +1,14 @@
 map-open = Click for the large map
-map-hint = click: go there · Shift+click: walk there · drag, wheel: move, zoom · M: back
+map-hint = click: go there · Shift+click: walk there · drag yourself: be put down there · drag, wheel: move, zoom · M: back
 map-close = Close the map
+map-layer-names = Names
+map-layer-places = Sights and houses
+map-layer-views = Views
+map-layer-landmarks = Landmarks as pictures
+map-layer-route = The way
+map-layer-tour = The tour
+map-layer-trail = Where you have been
+map-colour-blind = Colours told apart by everybody
+map-save = Save
+map-save-svg = Save the map as SVG
+map-save-png = Save the map as PNG

@@ -1,3 +1,14 @@
 map-open = Clic per la mappa grande
-map-hint = clic: vai lì · Maiusc+clic: vai a piedi · trascina, rotella: sposta, ingrandisci · M: indietro
+map-hint = clic: vai lì · Maiusc+clic: vai a piedi · trascina te stesso: vieni posato lì · trascina, rotella: sposta, ingrandisci · M: indietro
 map-close = Chiudi la mappa
+map-layer-names = Nomi
+map-layer-places = Cose da vedere e case
+map-layer-views = Vedute
+map-layer-landmarks = Monumenti come figurine
+map-layer-route = Il percorso
+map-layer-tour = La visita
+map-layer-trail = Dove siete stati
+map-colour-blind = Colori distinguibili da tutti
+map-save = Salva
+map-save-svg = Salva la mappa come SVG
+map-save-png = Salva la mappa come PNG
