@@ -1,5 +1,6 @@
 //! What lies over the picture: the bar, help, the first minute, hints, settings, and what has gone wrong.
 
+mod atlas;
 mod bar;
 pub(crate) mod controls;
 mod diary;
@@ -63,7 +64,9 @@ impl Plugin for HudPlugin {
                     controls::mute,
                 ),
             )
-            .add_systems(Update, (diary::take_still, diary::tell))
+            .init_resource::<atlas::Saving>()
+            .add_message::<veduta::minimap::ExportMap>()
+            .add_systems(Update, (diary::take_still, diary::tell, atlas::save_maps))
             .add_systems(Update, bar::press.after(WalkerSystems::Input).before(WalkerSystems::Move))
             .add_systems(
                 EguiPrimaryContextPass,

@@ -9,7 +9,7 @@ use veduta::city::file;
 use veduta::controls::{ControlList, Controls, ControlsSystems, WrittenControls};
 use veduta::ecs::{Interface, Words};
 use veduta::facade::{AutoLevels, LevelReach};
-use veduta::guide::PanelSettings;
+use veduta::guide::{LeadSettings, PanelSettings};
 use veduta::life::{LifeKinds, LifeSettings};
 use veduta::prelude::*;
 use veduta::sound::SoundSettings;
@@ -40,9 +40,17 @@ pub(crate) struct Settings {
     pub minimap_share: f32,
     pub minimap_radius_m: f32,
     pub north_up: bool,
+    /// Layers of the map.
+    pub map_names: bool,
     pub map_symbols: bool,
+    pub map_views: bool,
+    pub map_landmarks: bool,
+    pub map_route: bool,
     pub map_trail: bool,
     pub map_tour: bool,
+    pub colour_blind_safe: bool,
+    /// Whether ways lead over no stairs.
+    pub without_steps: bool,
     pub place_panel: bool,
     pub place_unfolded: bool,
     pub captions: bool,
@@ -81,9 +89,15 @@ impl Default for Settings {
             minimap_share: map.share,
             minimap_radius_m: map.radius_m,
             north_up: map.north_up,
+            map_names: map.names,
             map_symbols: map.symbols,
+            map_views: map.views,
+            map_landmarks: map.landmarks,
+            map_route: map.route,
             map_trail: map.trail,
             map_tour: map.tour,
+            colour_blind_safe: map.colour_blind_safe,
+            without_steps: false,
             place_panel: true,
             place_unfolded: true,
             captions: true,
@@ -239,10 +253,10 @@ impl Plugin for SettingsPlugin {
 /// What was changed without the settings' window: by keys and wheel.
 fn gather(
     (map, panel, captions): (Res<MinimapSettings>, Res<PanelSettings>, Res<CaptionSettings>),
-    controls: Res<Controls>,
+    (lead, controls): (Res<LeadSettings>, Res<Controls>),
     mut settings: ResMut<Settings>,
 ) {
-    let is_changed = map.is_changed() || panel.is_changed() || captions.is_changed() || controls.is_changed();
+    let is_changed = map.is_changed() || panel.is_changed() || captions.is_changed() || lead.is_changed() || controls.is_changed();
     if !is_changed || settings.is_changed() {
         return;
     }
@@ -250,6 +264,9 @@ fn gather(
     (next.minimap, next.minimap_share) = (map.visible, map.share);
     (next.minimap_radius_m, next.north_up) = (map.radius_m, map.north_up);
     (next.map_symbols, next.map_trail, next.map_tour) = (map.symbols, map.trail, map.tour);
+    (next.map_names, next.map_views, next.map_landmarks) = (map.names, map.views, map.landmarks);
+    (next.map_route, next.colour_blind_safe) = (map.route, map.colour_blind_safe);
+    next.without_steps = lead.without_steps;
     (next.place_panel, next.captions) = (panel.visible, captions.visible);
     next.place_unfolded = panel.unfolded;
     next.keys = controls.written();
@@ -272,7 +289,9 @@ fn dress(
     mut map: ResMut<MinimapSettings>,
     mut panel: ResMut<PanelSettings>,
     mut captions: ResMut<CaptionSettings>,
+    mut lead: ResMut<LeadSettings>,
 ) {
+    lead.set_if_neq(LeadSettings { without_steps: settings.without_steps, ..*lead });
     interface.set_if_neq(Interface {
         size: settings.text_size,
         high_contrast: settings.high_contrast,
@@ -284,7 +303,12 @@ fn dress(
         share: settings.minimap_share,
         radius_m: settings.minimap_radius_m,
         north_up: settings.north_up,
+        names: settings.map_names,
         symbols: settings.map_symbols,
+        views: settings.map_views,
+        landmarks: settings.map_landmarks,
+        route: settings.map_route,
+        colour_blind_safe: settings.colour_blind_safe,
         trail: settings.map_trail,
         tour: settings.map_tour,
     });

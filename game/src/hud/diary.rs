@@ -30,9 +30,14 @@ impl StillsFolder {
         Self(pictures.map_or_else(|| PathBuf::from("out"), |pictures| pictures.join("veduta")))
     }
 
-    /// The next name that is not taken.
+    /// The next name of a still that is not taken.
     fn next(&self) -> PathBuf {
-        let name = |n: u32| self.0.join(format!("veduta_{n:04}.png"));
+        self.next_named("veduta", "png")
+    }
+
+    /// The next name with a beginning and an ending that is not taken.
+    pub fn next_named(&self, begins: &str, ends: &str) -> PathBuf {
+        let name = |n: u32| self.0.join(format!("{begins}_{n:04}.{ends}"));
         (1..).map(name).find(|path| !path.exists()).unwrap_or_else(|| name(0))
     }
 }

@@ -103,9 +103,15 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) {
             check(ui, &words.say("settings-minimap"), &mut settings.minimap);
             slider(ui, &words.say("settings-minimap-size"), &mut settings.minimap_share, MINIMAP_SHARE);
             check(ui, &words.say("settings-north"), &mut settings.north_up);
+            check(ui, &words.say("settings-colour-blind"), &mut settings.colour_blind_safe);
+            check(ui, &words.say("settings-map-names"), &mut settings.map_names);
             check(ui, &words.say("settings-map-symbols"), &mut settings.map_symbols);
+            check(ui, &words.say("settings-map-views"), &mut settings.map_views);
+            check(ui, &words.say("settings-map-landmarks"), &mut settings.map_landmarks);
+            check(ui, &words.say("settings-map-route"), &mut settings.map_route);
             check(ui, &words.say("settings-map-trail"), &mut settings.map_trail);
             check(ui, &words.say("settings-map-tour"), &mut settings.map_tour);
+            check(ui, &words.say("settings-without-steps"), &mut settings.without_steps);
             check(ui, &words.say("settings-panel"), &mut settings.place_panel);
             check(ui, &words.say("settings-captions"), &mut settings.captions);
             check(ui, &words.say("settings-life"), &mut settings.life);
@@ -233,9 +239,15 @@ mod tests {
             "Less motion",
             "Minimap",
             "North up",
-            "Map: sights and views",
+            "Map: colours told apart by everybody",
+            "Map: names",
+            "Map: sights and houses",
+            "Map: views",
+            "Map: landmarks as pictures",
+            "Map: the way",
             "Map: where you have been",
             "Map: where the tour leads",
+            "Ways without stairs",
             "What stands near",
             "Captions of tours",
             "Life: pigeons, flags, water, clocks",
@@ -260,9 +272,15 @@ mod tests {
             reduced_motion: true,
             minimap: false,
             north_up: true,
+            colour_blind_safe: true,
+            map_names: false,
             map_symbols: false,
+            map_views: false,
+            map_landmarks: false,
+            map_route: false,
             map_trail: false,
             map_tour: false,
+            without_steps: true,
             place_panel: false,
             captions: false,
             life: false,

@@ -9,6 +9,9 @@ use crate::letters::{CAPITAL, SMALL};
 use crate::ribbon::beside;
 use crate::{Area, Colours, Detail, Frame, Inks, NameKind, Named, Symbol, Ways, tones};
 
+/// Areas of one kind reach so far over one another, millimetres across: else pictures would show seams between them.
+const SEAM_MM: f64 = 0.2;
+
 /// How a map's body is drawn.
 pub(crate) struct Body<'a> {
     pub frame: Frame,
@@ -62,7 +65,7 @@ impl Body<'_> {
         drawn.items.extend(patches().map(|(ink, rings)| Item::Area {
             rings,
             fill: Some(ink),
-            edge: Some(Stroke::round(ink, 0.07)),
+            edge: Some(Stroke::round(ink, SEAM_MM)),
         }));
         drawn
     }
@@ -77,13 +80,13 @@ impl Body<'_> {
         let rings = beyond.unwrap_or_else(|| vec![edge.to_vec()]);
         land.items.push(Item::Area { rings, fill: Some(inks.yard), edge: None });
         let is_soil = |surface| matches!(surface, SurfaceKind::Gravel | SurfaceKind::Ballast);
-        let rim = Stroke::round(inks.kerb, 0.26);
+        let rim = Stroke::round(inks.kerb, 0.34);
         vec![
             land,
             self.ground("parks", overview, |surface| surface == SurfaceKind::Grass, None),
             self.ground("soil", overview, is_soil, None),
             self.ground("streets", overview, SurfaceKind::is_public, Some(rim)),
-            self.ground("water", overview, |surface| surface == SurfaceKind::Water, Some(Stroke::round(inks.bank, 0.5))),
+            self.ground("water", overview, |surface| surface == SurfaceKind::Water, Some(Stroke::round(inks.bank, 0.6))),
             self.stairs(overview),
             self.bridges(overview),
             if trees { self.trees(detail) } else { self.group("trees") },

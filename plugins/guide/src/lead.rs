@@ -21,11 +21,13 @@ use crate::obstacles::Obstacles;
 pub struct LeadSettings {
     /// Walking speed, metres a second.
     pub walk_m_s: f64,
+    /// Whether ways lead over no stairs.
+    pub without_steps: bool,
 }
 
 impl Default for LeadSettings {
     fn default() -> Self {
-        Self { walk_m_s: 2.2 }
+        Self { walk_m_s: 2.2, without_steps: false }
     }
 }
 
@@ -49,7 +51,7 @@ enum State {
     /// Asked for; the streets between may be on their way.
     Asked(WalkTo),
     /// The way is being found, beside the frame.
-    Finding(WalkTo, Task<Result<Walk, RouteError>>),
+    Finding(WalkTo, Task<Result<Walk, NoWay>>),
     /// Under way: how long, and for how long the street ahead has been waited for.
     Walking { to: WalkTo, walk: Arc<Walk>, t_s: f64, waited_s: f64 },
 }
@@ -66,6 +68,15 @@ impl Lead {
     pub fn waits(&self) -> bool {
         matches!(self.0, State::Walking { waited_s, .. } if waited_s > 0.0 && waited_s < Awaited::PATIENCE_S)
     }
+}
+
+/// Why nobody is led.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum NoWay {
+    /// There is no way at all.
+    None(RouteError),
+    /// There is one over stairs, which are to be left out.
+    OverSteps,
 }
 
 /// Streets are looked for in a circle about both ends that reaches so far beyond them, as a share of their distance, and at least this.
@@ -155,8 +166,8 @@ pub(crate) fn find_way(
                 return;
             }
             let parts: Vec<Arc<Overview>> = city.overviews.near(around).map(Arc::clone).collect();
-            let (from, goal, speed) = (pose_of(eye, clock.hour), to.to, settings.walk_m_s);
-            let task = AsyncComputeTaskPool::get().spawn(async move { way(&parts, from, goal, speed) });
+            let (from, goal, settings) = (pose_of(eye, clock.hour), to.to, *settings);
+            let task = AsyncComputeTaskPool::get().spawn(async move { way(&parts, from, goal, settings) });
             lead.0 = State::Finding(to, task);
         }
         State::Finding(to, task) => match block_on(poll_once(task)) {
@@ -168,9 +179,13 @@ pub(crate) fn find_way(
                 steering.set_if_neq(Steering::Led);
                 lead.0 = State::Walking { to, walk, t_s: 0.0, waited_s: 0.0 };
             }
-            Some(Err(error)) => {
-                let told = words.say_with("lead-no-way", &[("name", to.name.clone().into())]);
-                failed.write(CityFailed { message: format!("{told} ({error})"), will_retry: false });
+            Some(Err(why)) => {
+                let told = |message| words.say_with(message, &[("name", to.name.clone().into())]);
+                let message = match why {
+                    NoWay::None(error) => format!("{} ({error})", told("lead-no-way")),
+                    NoWay::OverSteps => told("lead-over-steps"),
+                };
+                failed.write(CityFailed { message, will_retry: false });
                 stop(&mut lead, &mut route, &mut steering, &mut wants, &mut ended, false);
             }
         },
@@ -190,7 +205,7 @@ fn pose_of(eye: &Eye, hour: f64) -> Pose {
     }
 }
 
-fn way(parts: &[Arc<Overview>], from: Pose, to: Viewpoint, speed: f64) -> Result<Walk, RouteError> {
+fn way(parts: &[Arc<Overview>], from: Pose, to: Viewpoint, settings: LeadSettings) -> Result<Walk, NoWay> {
     let joined;
     let overview = match parts {
         [one] => one.as_ref(),
@@ -199,11 +214,17 @@ fn way(parts: &[Arc<Overview>], from: Pose, to: Viewpoint, speed: f64) -> Result
             &joined
         }
     };
-    let net = StreetNet::new(&overview.streets).on(&overview.terrain);
     let obstacles = Obstacles::of(overview);
     let free = |a: DVec2, b: DVec2| obstacles.leave_free(a, b);
     let there = Pose { plan_pos: to.pos, heading_deg: to.heading_deg, pitch_deg: to.pitch_deg, ..from };
-    Walk::new(&net, from, there, speed, Some(&free))
+    let walk = |net: StreetNet| Walk::new(&net.on(&overview.terrain), from, there, settings.walk_m_s, Some(&free));
+    if !settings.without_steps {
+        return walk(StreetNet::new(&overview.streets)).map_err(NoWay::None);
+    }
+    walk(StreetNet::without_steps(&overview.streets)).map_err(|error| match walk(StreetNet::new(&overview.streets)) {
+        Ok(_) => NoWay::OverSteps,
+        Err(_) => NoWay::None(error),
+    })
 }
 
 /// Carries the walk on.
@@ -312,7 +333,7 @@ mod tests {
     use bevy::time::TimeUpdateStrategy;
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
-    use veduta_city::{GridPos, Id, PlanStreet};
+    use veduta_city::{GridPos, Id, PlanStreet, StreetClass};
     use veduta_ecs::Overviews;
 
     use super::*;
@@ -406,6 +427,34 @@ mod tests {
         let told: Vec<CityFailed> = app.world_mut().resource_mut::<Messages<CityFailed>>().drain().collect();
         assert!(told.iter().any(|failed| failed.message.contains("There")), "{told:?}");
         assert_eq!(*app.world().resource::<Steering>(), Steering::Visitor);
+    }
+
+    #[test]
+    fn where_only_stairs_lead_who_will_have_none_is_told_so() {
+        let (mut app, _) = led();
+        let street = |id: u64, line: [(i32, i32); 2], class| PlanStreet {
+            id: Id(id),
+            line: line.map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec(),
+            width: 4 * 1024,
+            walkable: true,
+            class,
+            ..PlanStreet::default()
+        };
+        let streets = vec![
+            street(1, [(0, 0), (100, 0)], StreetClass::Lane),
+            street(2, [(100, 0), (200, 0)], StreetClass::Steps),
+            street(3, [(200, 0), (400, 0)], StreetClass::Lane),
+        ];
+        let overview = Overview { streets, ..Overview::default() };
+        app.insert_resource(City { overviews: Overviews::whole(overview), ..City::default() });
+        app.insert_resource(LeadSettings { without_steps: true, ..LeadSettings::default() });
+        ask(&mut app, 390.0);
+        until(&mut app, "given up", |world| !world.resource::<Lead>().is_under_way());
+        let told: Vec<CityFailed> = app.world_mut().resource_mut::<Messages<CityFailed>>().drain().collect();
+        assert!(told.iter().any(|failed| failed.message.contains("stairs")), "{told:?}");
+        app.insert_resource(LeadSettings::default());
+        ask(&mut app, 390.0);
+        until(&mut app, "on the way", |world| *world.resource::<Steering>() == Steering::Led);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use veduta_ecs::{Around, City, Eye, Interface, JumpTo, OverviewWants, ShowOnMap,
 use veduta_ui::{Look, Surface, Symbol, symbol_button};
 
 use crate::near::Pin;
-use crate::{CityGuide, Directory, Found, OfferTaken};
+use crate::{CityGuide, Directory, Found, LeadSettings, OfferTaken};
 
 /// The search box. Live: set `open` to open it.
 #[derive(Resource, Debug, Clone, PartialEq, Default)]
@@ -108,7 +108,7 @@ pub(crate) fn draw(
     (words, interface): (Res<Words>, Res<Interface>),
     viewers: Query<&Eye, With<Viewer>>,
     (mut search, mut pin): (ResMut<SearchBox>, ResMut<Pin>),
-    mut wants: ResMut<OverviewWants>,
+    (mut wants, mut lead): (ResMut<OverviewWants>, ResMut<LeadSettings>),
     mut walks: MessageWriter<WalkTo>,
     mut jumps: MessageWriter<JumpTo>,
     mut shown: MessageWriter<ShowOnMap>,
@@ -125,8 +125,13 @@ pub(crate) fn draw(
     search.find(&directory, &guide, &words, eye.plan_pos);
     let offset = EguiVec2::new(0.0, context.content_rect().height() * 0.1);
     let area = Area::new(EguiId::new("veduta search")).anchor(Align2::CENTER_TOP, offset).order(Order::Foreground);
-    let answer =
-        area.show(context, |ui| look.frame(Surface::Paper).show(ui, |ui| show(ui, &look, &words, &mut search)).inner).inner;
+    let mut next = *lead;
+    let answer = area.show(context, |ui| {
+        let frame = look.frame(Surface::Paper);
+        frame.show(ui, |ui| show(ui, &look, &words, &mut search, &mut next.without_steps)).inner
+    });
+    lead.set_if_neq(next);
+    let answer = answer.inner;
     match answer {
         Answer::Nothing => {}
         Answer::Close => search.open = false,
@@ -180,7 +185,7 @@ enum Answer {
 }
 
 /// The box: a field, and what was found below it.
-fn show(ui: &mut Ui, look: &Look, words: &Words, search: &mut SearchBox) -> Answer {
+fn show(ui: &mut Ui, look: &Look, words: &Words, search: &mut SearchBox, without_steps: &mut bool) -> Answer {
     let surface = Surface::Paper;
     look.dress(ui, surface);
     ui.set_width((look.text * 36.0).min(ui.ctx().content_rect().width() * 0.8));
@@ -238,6 +243,7 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, search: &mut SearchBox) -> Answ
     if search.hits.is_empty() && !search.typed.trim().is_empty() {
         ui.label(look.words(words.say("search-nothing"), 1.0, look.faint(surface)));
     }
+    ui.checkbox(without_steps, words.say("search-without-steps"));
     ui.label(look.words(words.say("search-keys"), 0.8, look.faint(surface)));
     match (answer, enter) {
         (Answer::Nothing, Some(action)) if !search.hits.is_empty() => Answer::Do(search.chosen, action),
@@ -338,6 +344,7 @@ mod tests {
     struct Shown {
         search: SearchBox,
         answers: Vec<Answer>,
+        without_steps: bool,
     }
 
     fn harness(bench: &Bench) -> Harness<'_, Shown> {
@@ -347,12 +354,12 @@ mod tests {
         Harness::builder().with_size(egui::vec2(900.0, 600.0)).build_ui_state(
             move |ui, shown: &mut Shown| {
                 shown.search.find(&bench.directory, &bench.guide, &bench.words, DVec2::ZERO);
-                match show(ui, &look, &bench.words, &mut shown.search) {
+                match show(ui, &look, &bench.words, &mut shown.search, &mut shown.without_steps) {
                     Answer::Nothing => {}
                     answer => shown.answers.push(answer),
                 }
             },
-            Shown { search, answers: Vec::new() },
+            Shown { search, answers: Vec::new(), without_steps: false },
         )
     }
 
@@ -405,6 +412,16 @@ mod tests {
             harness.run();
             assert_eq!(harness.state_mut().answers.pop(), Some(Answer::Do(0, action)), "{name}");
         }
+    }
+
+    #[test]
+    fn stairs_are_left_out_on_request() {
+        let bench = bench("en");
+        let mut harness = harness(&bench);
+        harness.run();
+        harness.get_by_label("Without stairs").click();
+        harness.run();
+        assert!(harness.state().without_steps);
     }
 
     #[test]

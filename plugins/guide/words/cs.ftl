@@ -19,6 +19,7 @@ search-jump = Být tam hned
 search-show = Ukázat na mapě
 search-do = Provést
 search-close = Zavřít
+search-without-steps = Beze schodů
 search-keys = ⬆ ⬇ výběr · Enter dojít tam · Shift+Enter být tam · Ctrl+Enter ukázat na mapě · Esc zavřít
 search-street = ulice
 search-offer = příkaz
@@ -44,6 +45,7 @@ lead-left = { $metres } m, { $minutes ->
 lead-stop = Zastavit tady
 lead-waits = Ulice před vámi je na cestě …
 lead-no-way = K cíli { $name } nevede žádná cesta pro pěší.
+lead-over-steps = K cíli { $name } vedou jen schody. Hledání najde i cesty po schodech, když mu to dovolíte.
 
 # What controls do
 control-search-open = hledat a nechat se dovést

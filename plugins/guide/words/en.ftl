@@ -19,6 +19,7 @@ search-jump = Be there
 search-show = Show on the map
 search-do = Do it
 search-close = Close
+search-without-steps = Without stairs
 search-keys = ⬆ ⬇ choose · Enter walk there · Shift+Enter be there · Ctrl+Enter show on the map · Esc close
 search-street = street
 search-offer = command
@@ -43,6 +44,7 @@ lead-left = { $metres } m, { $minutes ->
 lead-stop = Stop here
 lead-waits = The street ahead is on its way …
 lead-no-way = No way on foot leads to { $name }.
+lead-over-steps = Only stairs lead to { $name }. Search finds ways with them too, if you let it.
 
 # What controls do
 control-search-open = search, and be led there

@@ -19,6 +19,7 @@ search-jump = Vacci subito
 search-show = Mostra sulla mappa
 search-do = Esegui
 search-close = Chiudi
+search-without-steps = Senza scale
 search-keys = ⬆ ⬇ scegli · Invio a piedi · Maiusc+Invio subito · Ctrl+Invio sulla mappa · Esc chiudi
 search-street = via
 search-offer = comando
@@ -43,6 +44,7 @@ lead-left = { $metres } m, { $minutes ->
 lead-stop = Fermati qui
 lead-waits = La via davanti è in arrivo …
 lead-no-way = Nessuna strada a piedi porta a { $name }.
+lead-over-steps = Solo una scala porta a { $name }. La ricerca trova anche percorsi con scale, se lo permetti.
 
 # What controls do
 control-search-open = cerca, e fatti guidare

@@ -5,16 +5,17 @@ use bevy_egui::egui::{
     self, Align2, Color32, Context, FontId, Id, Order, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Vec2 as EguiVec2,
     WidgetInfo, WidgetType,
 };
+use veduta_cartography::{Colours, Inks};
 use veduta_city::Viewpoint;
 use veduta_controls::KeyNames;
-use veduta_ecs::{City, Docks, Eye, Interface, JumpTo, PlaceNames, Route, TourPath, Viewer, WalkTo, Words};
+use veduta_ecs::{City, Docks, Eye, Interface, JumpTo, Route, TourPath, Viewer, WalkTo, Words};
 use veduta_ui::Look;
 
 use crate::controls::MapOpen;
-use crate::label;
-use crate::tiles::{MapTiles, PAPER};
+use crate::panel::map_panel;
+use crate::tiles::{Fill, MapTiles, colour};
 use crate::view::{MapView, Projection, zoomed};
-use crate::{MinimapSettings, Trail};
+use crate::{ExportMap, MapNames, MinimapSettings, Trail};
 
 /// What is drawn besides the plan.
 struct Shown<'a> {
@@ -25,10 +26,16 @@ struct Shown<'a> {
     marked: Option<DVec2>,
     words: &'a Words,
     keys: &'a KeyNames,
-    names: &'a PlaceNames,
     trail: &'a Trail,
     tour: &'a TourPath,
     settings: MinimapSettings,
+    colours: Colours,
+}
+
+impl Shown<'_> {
+    fn inks(&self) -> &'static Inks {
+        self.colours.inks()
+    }
 }
 
 /// Draws the map in the corner, or the large one.
@@ -37,12 +44,13 @@ pub(crate) fn draw_map(
     city: Option<Res<City>>,
     tiles: Res<MapTiles>,
     viewers: Query<&Eye, With<Viewer>>,
-    (route, words, interface, names): (Res<Route>, Res<Words>, Res<Interface>, Res<PlaceNames>),
+    (route, words, interface): (Res<Route>, Res<Words>, Res<Interface>),
     (trail, tour, keys, docks): (Res<Trail>, Res<TourPath>, Res<KeyNames>, Res<Docks>),
     mut settings: ResMut<MinimapSettings>,
     mut view: ResMut<MapView>,
-    mut jumps: MessageWriter<JumpTo>,
-    mut walks: MessageWriter<WalkTo>,
+    mut names: ResMut<MapNames>,
+    (mut jumps, mut walks): (MessageWriter<JumpTo>, MessageWriter<WalkTo>),
+    mut exports: MessageWriter<ExportMap>,
 ) -> Result {
     let (Some(city), Some(eye)) = (city, viewers.iter().next()) else { return Ok(()) };
     if !settings.visible && !view.open {
@@ -58,13 +66,30 @@ pub(crate) fn draw_map(
         marked: view.marked,
         words: &words,
         keys: &keys,
-        names: &names,
         trail: &trail,
         tour: &tour,
         settings: *settings,
+        colours: Colours::chosen(interface.high_contrast, settings.colour_blind_safe),
     };
+    // What is laid out is no change that others look for.
+    let names = names.bypass_change_detection();
     if view.open {
-        match large_map(context, &look, &shown, &mut view) {
+        let click = large_map(context, &look, &shown, &mut view, names);
+        let mut next = *settings;
+        if let Some(format) = map_panel(context, &look, &words, &mut next) {
+            let map = Projection::new(context.content_rect(), view.middle.unwrap_or(eye.plan_pos), view.radius_m, 0.0);
+            let size = map.rect.size() / map.scale;
+            exports.write(ExportMap {
+                format,
+                middle: map.middle(),
+                size_m: DVec2::new(size.x.into(), size.y.into()),
+                up_deg: 0.0,
+                layers: next.layers(),
+                colours: shown.colours,
+            });
+        }
+        settings.set_if_neq(next);
+        match click {
             Some(Click { to, walks: false }) => drop(jumps.write(JumpTo(to))),
             Some(Click { to, walks: true }) => {
                 let name = nearest_name(&city, to.pos).unwrap_or_default();
@@ -73,12 +98,19 @@ pub(crate) fn draw_map(
             None => {}
         }
     } else {
-        corner_map(context, Look::free(&docks, context), &shown, &mut settings, &mut view);
+        corner_map(context, Look::free(&docks, context), &shown, &mut settings, &mut view, names);
     }
     Ok(())
 }
 
-fn corner_map(context: &Context, free: Rect, shown: &Shown<'_>, settings: &mut MinimapSettings, view: &mut MapView) {
+fn corner_map(
+    context: &Context,
+    free: Rect,
+    shown: &Shown<'_>,
+    settings: &mut ResMut<'_, MinimapSettings>,
+    view: &mut MapView,
+    names: &mut MapNames,
+) {
     let screen = context.content_rect();
     let edge = (screen.height() * settings.share).clamp(120.0, 900.0);
     let margin = edge * 0.06;
@@ -88,8 +120,11 @@ fn corner_map(context: &Context, free: Rect, shown: &Shown<'_>, settings: &mut M
         let name = shown.words.say("map-open");
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &name));
         if response.hovered() {
-            let wheel = ui.input(|i| i.smooth_scroll_delta().y);
-            settings.radius_m = zoomed(settings.radius_m, (-wheel / 300.0).exp());
+            let (wheel, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+            // Untouched, nothing has changed.
+            if wheel != 0.0 || pinch != 1.0 {
+                settings.radius_m = zoomed(settings.radius_m, (-wheel / 300.0).exp() / pinch);
+            }
         }
         if response.on_hover_text(format!("{name} ({})", shown.keys.said::<MapOpen>(shown.words))).clicked() {
             view.open = true;
@@ -98,8 +133,8 @@ fn corner_map(context: &Context, free: Rect, shown: &Shown<'_>, settings: &mut M
         }
         let up = if settings.north_up { 0.0 } else { shown.eye.heading_deg };
         let map = Projection::new(rect, shown.eye.plan_pos, settings.radius_m, up);
-        paint(&ui.painter().with_clip_rect(rect), &map, shown, edge / 18.0);
-        ui.painter().rect_stroke(rect, 4.0, Stroke::new(2.0, Color32::from_rgb(0x6B, 0x5D, 0x4B)), StrokeKind::Middle);
+        paint(&ui.painter().with_clip_rect(rect), &map, shown, edge / 18.0, names, false);
+        ui.painter().rect_stroke(rect, 4.0, Stroke::new(2.0, colour(shown.inks().stone)), StrokeKind::Middle);
     });
 }
 
@@ -109,14 +144,28 @@ struct Click {
     walks: bool,
 }
 
-fn large_map(context: &Context, look: &Look, shown: &Shown<'_>, view: &mut MapView) -> Option<Click> {
+fn large_map(context: &Context, look: &Look, shown: &Shown<'_>, view: &mut MapView, names: &mut MapNames) -> Option<Click> {
     let screen = context.content_rect();
     let eye = shown.eye;
     let mut click = None;
     egui::Area::new(Id::new("veduta map")).fixed_pos(screen.min).order(Order::Foreground).show(context, |ui| {
         let (rect, response) = ui.allocate_exact_size(screen.size(), Sense::click_and_drag());
         let map = Projection::new(rect, view.middle.unwrap_or(eye.plan_pos), view.radius_m, 0.0);
-        if response.dragged() {
+        let text = (look.text * 1.0).clamp(10.0, 60.0);
+        let pointer = response.interact_pointer_pos();
+        // Who takes hold of himself is carried; who takes hold of the map moves it.
+        if response.drag_started() {
+            let held = ui.input(|i| i.pointer.press_origin()).is_some_and(|at| at.distance(map.screen(eye.plan_pos)) < text * 1.2);
+            view.carries = held;
+        }
+        if view.carries && response.drag_stopped() {
+            view.carries = false;
+            if let Some(at) = pointer {
+                click = Some(Click { to: target(shown.city, map.plan(at), f64::from(14.0 / map.scale), eye), walks: false });
+                view.open = false;
+            }
+        }
+        if response.dragged() && !view.carries {
             let d = response.drag_delta() / map.scale;
             view.middle = Some(map.middle() - DVec2::new(f64::from(d.x), f64::from(-d.y)));
         }
@@ -124,10 +173,13 @@ fn large_map(context: &Context, look: &Look, shown: &Shown<'_>, view: &mut MapVi
         if wheel != 0.0 || pinch != 1.0 {
             view.radius_m = zoomed(view.radius_m, (-wheel / 300.0).exp() / pinch);
         }
-        paint(ui.painter(), &map, shown, (look.text * 1.0).clamp(10.0, 60.0));
+        paint(ui.painter(), &map, shown, text, names, true);
+        if let Some(at) = pointer.filter(|_| view.carries) {
+            carried(ui.painter(), &map, shown, look, at, text);
+        }
         title(ui.painter(), rect, look, shown);
         if response.clicked()
-            && let Some(at) = response.interact_pointer_pos()
+            && let Some(at) = pointer
         {
             click = Some(Click { to: target(shown.city, map.plan(at), f64::from(14.0 / map.scale), eye), walks });
             view.open = false;
@@ -177,8 +229,24 @@ fn nearest_name(city: &City, at: DVec2) -> Option<String> {
     place.map(|p| p.name.clone()).or_else(street)
 }
 
+/// Where somebody will stand who is carried over the map: himself, where he comes down, and what that is called.
+fn carried(painter: &Painter, map: &Projection, shown: &Shown<'_>, look: &Look, at: Pos2, text: f32) {
+    let to = target(shown.city, map.plan(at), f64::from(14.0 / map.scale), shown.eye);
+    let foot = map.screen(to.pos);
+    let inks = shown.inks();
+    painter.add(Shape::line(vec![at, foot], Stroke::new(text * 0.12, colour(inks.trail))));
+    marker(painter, map, &Eye { plan_pos: to.pos, heading_deg: to.heading_deg, ..*shown.eye }, text, inks);
+    if let Some(name) = nearest_name(shown.city, to.pos) {
+        let galley = painter.layout_no_wrap(name, FontId::proportional(look.text), colour(inks.name));
+        let corner = foot + EguiVec2::new(text * 1.2, -galley.size().y / 2.0);
+        let rect = Rect::from_min_size(corner, galley.size()).expand(text * 0.25);
+        painter.rect(rect, 3.0, colour(inks.halo), Stroke::new(1.0, colour(inks.stone)), StrokeKind::Outside);
+        painter.galley(corner, galley, colour(inks.name));
+    }
+}
+
 fn title(painter: &Painter, rect: Rect, look: &Look, shown: &Shown<'_>) {
-    let ink = Color32::from_rgb(0x4A, 0x40, 0x35);
+    let ink = colour(shown.inks().name);
     let (inset, text) = (look.text * 0.9, look.text);
     // Beside the compass.
     let at = rect.left_top() + EguiVec2::new(inset * 3.6, inset);
@@ -190,39 +258,36 @@ fn title(painter: &Painter, rect: Rect, look: &Look, shown: &Shown<'_>) {
     painter.text(at, Align2::RIGHT_BOTTOM, &shown.city.attribution, FontId::proportional(text * 0.8), ink);
 }
 
-fn paint(painter: &Painter, map: &Projection, shown: &Shown<'_>, text: f32) {
-    painter.rect_filled(map.rect, 4.0, PAPER);
+fn paint(painter: &Painter, map: &Projection, shown: &Shown<'_>, text: f32, names: &mut MapNames, is_large: bool) {
+    let inks = shown.inks();
+    painter.rect_filled(map.rect, 4.0, colour(inks.yard));
+    let palette = Fill::palette(inks);
     for tile in shown.tiles.near(map.middle().as_vec2(), map.reach_m()) {
-        let vertices = tile.points.iter().zip(&tile.colours).map(|(&[x, y], &color)| egui::epaint::Vertex {
+        let vertices = tile.points.iter().zip(&tile.fills).map(|(&[x, y], &fill)| egui::epaint::Vertex {
             pos: map.screen(DVec2::new(f64::from(x), f64::from(y))),
             uv: egui::epaint::WHITE_UV,
-            color,
+            color: palette[fill as usize],
         });
         let mesh = egui::Mesh { vertices: vertices.collect(), indices: tile.indices.clone(), ..egui::Mesh::default() };
         painter.add(Shape::mesh(mesh));
     }
     let Shown { settings, .. } = shown;
     if settings.tour {
-        shown.tour.0.iter().for_each(|line| dashed(painter, map, line, TOUR, text * 0.22, text * 0.9));
+        shown.tour.0.iter().for_each(|line| dashed(painter, map, line, colour(inks.tour), text * 0.22, text * 0.9));
     }
     if settings.trail {
-        shown.trail.0.iter().for_each(|line| dashed(painter, map, line, TRAIL, text * 0.2, text * 0.35));
+        shown.trail.0.iter().for_each(|line| dashed(painter, map, line, colour(inks.trail), text * 0.2, text * 0.35));
     }
-    route(painter, map, shown.route, text);
-    label::write(painter, map, &shown.city.overviews, shown.names, text, settings.symbols);
+    if settings.route {
+        route(painter, map, shown.route, text, inks);
+    }
+    names.draw(is_large, painter, map, text, settings.layers(), shown.colours);
     if let Some(spot) = shown.marked {
-        pin(painter, map.screen(spot), text);
+        pin(painter, map.screen(spot), text, inks);
     }
-    marker(painter, map, shown.eye, text);
-    compass(painter, map, text);
+    marker(painter, map, shown.eye, text, inks);
+    compass(painter, map, text, inks);
 }
-
-/// Colour of where the visitor is led, and of what he asked to see.
-const LED: Color32 = Color32::from_rgb(0x2F, 0x6D, 0x9E);
-
-/// Colours of where the tour leads, and of where the visitor has been.
-const TOUR: Color32 = Color32::from_rgb(0xB8, 0x82, 0x2A);
-const TRAIL: Color32 = Color32::from_rgb(0xB0, 0x3A, 0x2E);
 
 /// A line of dashes.
 fn dashed(painter: &Painter, map: &Projection, line: &[DVec2], colour: Color32, width: f32, dash: f32) {
@@ -235,44 +300,46 @@ fn dashed(painter: &Painter, map: &Projection, line: &[DVec2], colour: Color32, 
 }
 
 /// The way that the visitor is led, with its end.
-fn route(painter: &Painter, map: &Projection, route: &Route, size: f32) {
+fn route(painter: &Painter, map: &Projection, route: &Route, size: f32, inks: &Inks) {
     let (Some(&end), true) = (route.way.last(), route.way.len() > 1) else { return };
     let points: Vec<Pos2> = route.way.iter().map(|&p| map.screen(p)).collect();
-    painter.add(Shape::line(points.clone(), Stroke::new(size * 0.5, Color32::from_white_alpha(210))));
-    painter.add(Shape::line(points, Stroke::new(size * 0.28, LED)));
-    pin(painter, map.screen(end), size);
+    painter.add(Shape::line(points.clone(), Stroke::new(size * 0.5, colour(inks.halo).gamma_multiply(0.82))));
+    painter.add(Shape::line(points, Stroke::new(size * 0.28, colour(inks.led))));
+    pin(painter, map.screen(end), size, inks);
 }
 
 /// A pin that stands on a spot.
-fn pin(painter: &Painter, foot: Pos2, size: f32) {
+fn pin(painter: &Painter, foot: Pos2, size: f32, inks: &Inks) {
+    let (led, halo) = (colour(inks.led), colour(inks.halo));
     let head = foot - EguiVec2::new(0.0, size * 1.5);
     let side = EguiVec2::new(size * 0.5, -size * 0.25);
     let tip = vec![foot, head + EguiVec2::new(-side.x, -side.y), head + EguiVec2::new(side.x, -side.y)];
-    painter.add(Shape::convex_polygon(tip, LED, Stroke::NONE));
-    painter.circle(head, size * 0.62, LED, Stroke::new(size * 0.1, Color32::WHITE));
-    painter.circle_filled(head, size * 0.22, Color32::WHITE);
+    painter.add(Shape::convex_polygon(tip, led, Stroke::NONE));
+    painter.circle(head, size * 0.62, led, Stroke::new(size * 0.1, halo));
+    painter.circle_filled(head, size * 0.22, halo);
 }
 
 /// The walker: a dot with a cone of view.
-fn marker(painter: &Painter, map: &Projection, eye: &Eye, size: f32) {
+fn marker(painter: &Painter, map: &Projection, eye: &Eye, size: f32, inks: &Inks) {
+    let you = colour(inks.trail);
     let at = map.screen(eye.plan_pos);
     let ahead = eye.heading_deg.to_radians() as f32 - map.up;
     let half = (eye.fov_deg.to_radians() as f32 * 0.75).min(1.2);
     let ray = |angle: f32| at + EguiVec2::new(angle.sin(), -angle.cos()) * size * 2.6;
     let cone: Vec<Pos2> = core::iter::once(at).chain((0..=8).map(|i| ray(ahead - half + half * i as f32 / 4.0))).collect();
-    painter.add(Shape::convex_polygon(cone, Color32::from_rgba_unmultiplied(0xB0, 0x3A, 0x2E, 70), Stroke::NONE));
-    painter.circle(at, size * 0.42, Color32::from_rgb(0xB0, 0x3A, 0x2E), Stroke::new(size * 0.12, Color32::WHITE));
+    painter.add(Shape::convex_polygon(cone, you.gamma_multiply(0.28), Stroke::NONE));
+    painter.circle(at, size * 0.42, you, Stroke::new(size * 0.12, colour(inks.halo)));
 }
 
-fn compass(painter: &Painter, map: &Projection, size: f32) {
+fn compass(painter: &Painter, map: &Projection, size: f32, inks: &Inks) {
     let at = map.rect.left_top() + EguiVec2::splat(size * 1.4);
     let (sin, cos) = map.up.sin_cos();
     let north = EguiVec2::new(-sin, -cos);
     let side = EguiVec2::new(-north.y, north.x);
     let tip = |along: f32, across: f32| at + north * size * along + side * size * across;
-    painter.circle_filled(at, size * 1.05, Color32::from_rgba_unmultiplied(0xFB, 0xF8, 0xF1, 200));
-    let red = Color32::from_rgb(0xB0, 0x3A, 0x2E);
+    painter.circle_filled(at, size * 1.05, colour(inks.halo).gamma_multiply(0.8));
+    let red = colour(inks.sight);
     painter.add(Shape::convex_polygon(vec![tip(0.9, 0.0), tip(0.0, 0.3), tip(0.0, -0.3)], red, Stroke::NONE));
-    let grey = Color32::from_rgb(0x8C, 0x86, 0x7C);
+    let grey = colour(inks.stone);
     painter.add(Shape::convex_polygon(vec![tip(-0.9, 0.0), tip(0.0, -0.3), tip(0.0, 0.3)], grey, Stroke::NONE));
 }

@@ -3,7 +3,8 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy_egui::egui::Color32;
-use veduta_city::{GridPolygon, Massing, Overview, SurfaceKind};
+use veduta_cartography::{Inks, Tone, tones};
+use veduta_city::{GridPolygon, Massing, Overview, Rgb, SurfaceKind};
 use veduta_ecs::{Around, City, Eye, OverviewWants, Overviews, Viewer};
 
 use crate::{MapView, MinimapSettings};
@@ -19,30 +20,55 @@ pub struct MapTiles(BTreeMap<u32, PartTiles>);
 #[derive(Default)]
 pub(crate) struct Tile {
     pub points: Vec<[f32; 2]>,
-    pub colours: Vec<Color32>,
+    pub fills: Vec<Fill>,
     pub indices: Vec<u32>,
     /// Farthest that anything reaches beyond the tile's square.
     overhang_m: f32,
 }
 
-/// Paper, and what is printed on it.
-pub(crate) const PAPER: Color32 = Color32::from_rgb(0xE9, 0xE2, 0xD3);
-const HOUSE: Color32 = Color32::from_rgb(0xC9, 0xB0, 0x94);
-const LANDMARK: Color32 = Color32::from_rgb(0xA8, 0x70, 0x55);
-/// What stands higher is a landmark, grid steps.
-const LANDMARK_TOP: i32 = 30 * 1024;
+/// What an outline is painted as: its ink is looked up when it is drawn, so that other inks need no other tiles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fill {
+    Street,
+    Gravel,
+    Grass,
+    Water,
+    Ballast,
+    House,
+    Notable,
+    Monument,
+}
 
-const fn ink(surface: SurfaceKind) -> Option<Color32> {
-    match surface {
-        SurfaceKind::Asphalt | SurfaceKind::Cobbles | SurfaceKind::Mosaic | SurfaceKind::Flagstones => {
-            Some(Color32::from_rgb(0xFB, 0xF8, 0xF1))
+impl Fill {
+    const fn of_ground(surface: SurfaceKind) -> Option<Self> {
+        match surface {
+            SurfaceKind::Asphalt | SurfaceKind::Cobbles | SurfaceKind::Mosaic | SurfaceKind::Flagstones => Some(Self::Street),
+            SurfaceKind::Gravel => Some(Self::Gravel),
+            SurfaceKind::Grass => Some(Self::Grass),
+            SurfaceKind::Water => Some(Self::Water),
+            SurfaceKind::Ballast => Some(Self::Ballast),
+            SurfaceKind::Yard | SurfaceKind::Opening => None,
         }
-        SurfaceKind::Gravel => Some(Color32::from_rgb(0xF1, 0xEA, 0xDA)),
-        SurfaceKind::Grass => Some(Color32::from_rgb(0xC4, 0xD3, 0xA6)),
-        SurfaceKind::Water => Some(Color32::from_rgb(0x9F, 0xC0, 0xCE)),
-        SurfaceKind::Ballast => Some(Color32::from_rgb(0xC9, 0xC4, 0xBC)),
-        SurfaceKind::Yard | SurfaceKind::Opening => None,
     }
+
+    const fn of_house(tone: Tone) -> Self {
+        match tone {
+            Tone::House => Self::House,
+            Tone::Notable => Self::Notable,
+            Tone::Monument => Self::Monument,
+        }
+    }
+
+    /// The inks of all fills, in their order.
+    pub fn palette(inks: &Inks) -> [Color32; 8] {
+        let &Inks { street, gravel, grass, water, ballast, house, notable, monument, .. } = inks;
+        [street, gravel, grass, water, ballast, house, notable, monument].map(colour)
+    }
+}
+
+/// An ink on the screen.
+pub(crate) const fn colour(Rgb(r, g, b): Rgb) -> Color32 {
+    Color32::from_rgb(r, g, b)
 }
 
 /// Outlines that are cut in a frame.
@@ -51,6 +77,8 @@ const OUTLINES_A_FRAME: usize = 256;
 /// Tiles of one part of the overview.
 struct PartTiles {
     source: Arc<Overview>,
+    /// How dark each of its houses is.
+    tones: Vec<Tone>,
     /// So many of its outlines are cut.
     done: usize,
     layers: [BTreeMap<(i32, i32), Tile>; 2],
@@ -100,7 +128,7 @@ const WIDE: f32 = 2.2;
 
 impl PartTiles {
     fn new(source: Arc<Overview>) -> Self {
-        Self { source, done: 0, layers: Default::default() }
+        Self { tones: tones(&source), source, done: 0, layers: Default::default() }
     }
 
     fn is_done(&self) -> bool {
@@ -113,18 +141,21 @@ impl PartTiles {
         let n = self.done;
         self.done += 1;
         if let Some(patch) = source.ground.get(n) {
-            return ink(patch.surface).into_iter().for_each(|ink| self.add(0, &patch.outline, ink));
+            return Fill::of_ground(patch.surface).into_iter().for_each(|fill| self.add(0, &patch.outline, fill));
         }
         let n = n - source.ground.len();
         if let Some(span) = source.spans.get(n) {
-            return ink(span.surface).filter(|_| !span.is_bore()).into_iter().for_each(|ink| self.add(0, &span.outline(), ink));
+            let fill = Fill::of_ground(span.surface).filter(|_| !span.is_bore());
+            return fill.into_iter().for_each(|fill| self.add(0, &span.outline(), fill));
         }
-        if let Some(Massing { outline, height, .. }) = source.houses.get(n - source.spans.len()) {
-            self.add(1, outline, if *height > LANDMARK_TOP { LANDMARK } else { HOUSE });
+        let n = n - source.spans.len();
+        if let Some(Massing { outline, .. }) = source.houses.get(n) {
+            let tone = self.tones.get(n).copied().unwrap_or_default();
+            self.add(1, outline, Fill::of_house(tone));
         }
     }
 
-    fn add(&mut self, layer: usize, outline: &GridPolygon, ink: Color32) {
+    fn add(&mut self, layer: usize, outline: &GridPolygon, fill: Fill) {
         let mut points: Vec<[f32; 2]> = Vec::new();
         let mut holes = Vec::new();
         for ring in outline.rings() {
@@ -141,7 +172,7 @@ impl PartTiles {
         let reach = points.iter().flat_map(|p| [0, 1].map(|i| (low[i] - p[i]).max(p[i] - low[i] - TILE_M))).fold(0.0, f32::max);
         let tile = self.layers[layer].entry(key).or_default();
         let base = tile.points.len() as u32;
-        tile.colours.extend(core::iter::repeat_n(ink, points.len()));
+        tile.fills.extend(core::iter::repeat_n(fill, points.len()));
         tile.points.extend(points);
         tile.indices.extend(triangles.into_iter().map(|i| base + i));
         tile.overhang_m = tile.overhang_m.max(reach);

@@ -15,12 +15,14 @@ pub struct MapView {
     pub radius_m: f32,
     /// A spot that was asked to be shown, plan metres.
     pub marked: Option<DVec2>,
+    /// Whether the visitor has taken hold of himself, to be put down elsewhere.
+    pub carries: bool,
 }
 
 /// Opens the large map about a spot that is to be shown.
 pub(crate) fn show_asked(mut asked: MessageReader<ShowOnMap>, mut view: ResMut<MapView>) {
     if let Some(spot) = asked.read().last() {
-        *view = MapView { open: true, middle: Some(spot.plan_pos), radius_m: 220.0, marked: Some(spot.plan_pos) };
+        *view = MapView { open: true, middle: Some(spot.plan_pos), radius_m: 220.0, marked: Some(spot.plan_pos), carries: false };
     }
 }
 
