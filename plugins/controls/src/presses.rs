@@ -59,7 +59,7 @@ mod tests {
     use veduta_ecs::Interface;
 
     use super::*;
-    use crate::testing::{Bow, Dive, Find, Flies, Forward, Run, app};
+    use crate::testing::{Bow, Dive, Find, Flies, Forward, Run, Shine, app};
     use crate::{Controls, Device, Input, LastDevice};
 
     fn read<C: Control>(app: &mut App) -> (f64, bool) {
@@ -127,6 +127,13 @@ mod tests {
         app.world_mut().resource_mut::<Interface>().is_typing = false;
         app.update();
         assert_eq!(read::<Forward>(&mut app), (0.0, false), "the last letter is still down");
+        app.world_mut().resource_mut::<Interface>().is_typing = true;
+        release(&mut app, KeyCode::KeyW);
+        press(&mut app, KeyCode::F9);
+        assert_eq!(read::<Shine>(&mut app), (1.0, true), "which writes nothing");
+        release(&mut app, KeyCode::F9);
+        app.world_mut().resource_mut::<Interface>().is_typing = false;
+        app.update();
         release(&mut app, KeyCode::KeyW);
         press(&mut app, KeyCode::KeyW);
         assert_eq!(read::<Forward>(&mut app), (1.0, true));

@@ -176,8 +176,15 @@ pub(crate) struct Resting {
     pads: bool,
 }
 
-/// Keys and pads rest while somebody types or has chosen something in a window, the mouse over windows, and everything while an input is waited for: until all that was pressed
-/// meanwhile has been let go, so that a letter's end is no key's beginning.
+/// Whether a key means nothing to what is typed.
+fn is_function_key(key: KeyCode) -> bool {
+    use KeyCode::{F1, F2, F3, F4, F5, F6, F7, F8, F9, F10, F11, F12};
+    [F1, F2, F3, F4, F5, F6, F7, F8, F9, F10, F11, F12].contains(&key)
+}
+
+/// Keys and pads rest while somebody types or has chosen something in a window, the mouse over windows, and everything while an input is
+/// waited for: until all that was pressed meanwhile has been let go, so that a letter's end is no key's beginning. Function keys alone are
+/// heard while somebody types, too.
 pub(crate) fn rest(
     (interface, taken, capture): (Res<Interface>, Res<PointersTaken>, Res<Capture>),
     keys: Option<Res<ButtonInput<KeyCode>>>,
@@ -186,8 +193,10 @@ pub(crate) fn rest(
     mut resting: Local<Resting>,
     mut sources: ResMut<ActionSources>,
 ) {
-    let are_keys_down = keys.is_some_and(|keys| keys.get_pressed().len() > 0);
-    resting.keys = interface.is_typing || capture.is_waiting() || (resting.keys && are_keys_down);
+    let mut down = keys.iter().flat_map(|keys| keys.get_pressed()).copied().peekable();
+    let are_keys_down = down.peek().is_some();
+    let writes = !are_keys_down || down.any(|key| !is_function_key(key));
+    resting.keys = capture.is_waiting() || writes && (interface.is_typing || (resting.keys && are_keys_down));
     // What began over the city goes on over a window, and the other way round.
     let was_down = buttons.is_some_and(|buttons| buttons.get_pressed().any(|button| !buttons.just_pressed(*button)));
     resting.mouse = capture.is_waiting() || if was_down { resting.mouse } else { taken.mouse };

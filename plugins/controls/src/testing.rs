@@ -31,6 +31,7 @@ control! {
     pub(crate) Bow: OnFoot = "walk.bow", [Input::key(KeyCode::KeyB)];
     pub(crate) Dive: InAir = "fly.dive", [Input::key(KeyCode::KeyB)];
     pub(crate) Find: Always = "find", [Input::Letter('/')];
+    pub(crate) Shine: Always = "shine", [Input::key(KeyCode::F9)];
 }
 
 /// Whether somebody flies.
@@ -45,7 +46,8 @@ fn declare(app: &mut App) {
         .add_control::<Run>()
         .add_control::<Bow>()
         .add_control::<Dive>()
-        .add_control::<Find>();
+        .add_control::<Find>()
+        .add_control::<Shine>();
 }
 
 /// Keys of a keyboard and buttons of a mouse go down, or up: what the engine is told by the system.
