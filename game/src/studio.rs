@@ -189,9 +189,6 @@ impl Studio {
         prepare: impl FnOnce(&mut App),
     ) -> Result<Self, Failure> {
         let mut app = darkroom_beside(folder);
-        if folder.is_some() {
-            app.insert_resource(SoundTrack::new(soundtrack::RATE_HZ)).add_plugins(SoundPlugin);
-        }
         profile.apply(&mut app);
         app.add_plugins((
             veduta::ecs::EcsPlugin,
@@ -206,6 +203,9 @@ impl Studio {
         .insert_resource(LifeSettings { kinds: LifeKinds::NONE, ..profile.life() })
         .insert_resource(BuildSettings { vertices_a_frame: usize::MAX, in_the_making: 64, ..profile.buildings() })
         .insert_resource(OpenCity(city.to_owned()));
+        if folder.is_some() {
+            app.insert_resource(SoundTrack::new(soundtrack::RATE_HZ)).add_plugins(SoundPlugin);
+        }
         let target = film(&mut app, size);
         let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
         (settings.packets_a_frame, settings.finer_within_s) = (usize::MAX, f64::INFINITY);

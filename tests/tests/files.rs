@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use veduta::buildings::{Building, BuildingsPlugin};
 use veduta::ecs::{City, OpenCity, Viewer};
 use veduta::guide::{CityGuide, GuidePlugin};
 use veduta::streaming::{CityAssetsPlugin, Fetching, StreamingPlugin};
@@ -15,9 +16,11 @@ fn a_city_brings_its_guide_and_its_tours_from_wherever_it_lies() {
     let city = sample_city();
     let mut app = App::new();
     app.add_plugins(CityAssetsPlugin)
-        .add_plugins((MinimalPlugins, AssetPlugin::default()))
+        .add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin))
+        .init_asset::<Mesh>()
         .add_plugins((
             StreamingPlugin { fetching: Fetching::Threads(1) },
+            BuildingsPlugin { building: Building::Inline },
             GuidePlugin { interface: false },
             TourPlugin { interface: false },
         ))

@@ -42,6 +42,16 @@ impl Sights<'_> {
         meet(self.houses(from.truncate(), reach_m), from, way, reach_m, |pos| self.ground.at(pos, near_m))
     }
 
+    /// Whether no house is at a place, nor within so many metres beside it, east, north, west or south; above a roof nothing is.
+    #[must_use]
+    pub fn is_free(&self, at: DVec3, beside_m: f64) -> bool {
+        let (pos, ground_m) = (at.truncate(), self.ground.at(at.truncate(), at.z));
+        let beside =
+            [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y].map(|way| GridPos::from_metres(pos + way * beside_m));
+        let is_in = |house: &Massing| at.z < ground_m + metres(house.height) && beside.iter().any(|&p| house.outline.contains(p));
+        !self.houses(pos, beside_m).any(is_in)
+    }
+
     /// From where on, and up to where, a line is free that begins at a house of its own or nowhere: how far along it. The line may lead out of its
     /// own house, told by [`house_key`], and back into it; it ends before any other, and before the ground. No further than it reaches.
     #[must_use]

@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn it_is_silent_while_it_stands_and_after_a_seek_nothing_of_before_is_heard() {
         let mut app = tour();
-        told(&mut app, 50);
+        told(&mut app, 30);
         app.world_mut().write_message(TourCommand::Pause);
         assert_eq!(told(&mut app, 5), [Accompany::Hold]);
         app.world_mut().write_message(TourCommand::Play);

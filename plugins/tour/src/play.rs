@@ -536,7 +536,7 @@ mod tests {
         }
         let player = app.world().resource::<TourPlayer>();
         let told = player.error().expect("a message");
-        assert!(told.contains("bad.tour.ron:4") && !told.contains("backtrace"), "{told}");
+        assert!(told.contains("bad.tour.ron:3") && !told.contains("backtrace"), "{told}");
         assert_eq!(player.state(), TourState::Idle);
         let _ = std::fs::remove_dir_all(dir);
     }

@@ -38,6 +38,8 @@ const MOST_M: f64 = 300.0;
 const LEAST_M: f64 = 1.5;
 /// The eye keeps so far from what is before and behind it, and from the ground below; metres.
 const GAP_M: f64 = 0.5;
+/// The eye keeps so far from what it goes past, metres: lines that graze a wall are free.
+const BESIDE_M: f64 = 0.2;
 const OVER_GROUND_M: f64 = 1.0;
 /// Pitches within which one goes round, degrees: from nearly straight above to looking up a tower.
 const PITCH_DEG: (f64, f64) = (-85.0, 60.0);
@@ -63,6 +65,8 @@ pub(crate) trait Surroundings {
     fn room_m(&self, from: DVec3, way: DVec3, own: Option<GridPos>) -> (f64, f64);
     /// Height of the ground, metres.
     fn ground_m(&self, at: DVec3) -> f64;
+    /// Whether an eye can be there: in no house, nor so near a wall beside it that it is seen through.
+    fn is_free(&self, at: DVec3) -> bool;
 }
 
 /// The city as it is known.
@@ -82,6 +86,10 @@ impl Surroundings for InCity<'_, '_> {
 
     fn ground_m(&self, at: DVec3) -> f64 {
         self.ground.at(at.truncate(), at.z)
+    }
+
+    fn is_free(&self, at: DVec3) -> bool {
+        self.sights.is_free(at, BESIDE_M)
     }
 }
 
@@ -140,6 +148,7 @@ impl Orbit {
         let share = if at_once { 1.0 } else { 1.0 - (-RATE_HZ * seconds).exp() };
         let toward = |now: f64, goal: f64| now + (goal - now) * share;
         let (now, goal) = (self.now, self.goal);
+        let was_free = city.is_free(self.stand(city).0);
         self.above_deg = toward(self.above_deg, 0.0);
         let next = (toward(now.heading_deg, goal.heading_deg), toward(now.pitch_deg, goal.pitch_deg));
         let here = self.room_m(now.heading_deg, now.pitch_deg, city).unwrap_or((now.away_m, now.away_m));
@@ -159,6 +168,10 @@ impl Orbit {
                 }
             }
             None => (self.goal.heading_deg, self.goal.pitch_deg) = (now.heading_deg, now.pitch_deg),
+        }
+        // Where a wall stands close beside the line it goes no farther.
+        if was_free && !city.is_free(self.stand(city).0) {
+            (self.now, self.goal) = (now, now);
         }
         self.stand(city)
     }
@@ -227,6 +240,10 @@ mod tests {
 
         fn ground_m(&self, _: DVec3) -> f64 {
             0.0
+        }
+
+        fn is_free(&self, at: DVec3) -> bool {
+            !(self.own(at) || self.other(at))
         }
     }
 
