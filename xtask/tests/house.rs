@@ -254,7 +254,7 @@ fn a_long_file_needs_a_reason() {
 }
 
 /// Hosts that documents and sources may name: standards, licences, public sources, and names made for examples.
-const HOSTS: [&str; 29] = [
+const HOSTS: [&str; 31] = [
     "github.com",
     "docs.rs",
     "doc.rust-lang.org",
@@ -274,6 +274,9 @@ const HOSTS: [&str; 29] = [
     "embarkstudios.github.io",
     "www.opengis.net",
     "www.loc.gov",
+    // KML's extensions, and what they mean.
+    "www.google.com",
+    "developers.google.com",
     "www.clicketyclick.dk",
     "geojson.org",
     "www2.census.gov",

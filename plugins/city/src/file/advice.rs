@@ -7,7 +7,9 @@ use crate::tour_text::syntax::{Trivia, is_space, last_scalar, trivia, unclosed};
 /// A mistake: the byte to point at, and what to say. The reader tells where it stood before and after its last move.
 pub(super) fn advice(error: &Error, text: &str, start: usize, end: usize) -> (usize, String) {
     let moved = trivia(text, start..end.max(start)).iter().map(|piece| piece.range().len()).sum::<usize>();
-    let at = if start + moved == end { end } else { start };
+    // What a reader of ours says is of the value that it has just read, not of what comes after it.
+    let is_ours = matches!(error, Error::Message(_));
+    let at = if start + moved == end && !is_ours { end } else { start };
     let found = text[at..].chars().next();
     if let Some(message) = found.and_then(|found| other_bracket(text, at, found)) {
         return (at, message);
