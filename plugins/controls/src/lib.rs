@@ -42,7 +42,7 @@
 //! app.update();
 //! assert_eq!(app.world().resource::<Rung>().0, 1);
 //! ```
-//! What it does is told to visitors by the message `control-bell-ring` in your own [`Words`](veduta_ecs::Words). Observers of
+//! What it does is told to visitors by the message `control-bell-ring` in your own [`Words`]. Observers of
 //! [`bevy_enhanced_input`] work as well: `On<Start<RingBell>>`.
 //!
 //! A visitor's changes are the resource [`Controls`]: change it, and bindings follow. [`Controls::written`] and [`Controls::read`] are for

@@ -449,9 +449,10 @@ mod tests {
         app.insert_resource(City { overviews: Overviews::whole(overview), ..City::default() });
         app.insert_resource(LeadSettings { without_steps: true, ..LeadSettings::default() });
         ask(&mut app, 390.0);
-        until(&mut app, "given up", |world| !world.resource::<Lead>().is_under_way());
+        until(&mut app, "told", |world| !world.resource::<Messages<CityFailed>>().is_empty());
         let told: Vec<CityFailed> = app.world_mut().resource_mut::<Messages<CityFailed>>().drain().collect();
         assert!(told.iter().any(|failed| failed.message.contains("stairs")), "{told:?}");
+        assert!(!app.world().resource::<Lead>().is_under_way());
         app.insert_resource(LeadSettings::default());
         ask(&mut app, 390.0);
         until(&mut app, "on the way", |world| *world.resource::<Steering>() == Steering::Led);

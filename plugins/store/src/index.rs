@@ -334,7 +334,7 @@ mod tests {
             hasher.update(&encode_region(region, number, &index().regions));
         }
         let form = hasher.finalize().to_hex();
-        assert_eq!((FORMAT_VERSION, &form[..16]), (17, "493429c587742ca4"), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((FORMAT_VERSION, &form[..16]), (18, "493429c587742ca4"), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

@@ -542,7 +542,7 @@ mod tests {
         let hash = |packet: &Packet| blake3::hash(&write(packet)).to_hex()[..16].to_owned();
         let forms = (hash(&Packet::Shell(Box::new(shell))), hash(&Packet::Facades(sheet)));
         let expected = ("cd1e3ec5d6389907".to_owned(), "e2f4ae319b5c1de5".to_owned());
-        assert_eq!((crate::FORMAT_VERSION, forms), (17, expected), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((crate::FORMAT_VERSION, forms), (18, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

@@ -8,7 +8,7 @@
 //!  links that are clicked ──► AskLink ──► "open this page?" ──► browser
 //! ```
 //!
-//! Panels are functions of what they show: they take an [`egui::Ui`](bevy_egui::egui::Ui), a [`Look`] and values, and return what was
+//! Panels are functions of what they show: they take an [`egui::Ui`], a [`Look`] and values, and return what was
 //! chosen. So each can be driven in a test without an engine, and every control has a name that screen readers say.
 //!
 //! # Limits
