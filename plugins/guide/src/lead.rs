@@ -333,7 +333,7 @@ mod tests {
     use bevy::time::TimeUpdateStrategy;
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
-    use veduta_city::{GridPos, Id, PlanStreet, StreetClass};
+    use veduta_city::{GridPolygon, GridPos, GroundPatch, Id, PlanStreet, StreetClass, SurfaceKind};
     use veduta_ecs::Overviews;
 
     use super::*;
@@ -445,7 +445,10 @@ mod tests {
             street(2, [(100, 0), (200, 0)], StreetClass::Steps),
             street(3, [(200, 0), (400, 0)], StreetClass::Lane),
         ];
-        let overview = Overview { streets, ..Overview::default() };
+        // No square: who leaves the stairs aside gets wet.
+        let banks = [(120, -300), (180, -300), (180, 300), (120, 300)].map(|(x, y)| GridPos(x * 1024, y * 1024)).to_vec();
+        let water = GroundPatch { surface: SurfaceKind::Water, outline: GridPolygon::simple(banks), z: 0, course: None };
+        let overview = Overview { streets, ground: vec![water], ..Overview::default() };
         app.insert_resource(City { overviews: Overviews::whole(overview), ..City::default() });
         app.insert_resource(LeadSettings { without_steps: true, ..LeadSettings::default() });
         ask(&mut app, 390.0);
