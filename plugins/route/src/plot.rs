@@ -9,6 +9,7 @@ use crate::{
     flight::fly,
     path::{Mark, Path, round_corners},
     pose::Facing,
+    sketch::is_aside,
     timeline::Gaze,
     track::{self, Key},
     way,
@@ -317,22 +318,6 @@ impl<'a> Plotter<'a> {
         marks.extend(way.iter().skip(1).map(|p| Mark { at: p.extend(from.z), leg }));
         Ok(())
     }
-}
-
-/// Whether a step takes no time of its own.
-const fn is_aside(step: &Step) -> bool {
-    matches!(
-        step,
-        Step::Say { .. }
-            | Step::Narrate { .. }
-            | Step::Sound { .. }
-            | Step::Picture { .. }
-            | Step::Chapter { .. }
-            | Step::Mark { .. }
-            | Step::Rain { .. }
-            | Step::Fov { .. }
-            | Step::Time { .. }
-    )
 }
 
 /// Fade of a `Start`, out and in together, in seconds.
