@@ -28,7 +28,7 @@ use veduta::life::{CityLife, LifeKinds, LifePlugin, LifeSettings};
 use veduta::prelude::*;
 use veduta::sound::{SoundPlugin, SoundTrack};
 use veduta::streaming::{Fetching, RetryTime, Wanted};
-use veduta::tour::TourState;
+use veduta::tour::{StripSettings, TourState};
 
 use crate::camera::camera;
 use crate::profile::Profile;
@@ -207,6 +207,8 @@ impl Studio {
             app.insert_resource(SoundTrack::new(soundtrack::RATE_HZ)).add_plugins(SoundPlugin);
         }
         let target = film(&mut app, size);
+        // What a visitor presses is no part of a picture.
+        app.world_mut().resource_mut::<StripSettings>().visible = false;
         let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
         (settings.packets_a_frame, settings.finer_within_s) = (usize::MAX, f64::INFINITY);
         let viewer = app.world_mut().spawn((camera(), RenderTarget::Image(target.clone().into()), Viewer, ShadowLodOrigin)).id();
