@@ -22,7 +22,9 @@
 //!
 //! App::new()
 //!     .add_plugins((DefaultPlugins, LifePlugin))
-//!     .add_systems(Startup, |mut commands: Commands| commands.write_message(OpenLife("town.life.ron".into())))
+//!     .add_systems(Startup, |mut open: MessageWriter<OpenLife>| {
+//!         open.write(OpenLife("town.life.ron".into()));
+//!     })
 //!     .run();
 //! ```
 //! What it may cost is told by [`LifeSettings`], in vertices, birds and fires. It works in any scene with a
