@@ -10,6 +10,7 @@ use cpu_time::ThreadTime;
 use veduta::city::{Guide, Id, Overview, Tour, draw::Draw, file};
 use veduta::guide::{CityGuide, Directory, Offers};
 use veduta::prelude::*;
+use veduta::sound::SoundSettings;
 use veduta::streaming::Link;
 use veduta::walker::{Intent, Jump};
 use veduta_route::StreetNet;
@@ -88,7 +89,9 @@ pub(super) fn add_interface(app: &mut App) {
     .init_asset::<Image>()
     .init_asset::<bevy::shader::Shader>()
     .init_asset::<bevy::mesh::skinning::SkinnedMeshInverseBindposes>()
-    // What walking costs is not the interface's.
+    // What walking, sound and life cost is not the interface's.
+    .init_resource::<SoundSettings>()
+    .init_resource::<LifeSettings>()
     .init_resource::<Intent>()
     .init_resource::<Jump>()
     .init_resource::<WalkerSettings>()
