@@ -65,6 +65,10 @@ pub struct StreetNet {
     neighbours: Vec<(u32, f64)>,
     /// Connected piece of the network, by node.
     pub(crate) piece: Vec<u32>,
+    /// Metres of street of each connected piece.
+    piece_m: Vec<f64>,
+    /// The piece with most street.
+    pub(crate) main_piece: u32,
     pub(crate) tree: RTree<Entry>,
     /// Nodes at which a street ends and no other goes on.
     pub(crate) dead_ends: RTree<GeomWithData<[f64; 2], u32>>,
@@ -171,6 +175,11 @@ impl StreetNet {
     pub(crate) fn piece_of(&self, segment: u32) -> Option<u32> {
         let segment = self.segments.get(segment as usize)?;
         self.piece.get(segment.from as usize).copied()
+    }
+
+    /// Metres of street of a connected piece.
+    pub(crate) fn length_of_piece(&self, piece: u32) -> f64 {
+        self.piece_m.get(piece as usize).copied().unwrap_or(0.0)
     }
 }
 
@@ -320,7 +329,21 @@ impl Draft {
         let Self { nodes, segments, streets, .. } = self;
         let dead_ends = RTree::bulk_load(dead_ends);
         let (terrain, barred) = (PlanTerrain::default(), RTree::new());
-        let mut net = StreetNet { terrain, nodes, segments, streets, first, neighbours, piece, tree, dead_ends, barred };
+        let (piece_m, main_piece) = (Vec::new(), 0);
+        let mut net = StreetNet {
+            terrain,
+            nodes,
+            segments,
+            streets,
+            first,
+            neighbours,
+            piece,
+            piece_m,
+            main_piece,
+            tree,
+            dead_ends,
+            barred,
+        };
         net.find_pieces();
         net
     }
@@ -344,6 +367,13 @@ impl StreetNet {
             }
             pieces += 1;
         }
+        let mut metres = vec![0.0; pieces as usize];
+        for segment in &self.segments {
+            let [from, to] = [segment.from, segment.to].map(|node| self.node(node));
+            metres[self.piece[segment.from as usize] as usize] += from.distance(to);
+        }
+        let longest = (0..pieces).max_by(|&a, &b| metres[a as usize].total_cmp(&metres[b as usize]).then(b.cmp(&a)));
+        (self.main_piece, self.piece_m) = (longest.unwrap_or(0), metres);
     }
 }
 

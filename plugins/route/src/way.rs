@@ -15,6 +15,8 @@ pub const STRAIGHT_M: f64 = 15.0;
 pub const CROSSING_M: f64 = 120.0;
 /// A straight line across free space is taken where the way along streets is more than so many times as long.
 pub const DETOUR: f64 = 1.6;
+/// Paths of no more metres that are joined to no other belong to a garden, a yard, a platform: one gets out of it beside them.
+const ENCLOSED_M: f64 = 600.0;
 /// Furthest that a position may lie from any street, in metres.
 pub const OFF_STREET_M: f64 = 500.0;
 
@@ -166,7 +168,21 @@ impl StreetNet {
                 None => found.push(Access { foot, piece, is_free }),
             }
         }
+        // Where stairs are barred, what is cut off may lie above them.
+        let is_enclosed = |access: &Access| self.length_of_piece(access.piece) < ENCLOSED_M;
+        if self.barred.size() == 0 && found.iter().all(is_enclosed) {
+            found.extend(self.way_out(p, free));
+        }
         Ok(found)
+    }
+
+    /// The nearest point of the network's main piece, for who stands in a garden or yard whose paths lead nowhere: the map does not tell
+    /// its gate.
+    fn way_out(&self, p: DVec2, free: Option<FreeLine<'_>>) -> Option<Access> {
+        let near = self.feet_by_distance(p).take_while(|foot| foot.distance_m <= CROSSING_M);
+        let foot = near.into_iter().find(|foot| self.piece_of(foot.segment) == Some(self.main_piece))?;
+        let is_free = free.is_none_or(|free| free(p, foot.plan_pos));
+        Some(Access { foot, piece: self.main_piece, is_free })
     }
 
     /// A* from foot to foot; both are in the answer.
@@ -375,6 +391,19 @@ mod tests {
         let (a, b) = (DVec2::ZERO, DVec2::new(10.0, 10.0));
         assert_eq!(net.way(a, b), Ok(vec![a, b]));
         assert_eq!(net.way(a, 2.0 * b), Err(RouteError::NoStreets));
+    }
+
+    #[test]
+    fn who_stands_in_a_closed_garden_gets_out_of_it_but_not_off_an_island() {
+        let garden = |x: f64, long_m: f64| street(&[(x, 0.0), (x, long_m)]);
+        let (inside, outside) = (DVec2::new(0.0, 5.0), DVec2::new(400.0, 90.0));
+        for (gap_m, long_m, leads) in [(80.0, 300.0, true), (80.0, 700.0, false), (150.0, 300.0, false)] {
+            let net = StreetNet::new(&[garden(0.0, long_m), street(&[(gap_m, 5.0), (400.0, 5.0), (400.0, 900.0)])]);
+            let way = net.way(inside, outside);
+            assert_eq!(way.is_ok(), leads, "{gap_m} m away, {long_m} m of paths: {way:?}");
+            assert_eq!(net.way(outside, inside).is_ok(), leads, "and in again");
+            assert!(way.is_err() || way.is_ok_and(|way| way[1] == DVec2::new(gap_m, 5.0)));
+        }
     }
 
     #[test]
