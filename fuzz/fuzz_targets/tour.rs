@@ -13,7 +13,7 @@ fn town() -> (StreetNet, Gazetteer) {
         line: line.map(|p| GridPos::from_metres(p.into())).to_vec(),
         width: 6 * 1024,
         walkable: true,
-        layer: 0,
+        ..PlanStreet::default()
     };
     let streets = [street(1, [(0.0, 0.0), (80.0, 0.0), (160.0, 9.0)]), street(2, [(80.0, -60.0), (80.0, 0.0), (75.0, 60.0)])];
     let place = |name: &str, x: f64, y: f64| Place { name: name.to_owned(), pos: DVec2::new(x, y), ..Place::default() };
