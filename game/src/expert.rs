@@ -45,9 +45,17 @@ fn is_shown(expert: Res<Expert>) -> bool {
     expert.is_shown
 }
 
-fn toggle(presses: Presses<'_, '_>, mut expert: ResMut<Expert>, mut pick: ResMut<PickSettings>) {
+fn toggle(
+    presses: Presses<'_, '_>,
+    mut layers: ResMut<Layers>,
+    mut expert: ResMut<Expert>,
+    mut pick: ResMut<PickSettings>,
+) {
     if presses.begins::<ExpertOpen>() {
         expert.is_shown = !expert.is_shown;
+    }
+    if layers.closes_page("expert", expert.is_shown) {
+        expert.is_shown = false;
     }
     // A click goes through walls then, and nowhere else.
     if pick.leads == expert.is_shown {

@@ -64,8 +64,8 @@ pub(super) fn read_keys(
     let mut next = *open;
     next.help ^= presses.begins::<HelpOpen>();
     next.settings ^= presses.begins::<SettingsOpen>();
-    next.help &= !layers.closes("help", next.help);
-    next.settings &= !layers.closes("settings", next.settings);
+    next.help &= !layers.closes_page("help", next.help);
+    next.settings &= !layers.closes_page("settings", next.settings);
     open.set_if_neq(next);
     let turn = presses.axis::<HourEarlier, HourLater>();
     if turn != 0.0 {

@@ -81,7 +81,9 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, keys: &KeyNames) -> Option<Pres
             press = Some(Press::Close);
         }
     });
-    let height = ui.ctx().content_rect().height() * 0.78;
+    let screen = ui.ctx().content_rect();
+    ui.set_width((look.text * 46.0).min(screen.width() * 0.9));
+    let height = screen.height() * 0.78;
     ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| table(ui, look, words, keys));
     if ui.button(words.say("help-again")).clicked() {
         press = Some(Press::Again);

@@ -167,7 +167,7 @@ pub(super) fn draw(
     let surface = Surface::Dusk;
     let area = Area::new(Id::new("veduta notes")).anchor(Align2::RIGHT_TOP, Vec2::new(-look.text, look.text));
     area.constrain_to(Look::free(&docks, context)).order(Order::Foreground).interactable(false).show(context, |ui| {
-        ui.set_max_width(context_width(ui) * 0.36);
+        ui.set_max_width(context_width(ui) * 0.26);
         look.frame(surface).show(ui, |ui| {
             for note in shown() {
                 let ink = if note.is_failure { look.accent(surface) } else { look.ink(surface) };

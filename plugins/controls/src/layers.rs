@@ -14,6 +14,8 @@ control! {
 #[derive(Resource, Debug, Clone, PartialEq, Eq, Default)]
 pub struct Layers {
     open: Vec<&'static str>,
+    /// Those of them that are read in the middle of the window.
+    pages: Vec<&'static str>,
     /// What is to close in this frame.
     closing: Option<&'static str>,
 }
@@ -33,6 +35,22 @@ impl Layers {
             return true;
         }
         false
+    }
+
+    /// The same of a page: what is read in the middle of the window. While one is open, what is told at its edges steps back.
+    #[must_use]
+    pub fn closes_page(&mut self, name: &'static str, is_open: bool) -> bool {
+        if is_open != self.pages.contains(&name) {
+            self.pages.retain(|page| *page != name);
+            self.pages.extend(is_open.then_some(name));
+        }
+        self.closes(name, is_open)
+    }
+
+    /// Whether a page is open.
+    #[must_use]
+    pub fn has_page(&self) -> bool {
+        !self.pages.is_empty()
     }
 
     /// What lies on top.
@@ -62,9 +80,8 @@ mod tests {
         let mut app = app();
         app.init_resource::<Open>().add_systems(Update, |mut open: ResMut<Open>, mut layers: ResMut<Layers>| {
             for (n, name) in NAMES.into_iter().enumerate() {
-                if layers.closes(name, open.0[n]) {
-                    open.0[n] = false;
-                }
+                let closes = if name == "map" { layers.closes(name, open.0[n]) } else { layers.closes_page(name, open.0[n]) };
+                open.0[n] &= !closes;
             }
         });
         let escape = |app: &mut App| {
@@ -79,11 +96,16 @@ mod tests {
             app.world_mut().resource_mut::<Open>().0[n] = true;
             app.update();
         }
+        let has_page = |app: &App| app.world().resource::<Layers>().has_page();
         assert_eq!(escape(&mut app), [false, true, true], "the map was opened last");
-        assert_eq!(escape(&mut app), [false, true, false]);
+        assert_eq!((escape(&mut app), has_page(&app)), ([false, true, false], true));
         app.world_mut().resource_mut::<Open>().0[1] = false;
         app.update();
         assert_eq!(app.world().resource::<Layers>().top(), None, "closed otherwise");
+        assert!(!has_page(&app));
+        app.world_mut().resource_mut::<Open>().0[0] = true;
+        app.update();
+        assert!(!has_page(&app), "not everything that closes is a page");
         assert_eq!(escape(&mut app), [false; 3]);
     }
 }

@@ -21,7 +21,7 @@ pub(crate) fn read_keys(presses: Presses<'_, '_>, mut layers: ResMut<Layers>, mu
     if !search.open && presses.begins::<SearchOpen>() {
         search.start();
     }
-    if layers.closes("search", search.open) {
+    if layers.closes_page("search", search.open) {
         search.open = false;
     }
 }

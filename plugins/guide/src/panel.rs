@@ -3,6 +3,7 @@ use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id as EguiId, Order, ScrollArea, Ui, Vec2};
 use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 use veduta_city::{Certainty, GuidePlace, Place};
+use veduta_controls::Layers;
 use veduta_ecs::{Accompany, Docks, Interface, Part, Words};
 use veduta_ui::{Look, Pictures, Surface, Symbol, symbol_button};
 
@@ -71,14 +72,16 @@ pub(crate) fn draw(
     near: Res<NearPlace>,
     guide: Res<CityGuide>,
     words: Res<Words>,
-    (interface, docks): (Res<Interface>, Res<Docks>),
+    (interface, docks, layers): (Res<Interface>, Res<Docks>, Res<Layers>),
     mut settings: ResMut<PanelSettings>,
     mut state: ResMut<PanelState>,
     mut pictures: Pictures,
     mut accompany: MessageWriter<Accompany>,
 ) -> Result {
     let state = &mut *state;
-    let goal = if settings.visible && near.0.is_some() { 1.0 } else { 0.0 };
+    // Who reads a page, or builds something with docks about him, reads nothing else.
+    let is_free = !layers.has_page() && *docks == Docks::default();
+    let goal = if settings.visible && is_free && near.0.is_some() { 1.0 } else { 0.0 };
     if goal == 0.0 && state.shown == 0.0 {
         return Ok(());
     }
@@ -105,11 +108,12 @@ pub(crate) fn draw(
     let shown = if unfolded { gallery::of_place(told_of, &guide, &words, &mut pictures, context) } else { Vec::new() };
     let mut listens = state.listens.is_some();
     let screen = context.content_rect();
-    let area = Area::new(EguiId::new("veduta place")).constrain_to(Look::free(&docks, context)).order(Order::Middle);
+    let area = Area::new(EguiId::new("veduta place")).order(Order::Middle);
     area.anchor(Align2::LEFT_TOP, Vec2::splat(screen.height() * 0.03)).show(context, |ui| {
         ui.set_opacity(state.shown);
         look.frame(Surface::Paper).show(ui, |ui| {
-            ui.set_max_width((look.text * 22.0).min(screen.width() * 0.4));
+            // As wide as the strip of a tour leaves it, in the middle of the upper edge.
+            ui.set_max_width((look.text * 20.0).min(screen.width() * 0.4));
             ui.set_max_height(screen.height() * 0.55);
             show(ui, &look, &words, &told, &shown, &mut unfolded, &mut listens, &mut state.cache);
         });

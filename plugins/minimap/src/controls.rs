@@ -38,7 +38,7 @@ pub(crate) fn read_keys(
             view.radius_m = 320.0;
         }
     }
-    if layers.closes("map", view.open) {
+    if layers.closes_page("map", view.open) {
         view.open = false;
     }
     if presses.begins::<MapNorth>() {

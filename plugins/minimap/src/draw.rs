@@ -98,7 +98,9 @@ pub(crate) fn draw_map(
             None => {}
         }
     } else {
-        corner_map(context, Look::free(&docks, context), &shown, &mut settings, &mut view, names);
+        // Where docks leave little, at the upper edge: the lower one has the bar and captions.
+        let is_low = *docks == Docks::default();
+        corner_map(context, Look::free(&docks, context), is_low, &shown, &mut settings, &mut view, names);
     }
     Ok(())
 }
@@ -106,6 +108,7 @@ pub(crate) fn draw_map(
 fn corner_map(
     context: &Context,
     free: Rect,
+    is_low: bool,
     shown: &Shown<'_>,
     settings: &mut ResMut<'_, MinimapSettings>,
     view: &mut MapView,
@@ -114,7 +117,8 @@ fn corner_map(
     let screen = context.content_rect();
     let edge = (screen.height() * settings.share).clamp(120.0, 900.0);
     let margin = edge * 0.06;
-    let corner = free.right_bottom() - EguiVec2::splat(edge + margin);
+    let corner = EguiVec2::splat(edge + margin);
+    let corner = if is_low { free.right_bottom() - corner } else { free.right_top() + EguiVec2::new(-corner.x, margin) };
     egui::Area::new(Id::new("veduta minimap")).fixed_pos(corner).order(Order::Middle).show(context, |ui| {
         let (rect, response) = ui.allocate_exact_size(EguiVec2::splat(edge), Sense::click());
         let name = shown.words.say("map-open");

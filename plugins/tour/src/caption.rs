@@ -1,7 +1,7 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id, Label, Order, TextWrapMode, Vec2};
-use veduta_controls::KeyNames;
+use veduta_controls::{KeyNames, Layers};
 use veduta_ecs::{Docks, Interface, Words};
 use veduta_ui::{Look, Surface};
 
@@ -29,9 +29,10 @@ pub(crate) fn draw_caption(
     player: Res<TourPlayer>,
     settings: Res<CaptionSettings>,
     (words, keys): (Res<Words>, Res<KeyNames>),
-    (interface, docks, editor): (Res<Interface>, Res<Docks>, Res<TourEditor>),
+    (interface, docks, layers): (Res<Interface>, Res<Docks>, Res<Layers>),
+    editor: Res<TourEditor>,
 ) -> Result {
-    if !settings.visible {
+    if !settings.visible || layers.has_page() {
         return Ok(());
     }
     let text = match (player.error(), player.caption(words.language()), player.state()) {

@@ -444,7 +444,8 @@ pub(crate) fn play(
             heading_deg: pose.heading_deg,
             pitch_deg: pose.pitch_deg,
             fov_deg: pose.fov_deg,
-            fade: pose.fade.max(dark),
+            // Who halts a tour halts it to look.
+            fade: if player.state == TourState::Paused { dark } else { pose.fade.max(dark) },
         });
     }
 }

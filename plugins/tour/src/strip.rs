@@ -1,7 +1,7 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id, Order, Sense, StrokeKind, Ui, Vec2, WidgetInfo};
-use veduta_controls::KeyNames;
+use veduta_controls::{KeyNames, Layers};
 use veduta_ecs::{Interface, Steering, Words};
 use veduta_route::CompiledTour;
 use veduta_ui::{Look, Surface, Symbol, symbol_button};
@@ -43,11 +43,11 @@ pub(crate) fn draw(
     time: Res<Time<Real>>,
     player: Res<TourPlayer>,
     (words, interface, keys): (Res<Words>, Res<Interface>, Res<KeyNames>),
-    (steering, editor): (Res<Steering>, Res<TourEditor>),
+    (steering, editor, layers): (Res<Steering>, Res<TourEditor>, Res<Layers>),
     mut settings: ResMut<StripSettings>,
     (mut commands, mut edits): (MessageWriter<TourCommand>, MessageWriter<EditorCommand>),
 ) -> Result {
-    let is_shown = settings.visible && !editor.is_open();
+    let is_shown = settings.visible && !editor.is_open() && !layers.has_page();
     let Some(tour) = player.tour().filter(|_| is_shown && player.state() != TourState::Idle && *steering != Steering::Led) else {
         return Ok(());
     };
