@@ -10,7 +10,7 @@ mod walls;
 use bevy::prelude::*;
 use bevy_egui::{EguiPrimaryContextPass, egui::Color32};
 use veduta::city::Level;
-use veduta::controls::Presses;
+use veduta::controls::{Layers, Presses};
 use veduta::guide::PickSettings;
 use veduta::walker::WalkerSystems;
 
@@ -45,12 +45,7 @@ fn is_shown(expert: Res<Expert>) -> bool {
     expert.is_shown
 }
 
-fn toggle(
-    presses: Presses<'_, '_>,
-    mut layers: ResMut<Layers>,
-    mut expert: ResMut<Expert>,
-    mut pick: ResMut<PickSettings>,
-) {
+fn toggle(presses: Presses<'_, '_>, mut layers: ResMut<Layers>, mut expert: ResMut<Expert>, mut pick: ResMut<PickSettings>) {
     if presses.begins::<ExpertOpen>() {
         expert.is_shown = !expert.is_shown;
     }

@@ -15,6 +15,7 @@ mod settings;
 
 use bevy::input::InputSystems;
 use bevy::prelude::*;
+use bevy_egui::egui::{Context, Vec2};
 use bevy_egui::{EguiPreUpdateSet, EguiPrimaryContextPass};
 use veduta::ecs::Words;
 use veduta::ui::UiSystems;
@@ -31,6 +32,11 @@ pub(crate) struct HudPlugin;
 pub(crate) struct Open {
     pub help: bool,
     pub settings: bool,
+}
+
+/// Pages lie in the middle of what the bar leaves.
+fn above_the_bar(context: &Context) -> Vec2 {
+    Vec2::new(0.0, -context.content_rect().height() * 0.04)
 }
 
 /// What the interface says, by language.

@@ -74,7 +74,7 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
                 ..default()
             })
             .set(bevy::log::LogPlugin {
-                filter: "info,wgpu=error,naga=warn,bevy_render=warn,bevy_asset::server=off".into(),
+                filter: "info,wgpu=error,naga=warn,bevy_render=warn,bevy_asset::server=off,egui_extras=error".into(),
                 ..default()
             }),
     );

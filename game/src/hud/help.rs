@@ -1,13 +1,13 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
-use bevy_egui::egui::{Align2, Area, Grid, Id, Order, ScrollArea, Ui, Vec2};
+use bevy_egui::egui::{Align2, Area, Grid, Id, Order, ScrollArea, Ui};
 use veduta::controls::KeyNames;
 use veduta::ecs::{Interface, Words};
 use veduta::ui::{Look, Surface, Symbol, symbol_button};
 
-use super::Open;
 use super::controls::HelpOpen;
 use super::first::FirstMinute;
+use super::{Open, above_the_bar};
 use crate::settings::Settings;
 
 /// Controls, and what they do together.
@@ -58,7 +58,7 @@ pub(super) fn draw(
     }
     let context = contexts.ctx_mut()?;
     let look = Look::of(&interface, context);
-    let area = Area::new(Id::new("veduta help")).anchor(Align2::CENTER_CENTER, Vec2::ZERO).order(Order::Foreground);
+    let area = Area::new(Id::new("veduta help")).anchor(Align2::CENTER_CENTER, above_the_bar(context)).order(Order::Foreground);
     let press = area.show(context, |ui| look.frame(Surface::Dusk).show(ui, |ui| show(ui, &look, &words, &keys)).inner).inner;
     if press.is_some() {
         open.help = false;
@@ -83,8 +83,12 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, keys: &KeyNames) -> Option<Pres
     });
     let screen = ui.ctx().content_rect();
     ui.set_width((look.text * 46.0).min(screen.width() * 0.9));
-    let height = screen.height() * 0.78;
-    ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| table(ui, look, words, keys));
+    let height = screen.height() * 0.7;
+    ScrollArea::vertical()
+        .auto_shrink([false, true])
+        .max_height(height)
+        .min_scrolled_height(height)
+        .show(ui, |ui| table(ui, look, words, keys));
     if ui.button(words.say("help-again")).clicked() {
         press = Some(Press::Again);
     }
@@ -106,6 +110,7 @@ fn table(ui: &mut Ui, look: &Look, words: &Words, keys: &KeyNames) {
 
 #[cfg(test)]
 mod tests {
+    use bevy_egui::egui::Vec2;
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
     use veduta::controls::{ControlList, Controls, Device, Input, KeyCaps};

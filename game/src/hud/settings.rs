@@ -1,13 +1,13 @@
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
-use bevy_egui::egui::{self, Align2, Area, ComboBox, DragValue, Grid, Id, Order, ScrollArea, Slider, Ui, Vec2};
+use bevy_egui::egui::{self, Align2, Area, ComboBox, DragValue, Grid, Id, Order, ScrollArea, Slider, Ui};
 use veduta::controls::{Capture, ControlList, Controls, KeyCaps, KeyNames};
 use veduta::ecs::{Interface, Words};
 use veduta::ui::{Look, Surface, Symbol, symbol_button};
 
-use super::Open;
 use super::controls::SettingsOpen;
 use super::keys::{self, Part, Shown};
+use super::{Open, above_the_bar};
 use crate::profile::Profile;
 use crate::settings::{MINIMAP_SHARE, Settings, TEXT_SIZE, VOLUME};
 
@@ -28,7 +28,7 @@ pub(super) fn draw(
     let context = contexts.ctx_mut()?;
     let look = Look::of(&interface, context);
     let (mut next, mut next_part, key) = (settings.clone(), *part, names.first::<SettingsOpen>());
-    let area = Area::new(Id::new("veduta settings")).anchor(Align2::CENTER_CENTER, Vec2::ZERO).order(Order::Foreground);
+    let area = Area::new(Id::new("veduta settings")).anchor(Align2::CENTER_CENTER, above_the_bar(context)).order(Order::Foreground);
     let shown = Shown { list: &list, controls: &controls, caps: &caps, waiting: capture.place() };
     let mut press = None;
     let closes = area.show(context, |ui| {
@@ -90,7 +90,7 @@ fn head(ui: &mut Ui, look: &Look, words: &Words, key: &str, part: &mut Part) -> 
 fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) {
     let surface = Surface::Paper;
     look.dress(ui, surface);
-    let height = ui.ctx().content_rect().height() * 0.7;
+    let height = ui.ctx().content_rect().height() * 0.66;
     ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
         Grid::new("settings").num_columns(2).spacing([look.text * 1.5, look.text * 0.35]).show(ui, |ui| {
             language(ui, words, settings);
@@ -207,6 +207,7 @@ fn optional<N: egui::emath::Numeric>(
 
 #[cfg(test)]
 mod tests {
+    use bevy_egui::egui::Vec2;
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
 

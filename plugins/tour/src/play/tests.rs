@@ -1,0 +1,146 @@
+use veduta_ecs::City;
+
+use super::*;
+
+#[test]
+fn a_cut_stays_dark_until_what_is_in_sight_stands_and_then_clears() {
+    let (mut hold, mut awaited) = (Hold::Cut, Awaited { cells: 3 });
+    let mut darkness = Vec::new();
+    for frame in 0..40 {
+        awaited.cells = if frame < 10 { 3 } else { 0 };
+        let still = hold.is_still();
+        let (next, dark) = hold.next(0.05, &awaited);
+        assert_eq!(still, frame <= 10, "time stands still while it is dark, frame {frame}");
+        darkness.push(dark);
+        hold = next;
+    }
+    assert!(darkness[..=10].iter().all(|d| *d == 1.0), "{darkness:?}");
+    assert!(darkness[10..].windows(2).all(|w| w[1] <= w[0] && w[0] - w[1] < 0.2), "it clears softly: {darkness:?}");
+    assert_eq!((hold, darkness[39]), (Hold::None, 0.0));
+}
+
+#[test]
+fn what_never_comes_is_not_waited_for_longer_than_patience() {
+    let awaited = Awaited { cells: 1 };
+    let mut hold = Hold::Cut;
+    let frames = (0..2_000).take_while(|_| {
+        hold = hold.next(0.05, &awaited).0;
+        hold.is_still()
+    });
+    let waited_s = frames.count() as f64 * 0.05;
+    assert!((Awaited::PATIENCE_S..Awaited::PATIENCE_S + 0.3).contains(&waited_s), "{waited_s}");
+}
+
+#[test]
+fn films_are_never_dark_at_a_cut() {
+    let mut hold = Hold::Cut;
+    for cells in [2, 1, 0] {
+        let (next, dark) = hold.next(0.0, &Awaited { cells });
+        assert_eq!(dark, 0.0, "{cells} cells awaited");
+        hold = next;
+    }
+    assert_eq!(hold, Hold::None);
+}
+
+/// A tour that is played so many times a second, in a city without streets.
+fn playing(hz: f64, steps: &str) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), crate::TourPlugin { interface: false }))
+        .insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(std::time::Duration::from_secs_f64(1.0 / hz)))
+        .insert_resource(City::default());
+    app.world_mut().spawn(Viewer);
+    let text = format!(r#"(title: "t", city: "", steps: [{steps}])"#);
+    let tour: Tour = veduta_city::file::parse(&text, "t.tour.ron").expect("no mistakes");
+    app.world_mut().write_message(TourCommand::Give(Box::new(tour)));
+    app
+}
+
+fn eye(app: &mut App) -> Eye {
+    *app.world_mut().query::<&Eye>().single(app.world()).expect("one viewer")
+}
+
+/// The clock adds up rounded nanoseconds, and all that follows from it.
+#[test]
+fn the_player_stands_at_the_same_place_at_any_frame_rate() {
+    const STEPS: &str = r#"Start(at: At(0, 0)), Fly(through: [(0, 0, 2), (30, 40, 12), (90, 10, 30)], speed: 14),
+        Look(at: Spot(at: At(0, 0), height_m: 4), seconds: 3), Fov(deg: 40, seconds: 1), Wait(seconds: 1)"#;
+    let sixths = |hz: f64| {
+        let mut app = playing(hz, STEPS);
+        let mut eyes = std::collections::BTreeMap::new();
+        for _ in 0..(60.0 * hz) as u32 {
+            app.update();
+            let player = app.world().resource::<TourPlayer>();
+            let sixth = player.time_s() * 6.0;
+            if player.state() == TourState::Playing && (sixth - sixth.round()).abs() < 1e-3 {
+                eyes.insert(sixth.round() as u32, eye(&mut app));
+            }
+        }
+        eyes
+    };
+    let (slow, fast) = (sixths(30.0), sixths(144.0));
+    assert!(slow.len() > 60 && slow.keys().eq(fast.keys()), "{} and {}", slow.len(), fast.len());
+    for (a, b) in slow.values().zip(fast.values()) {
+        assert!(a.plan_pos.distance(b.plan_pos) < 1e-3 && (a.eye_m - b.eye_m).abs() < 1e-3, "{a:?} and {b:?}");
+        let turned = (a.heading_deg - b.heading_deg + 180.0).rem_euclid(360.0) - 180.0;
+        assert!(turned.abs().max((a.pitch_deg - b.pitch_deg).abs()).max((a.fov_deg - b.fov_deg).abs()) < 1e-2, "{a:?} and {b:?}");
+    }
+}
+
+#[test]
+fn a_tour_that_is_halted_while_it_fades_in_can_be_seen() {
+    let mut app = playing(20.0, "Start(at: At(0, 0)), Wait(seconds: 5), Cut(to: At(50, 0)), Wait(seconds: 5)");
+    let mut darkest: f64 = 0.0;
+    let has_faded = (0..200).any(|_| {
+        app.update();
+        darkest = darkest.max(eye(&mut app).fade);
+        app.world().resource::<TourPlayer>().time_s() > 5.0 && eye(&mut app).fade > 0.3
+    });
+    assert!(has_faded, "a cut fades out: {darkest}");
+    app.world_mut().write_message(TourCommand::Toggle);
+    (0..40).for_each(|_| app.update());
+    assert_eq!(app.world().resource::<TourPlayer>().state(), TourState::Paused);
+    assert_eq!(eye(&mut app).fade, 0.0);
+    app.world_mut().write_message(TourCommand::Toggle);
+    app.update();
+    assert!(eye(&mut app).fade > 0.3, "and goes on where it was");
+}
+
+#[test]
+fn marks_are_told_once_as_their_moments_come() {
+    let steps = r#"Start(at: At(0, 0)), Mark(name: "a"), Rain(wet: 1), Wait(seconds: 3), Mark(name: "b")"#;
+    let mut app = playing(10.0, steps);
+    let mut told = Vec::new();
+    for _ in 0..80 {
+        app.update();
+        told.extend(app.world_mut().resource_mut::<Messages<TourMark>>().drain().map(|mark| mark.name));
+    }
+    assert_eq!(told, ["a", "b"]);
+    assert_eq!(app.world().resource::<TourPath>().0.len(), 1, "one part without cuts");
+    app.world_mut().write_message(TourCommand::Stop);
+    app.update();
+    assert!(app.world().resource::<TourPath>().0.is_empty());
+    assert_eq!(app.world().resource::<Weather>().wet, 1.0);
+}
+
+#[test]
+fn a_tour_with_a_mistake_is_told_with_its_line_and_ends_the_waiting() {
+    let dir = std::env::temp_dir().join(format!("veduta-tour-{}", std::process::id()));
+    std::fs::create_dir_all(&dir).expect("a folder of our own");
+    std::fs::write(dir.join("bad.tour.ron"), "(\n  title: \"Bad\",\n  city: \"x\"\n  steps: [],\n)").expect("room");
+    let mut app = App::new();
+    let assets = AssetPlugin { file_path: dir.display().to_string(), ..default() };
+    app.add_plugins((MinimalPlugins, assets, crate::TourPlugin { interface: false }));
+    app.world_mut().write_message(TourCommand::Open("bad.tour.ron".into()));
+    for _ in 0..2_000 {
+        app.update();
+        if app.world().resource::<TourPlayer>().error().is_some() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    let player = app.world().resource::<TourPlayer>();
+    let told = player.error().expect("a message");
+    assert!(told.contains("bad.tour.ron:3") && !told.contains("backtrace"), "{told}");
+    assert_eq!(player.state(), TourState::Idle);
+    let _ = std::fs::remove_dir_all(dir);
+}
