@@ -2,16 +2,21 @@
 //! to set, what was downloaded over the walk, the journal; and in the street itself blue stones for what is on its way and
 //! proximity walls in the portals: a click on one walks through.
 
+mod journal;
 mod layout;
 mod panel;
 mod plots;
+mod told;
 mod walls;
 
 use bevy::prelude::*;
-use bevy_egui::{EguiPrimaryContextPass, egui::Color32};
+use bevy_egui::EguiPrimaryContextPass;
+use bevy_egui::egui::{self, Color32, CornerRadius, Frame, Margin};
 use veduta::city::Level;
 use veduta::controls::{Layers, Presses};
+use veduta::ecs::Interface;
 use veduta::guide::PickSettings;
+use veduta::ui::Look;
 use veduta::walker::WalkerSystems;
 
 use crate::hud::controls::ExpertOpen;
@@ -37,7 +42,7 @@ impl Plugin for ExpertPlugin {
             .add_systems(Update, (toggle, plots::record))
             .add_systems(Update, walls::walk_through.after(WalkerSystems::Input).before(WalkerSystems::Move))
             .add_systems(Update, (walls::draw, walls::click).run_if(is_shown))
-            .add_systems(EguiPrimaryContextPass, (panel::draw, panel::draw_journal, layout::draw).chain().run_if(is_shown));
+            .add_systems(EguiPrimaryContextPass, (panel::draw, journal::draw, layout::draw).chain().run_if(is_shown));
     }
 }
 
@@ -56,6 +61,28 @@ fn toggle(presses: Presses<'_, '_>, mut layers: ResMut<Layers>, mut expert: ResM
     if pick.leads == expert.is_shown {
         pick.leads = !expert.is_shown;
     }
+}
+
+/// Text of the view as a share of running text elsewhere: there is much of it.
+const TEXT: f32 = 0.85;
+/// From the window's edge to a panel, heights of text.
+const MARGIN: f32 = 0.75;
+
+/// The view's look.
+fn look(interface: &Interface, context: &egui::Context) -> Look {
+    let look = Look::of(interface, context);
+    Look { text: look.text * TEXT, ..look }
+}
+
+/// A panel's paper.
+fn frame(look: &Look) -> Frame {
+    let margin = |share: f32| (look.text * share).round().clamp(0.0, 127.0) as i8;
+    Frame::new().fill(PAPER).corner_radius(CornerRadius::same(6)).inner_margin(Margin::symmetric(margin(0.9), margin(0.75)))
+}
+
+/// Edge of the plan of cells, and breadth of the journal above it.
+fn side(screen: egui::Rect) -> f32 {
+    (screen.height() * 0.44).min(screen.width() * 0.45).max(160.0)
 }
 
 /// Colours of the view: ink on dark paper, and what each thing is.
@@ -78,4 +105,15 @@ const fn fill(level: Option<Level>, is_in_sight: bool) -> Color32 {
         (Some(_), false) => Color32::from_rgb(0x5C, 0x56, 0x46),
         (Some(_), true) => Color32::from_rgb(0xB8, 0x9A, 0x5E),
     }
+}
+
+/// Words of each language without the others: what one lacks is said by the name of its message.
+#[cfg(test)]
+fn tongues() -> impl Iterator<Item = veduta::ecs::Words> {
+    crate::hud::WORDS.into_iter().map(|(language, file)| {
+        let mut words = veduta::ecs::Words::default();
+        words.add(language, file).expect("no mistakes");
+        words.speak(language);
+        words
+    })
 }

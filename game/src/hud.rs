@@ -40,7 +40,7 @@ fn above_the_bar(context: &Context) -> Vec2 {
 }
 
 /// What the interface says, by language.
-const WORDS: [(&str, &str); 3] =
+pub(crate) const WORDS: [(&str, &str); 3] =
     [("en", include_str!("../words/en.ftl")), ("cs", include_str!("../words/cs.ftl")), ("it", include_str!("../words/it.ftl"))];
 
 impl Plugin for HudPlugin {

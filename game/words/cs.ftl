@@ -164,3 +164,60 @@ keys-reset = Jako na začátku: { $what }
 keys-reset-all = Vše jako na začátku
 keys-conflict = { $input } dělá také: { $others }
 keys-dropped = Z kláves vynecháno: { $what }
+
+# Jak město přichází
+expert-title = Jak město přichází
+expert-cells = Buňky: načteno { $loaded } z { $all }. Oblasti: známo { $told } z { $regions }.
+expert-figures = Obsah: { $content }, přijato: { $received }. Požadavky: { $requests }, na cestě: { $flying }, nezdařené: { $failed }.
+expert-pace = Když se na něco čeká, přichází { $bytes } za sekundu.
+expert-pace-unknown = Na nic se nečekalo dost dlouho, aby byla známa rychlost linky.
+expert-latency = zpoždění, s
+expert-bandwidth = za sekundu
+expert-no-limit = bez omezení
+expert-loss = ztráty
+expert-down = server neodpovídá
+expert-pause = pozastavit
+expert-ask = požádat hned znovu
+expert-reach = dosah úrovní
+expert-reach-auto = dosah sám, při { $frames ->
+    [one] { $frames } snímku
+   *[other] { $frames } snímcích
+} za sekundu
+expert-downloaded = staženo { $bytes } za { $seconds } s
+expert-by-cell = { $n ->
+    [one] v poslední buňce; nejvýš { $bytes }
+   *[other] v každé z posledních { $n } buněk; nejvýš { $bytes }
+}
+expert-plan = Plán buněk
+expert-across = { $metres } m napříč; kolečko mění měřítko, ukažte na buňku a dozvíte se proč
+expert-cell = buňka { $cell }, { $name }: { $houses ->
+    [one] { $houses } dům
+    [few] { $houses } domy
+   *[other] { $houses } domů
+}, { $level }; { $why }
+expert-nameless = beze jména
+expert-level = načtena úroveň { $level }
+expert-level-none = nenačtena
+expert-why-none = nikdo ji nepotřebuje
+expert-why-seen = je vidět z buňky { $from }
+expert-why-ahead = je vidět z vedlejší buňky { $from }
+expert-why-on-the-way = poblíž místa, kam vede prohlídka
+expert-why-skyline = ční nad střechy
+expert-why-near = poblíž toho, kdo letí nebo není v žádné buňce
+expert-journal = Deník
+expert-index = rejstřík města
+expert-region = oblast { $n } rejstříku
+expert-overview = přehled oblasti { $n }
+expert-file = soubor { $n } města
+expert-packet = buňka { $cell }, úroveň { $level }
+expert-opened = otevřeno: { $place }
+expert-entered = vstup do buňky { $cell }
+expert-left = mimo všechny buňky
+expert-asked = vyžádáno: { $what }, { $bytes }
+expert-arrived = přišlo: { $what }, { $bytes }
+expert-failed = nezdařilo se: { $what }, znovu za { $seconds } s
+expert-failed-for-good = nezdařilo se nadobro: { $what }
+expert-cancelled = odvoláno: { $what }
+expert-released = uvolněna buňka { $cell } od úrovně { $level }, { $why }
+expert-released-idle = nikdo ji nepotřeboval
+expert-released-cap = došlo místo v paměti

@@ -164,3 +164,56 @@ keys-reset = As at first: { $what }
 keys-reset-all = All as at first
 keys-conflict = { $input } is also: { $others }
 keys-dropped = Left out of the keys: { $what }
+
+# How the city streams
+expert-title = How the city streams
+expert-cells = Cells: { $loaded } of { $all } loaded. Regions: { $told } of { $regions } told of.
+expert-figures = In content: { $content }, received: { $received }. Requests: { $requests }, on their way: { $flying }, failed: { $failed }.
+expert-pace = When something is awaited, { $bytes } a second come.
+expert-pace-unknown = Nothing was awaited long enough to tell the line's pace.
+expert-latency = latency, s
+expert-bandwidth = a second
+expert-no-limit = no limit
+expert-loss = lost
+expert-down = server gone
+expert-pause = pause
+expert-ask = ask again now
+expert-reach = reach of levels
+expert-reach-auto = reach as far as { $frames } frames a second allow
+expert-downloaded = { $bytes } downloaded in { $seconds } s
+expert-by-cell = { $n ->
+    [one] in the last cell; at most { $bytes }
+   *[other] in each of the last { $n } cells; at most { $bytes }
+}
+expert-plan = Plan of cells
+expert-across = { $metres } m across; wheel to zoom, point at a cell to ask why
+expert-cell = cell { $cell }, { $name }: { $houses ->
+    [one] { $houses } house
+   *[other] { $houses } houses
+}, { $level }; { $why }
+expert-nameless = without a name
+expert-level = level { $level } loaded
+expert-level-none = not loaded
+expert-why-none = nobody wants it
+expert-why-seen = seen from cell { $from }
+expert-why-ahead = seen from cell { $from }, next door
+expert-why-on-the-way = near a place that the tour leads to
+expert-why-skyline = it rises above the roofs
+expert-why-near = near who flies or is in no cell
+expert-journal = Journal
+expert-index = the city's index
+expert-region = region { $n } of the index
+expert-overview = the overview of region { $n }
+expert-file = file { $n } of the city
+expert-packet = cell { $cell }, level { $level }
+expert-opened = opened { $place }
+expert-entered = entered cell { $cell }
+expert-left = left all cells
+expert-asked = asked for { $what }, { $bytes }
+expert-arrived = arrived: { $what }, { $bytes }
+expert-failed = failed: { $what }, again in { $seconds } s
+expert-failed-for-good = failed for good: { $what }
+expert-cancelled = taken back: { $what }
+expert-released = released cell { $cell } from level { $level }, { $why }
+expert-released-idle = unwanted
+expert-released-cap = over the cap

@@ -164,3 +164,56 @@ keys-reset = Come all’inizio: { $what }
 keys-reset-all = Tutto come all’inizio
 keys-conflict = { $input } fa anche: { $others }
 keys-dropped = Lasciato fuori dai tasti: { $what }
+
+# Come arriva la città
+expert-title = Come arriva la città
+expert-cells = Celle: { $loaded } di { $all } caricate. Regioni: { $told } di { $regions } note.
+expert-figures = Contenuto: { $content }, ricevuti: { $received }. Richieste: { $requests }, in arrivo: { $flying }, fallite: { $failed }.
+expert-pace = Quando si attende qualcosa, arrivano { $bytes } al secondo.
+expert-pace-unknown = Non si è ancora atteso abbastanza per conoscere la velocità della linea.
+expert-latency = latenza, s
+expert-bandwidth = al secondo
+expert-no-limit = senza limite
+expert-loss = perdite
+expert-down = server irraggiungibile
+expert-pause = pausa
+expert-ask = richiedi subito
+expert-reach = portata dei livelli
+expert-reach-auto = portata automatica, a { $frames } fotogrammi al secondo
+expert-downloaded = scaricati { $bytes } in { $seconds } s
+expert-by-cell = { $n ->
+    [one] nell’ultima cella; al massimo { $bytes }
+   *[other] in ognuna delle ultime { $n } celle; al massimo { $bytes }
+}
+expert-plan = Pianta delle celle
+expert-across = { $metres } m di lato; rotella per ingrandire, indica una cella per sapere perché
+expert-cell = cella { $cell }, { $name }: { $houses ->
+    [one] { $houses } casa
+   *[other] { $houses } case
+}, { $level }; { $why }
+expert-nameless = senza nome
+expert-level = caricata al livello { $level }
+expert-level-none = non caricata
+expert-why-none = non serve a nessuno
+expert-why-seen = si vede dalla cella { $from }
+expert-why-ahead = si vede dalla cella { $from }, qui accanto
+expert-why-on-the-way = vicina a un luogo dove porta la visita
+expert-why-skyline = svetta sopra i tetti
+expert-why-near = vicina a chi vola o non è in nessuna cella
+expert-journal = Diario
+expert-index = l’indice della città
+expert-region = regione { $n } dell’indice
+expert-overview = panoramica della regione { $n }
+expert-file = file { $n } della città
+expert-packet = cella { $cell }, livello { $level }
+expert-opened = aperto: { $place }
+expert-entered = ingresso nella cella { $cell }
+expert-left = fuori da ogni cella
+expert-asked = richiesto: { $what }, { $bytes }
+expert-arrived = arrivato: { $what }, { $bytes }
+expert-failed = fallito: { $what }, di nuovo tra { $seconds } s
+expert-failed-for-good = fallito per sempre: { $what }
+expert-cancelled = annullato: { $what }
+expert-released = liberata la cella { $cell } dal livello { $level }, { $why }
+expert-released-idle = non serviva a nessuno
+expert-released-cap = memoria piena

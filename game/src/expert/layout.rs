@@ -5,14 +5,16 @@ use std::collections::BTreeSet;
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
-use bevy_egui::egui::{self, Align2, Color32, FontId, Pos2, Sense, Shape, Stroke, Vec2, Window};
+use bevy_egui::egui::{self, Align2, Color32, Id, Pos2, Sense, Shape, Stroke, Vec2, Window};
 use veduta::city::{GridPos, metres};
-use veduta::ecs::OpenCells;
+use veduta::ecs::{Interface, OpenCells, Words};
 use veduta::prelude::*;
-use veduta::streaming::{CurrentCell, Streamed, Wanted, Why};
+use veduta::streaming::{CurrentCell, Streamed, Wanted};
+use veduta::ui::Look;
 use veduta_store::What;
 
-use super::{EDGE, Expert, FAINT, HERE, INK, OPEN, PAPER, PENDING, SHUT, fill};
+use super::told::{across, cell_told};
+use super::{EDGE, Expert, FAINT, HERE, INK, MARGIN, OPEN, PAPER, PENDING, SHUT, fill, frame, look, side};
 
 /// From plan metres to the window's points.
 struct View {
@@ -35,6 +37,7 @@ impl View {
 
 pub(super) fn draw(
     mut contexts: EguiContexts,
+    (words, interface): (Res<Words>, Res<Interface>),
     mut expert: ResMut<Expert>,
     streamed: Streamed<'_>,
     wanted: Res<Wanted>,
@@ -43,9 +46,10 @@ pub(super) fn draw(
 ) -> Result {
     let context = contexts.ctx_mut()?;
     let Some(index) = streamed.index() else { return Ok(()) };
-    let side = (context.content_rect().height() * 0.44).clamp(160.0, 720.0);
-    let window = Window::new("Cells").frame(super::panel::frame()).title_bar(false).resizable(false);
-    window.anchor(Align2::LEFT_BOTTOM, Vec2::new(10.0, -10.0)).show(context, |ui| {
+    let (look, side) = (look(&interface, context), side(context.content_rect()));
+    let window = Window::new(words.say("expert-plan")).id(Id::new("veduta expert plan"));
+    let window = window.frame(frame(&look)).title_bar(false).resizable(false);
+    window.anchor(Align2::LEFT_BOTTOM, Vec2::new(MARGIN, -MARGIN) * look.text).show(context, |ui| {
         let (area, painter) = ui.allocate_painter(Vec2::splat(side), Sense::click());
         if let Some(scrolled) = area.hovered().then(|| ui.input(|input| input.smooth_scroll_delta.y)) {
             expert.reach_m = (expert.reach_m * (-scrolled * 0.004).exp()).clamp(40.0, 1_500.0);
@@ -66,9 +70,10 @@ pub(super) fn draw(
             let ring: Vec<Pos2> = entry.outline.outer.iter().map(|&pos| view.point(pos)).collect();
             let colour = if Some(cell) == here { HERE } else { fill(streamed.level(cell), is_in_sight) };
             paint(&painter, &entry.outline, &view, colour);
-            painter.add(Shape::closed_line(ring, Stroke::new(0.5, Color32::from_black_alpha(120))));
+            painter.add(Shape::closed_line(ring, Stroke::new(look.text * 0.04, Color32::from_black_alpha(120))));
             if pending.contains(&cell) {
-                painter.circle_filled(view.point(GridPos::from_metres(entry.outline.centroid())), 4.0, PENDING);
+                let middle = view.point(GridPos::from_metres(entry.outline.centroid()));
+                painter.circle_filled(middle, look.text * 0.3, PENDING);
             }
         }
         for (_, region) in index.regions_here() {
@@ -82,19 +87,17 @@ pub(super) fn draw(
                     }
                     _ => continue,
                 };
-                painter.line_segment([view.point(portal.ends.0), view.point(portal.ends.1)], Stroke::new(2.0, colour));
+                let stroke = Stroke::new(look.text * 0.15, colour);
+                painter.line_segment([view.point(portal.ends.0), view.point(portal.ends.1)], stroke);
             }
         }
-        draw_viewer(&painter, &view, eye);
+        draw_viewer(&painter, &view, eye, look.text);
         let told = area.hover_pos().map(|at| view.plan(at)).and_then(|pos| index.locate(GridPos::from_metres(pos)));
         if let Some((cell, entry)) = told.and_then(|cell| Some((cell, index.cell(cell)?))) {
-            let level = streamed.level(cell).map_or("not loaded".to_owned(), |level| format!("{level} loaded"));
-            let name = if entry.name.is_empty() { "without a name" } else { &entry.name };
-            let text = format!("cell {cell}, {name}: {} houses, {level}; {}", entry.houses, because(wanted.why(cell)));
-            foot(&painter, area.rect, text, INK);
+            let text = cell_told(&words, cell, &entry.name, entry.houses, streamed.level(cell), wanted.why(cell));
+            foot(&painter, &look, area.rect, text, INK);
         } else {
-            let text = format!("{:.0} m across; wheel to zoom, point at a cell to ask why", 2.0 * expert.reach_m);
-            foot(&painter, area.rect, text, FAINT);
+            foot(&painter, &look, area.rect, across(&words, 2.0 * expert.reach_m), FAINT);
         }
         if let Some(to) = area.clicked().then(|| area.interact_pointer_pos()).flatten().map(|at| view.plan(at)) {
             expert.leap = Some(to);
@@ -104,23 +107,13 @@ pub(super) fn draw(
 }
 
 /// A line at the foot of the plan, on paper of its own.
-fn foot(painter: &egui::Painter, area: egui::Rect, text: String, colour: Color32) {
-    let words = painter.layout(text, FontId::proportional(12.0), colour, area.width() - 8.0);
-    let paper = egui::Rect::from_min_max(area.left_bottom() - Vec2::new(0.0, words.size().y + 8.0), area.right_bottom());
+fn foot(painter: &egui::Painter, look: &Look, area: egui::Rect, text: String, colour: Color32) {
+    let edge = look.text * 0.3;
+    let words = painter.layout(text, look.font(1.0), colour, area.width() - 2.0 * edge);
+    let above = Vec2::new(0.0, words.size().y + 2.0 * edge);
+    let paper = egui::Rect::from_min_max(area.left_bottom() - above, area.right_bottom());
     painter.rect_filled(paper, 0.0, PAPER);
-    painter.galley(paper.min + Vec2::new(4.0, 4.0), words, colour);
-}
-
-/// Why a cell is there, in words.
-fn because(why: Option<Why>) -> String {
-    match why {
-        None => "nobody wants it".to_owned(),
-        Some(Why::Seen { from }) => format!("seen from cell {from}"),
-        Some(Why::Ahead { from }) => format!("seen from cell {from}, next door"),
-        Some(Why::OnTheWay) => "near a place that the tour leads to".to_owned(),
-        Some(Why::Skyline) => "it rises above the roofs".to_owned(),
-        Some(Why::Near) => "near who flies or is in no cell".to_owned(),
-    }
+    painter.galley(paper.min + Vec2::splat(edge), words, colour);
 }
 
 /// Fills a cell, which need not be convex.
@@ -140,12 +133,14 @@ fn paint(painter: &egui::Painter, outline: &veduta::city::GridPolygon, view: &Vi
     painter.add(Shape::mesh(mesh));
 }
 
-fn draw_viewer(painter: &egui::Painter, view: &View, eye: &Eye) {
+/// An arrow where the viewer is, about as high as text.
+fn draw_viewer(painter: &egui::Painter, view: &View, eye: &Eye, text: f32) {
     let heading = eye.heading_deg.to_radians() as f32;
-    let ahead = Vec2::new(heading.sin(), -heading.cos());
+    let ahead = Vec2::new(heading.sin(), -heading.cos()) * text;
     let aside = Vec2::new(-ahead.y, ahead.x);
     let at = view.at;
-    let arrow = [at + ahead * 9.0, at - ahead * 5.0 + aside * 5.0, at - ahead * 2.0, at - ahead * 5.0 - aside * 5.0];
+    let (back, aside) = (at - ahead * 0.37, aside * 0.37);
+    let arrow = [at + ahead * 0.67, back + aside, at - ahead * 0.15, back - aside];
     painter.add(Shape::convex_polygon(vec![arrow[0], arrow[1], arrow[2]], INK, Stroke::NONE));
     painter.add(Shape::convex_polygon(vec![arrow[0], arrow[2], arrow[3]], INK, Stroke::NONE));
 }

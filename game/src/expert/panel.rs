@@ -1,151 +1,194 @@
-//! The line and its faults, figures and plots; the journal.
+//! The line and its faults, figures and plots.
+
+use core::ops::RangeInclusive;
 
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
-use bevy_egui::egui::{self, Align2, CornerRadius, FontId, Margin, RichText, ScrollArea, Slider, Vec2, Window};
+use bevy_egui::egui::{Align2, Id, ScrollArea, Slider, Ui, Vec2, Window};
 use veduta::controls::KeyNames;
+use veduta::ecs::{Interface, Words};
 use veduta::facade::{AutoLevels, LevelReach};
 use veduta::prelude::*;
-use veduta::streaming::{Event, Journal, Link, Pace, Reconnect, Streamed, StreamingStats};
+use veduta::streaming::{Link, Pace, Reconnect, Streamed, StreamingStats};
+use veduta::ui::{Look, Surface, Symbol, symbol_button};
 
-use super::plots::{Downloads, bytes, show};
-use super::{Expert, FAINT, INK, PAPER, PENDING, SHUT};
+use super::plots::{self, Downloads};
+use super::told::bytes;
+use super::{Expert, INK, MARGIN, frame, look};
 use crate::hud::controls::ExpertOpen;
-
-pub(super) fn frame() -> egui::Frame {
-    egui::Frame::new().fill(PAPER).corner_radius(CornerRadius::same(6)).inner_margin(Margin::symmetric(12, 10))
-}
 
 /// A slider's end that stands for no limit, bytes a second.
 const UNLIMITED: f64 = 10_000_000.0;
-/// Lines of the journal that are shown.
-const LINES: usize = 200;
+/// Breadth of the panel, heights of its text.
+const BROAD: f32 = 26.0;
 
 pub(super) fn draw(
     mut contexts: EguiContexts,
     time: Res<Time>,
+    (words, interface, keys): (Res<Words>, Res<Interface>, Res<KeyNames>),
+    (stats, downloads, pace, streamed): (Res<StreamingStats>, Res<Downloads>, Res<Pace>, Streamed<'_>),
     mut expert: ResMut<Expert>,
-    mut link: ResMut<Link>,
-    mut settings: ResMut<StreamingSettings>,
+    (mut link, mut settings): (ResMut<Link>, ResMut<StreamingSettings>),
     mut reconnect: MessageWriter<Reconnect>,
-    stats: Res<StreamingStats>,
-    downloads: Res<Downloads>,
-    pace: Res<Pace>,
-    streamed: Streamed<'_>,
-    (mut commands, auto, mut reach, keys): (Commands, Option<Res<AutoLevels>>, ResMut<LevelReach>, Res<KeyNames>),
+    (mut commands, auto, mut reach): (Commands, Option<Res<AutoLevels>>, ResMut<LevelReach>),
 ) -> Result {
     let context = contexts.ctx_mut()?;
-    let window = Window::new("Streaming").frame(frame()).title_bar(false).resizable(false).default_width(330.0);
-    window.anchor(Align2::RIGHT_TOP, Vec2::new(-10.0, 10.0)).show(context, |ui| {
-        ui.set_width(330.0);
-        ui.style_mut().visuals.override_text_color = Some(INK);
-        ui.style_mut().override_font_id = Some(FontId::proportional(12.0));
-        ui.horizontal(|ui| {
-            ui.label(RichText::new("Streaming").size(15.0));
-            if ui.button(format!("hide ({})", keys.first::<ExpertOpen>())).clicked() {
-                expert.is_shown = false;
-            }
-        });
-        let told =
-            streamed.index().map_or((0, 0, 0), |index| (index.regions_here().count(), index.regions.len(), index.cell_count()));
-        ui.label(format!("{} cells of {} loaded, {} of {} regions told of", stats.cells, told.2, told.0, told.1));
-        ui.label(format!(
-            "{} in content, {} received, {} requests, {} on their way, {} failed",
-            bytes(stats.bytes_loaded),
-            bytes(stats.bytes_all),
-            stats.requests,
-            stats.in_flight,
-            stats.failures
-        ));
-        ui.label(match pace.bytes_s() {
-            Some(bytes_s) => format!("{} a second come when something is awaited", bytes(bytes_s as u64)),
-            None => "nothing was awaited long enough to tell the line's pace".to_owned(),
-        });
-        line(ui, &mut link, &mut settings, &mut reconnect);
-        levels(ui, &mut commands, auto.as_deref(), &mut reach);
-        show(ui, &downloads, time.elapsed_secs_f64());
-    });
-    Ok(())
-}
-
-/// The journal's last lines, between the place's name and the plan of cells.
-pub(super) fn draw_journal(mut contexts: EguiContexts, journal: Res<Journal>) -> Result {
-    let context = contexts.ctx_mut()?;
-    let screen = context.content_rect();
-    let window = Window::new("Journal").frame(frame()).title_bar(false).resizable(false);
-    window.anchor(Align2::LEFT_TOP, Vec2::new(10.0, screen.height() * 0.11)).show(context, |ui| {
-        let broad = (screen.height() * 0.44).clamp(160.0, 720.0);
-        ui.set_width(broad);
-        ui.label(RichText::new("Journal").color(FAINT).size(12.0));
-        ScrollArea::vertical().max_height(screen.height() * 0.3).stick_to_bottom(true).show(ui, |ui| {
-            ui.set_width(broad - 8.0);
-            let skipped = journal.entries().len().saturating_sub(LINES);
-            for entry in journal.entries().skip(skipped) {
-                let (text, colour) = words(&entry.event);
-                ui.label(RichText::new(format!("{:8.2}  {text}", entry.at_s)).monospace().size(10.0).color(colour));
-            }
-        });
-    });
-    Ok(())
-}
-
-/// Sliders of the simulated line.
-fn line(
-    ui: &mut egui::Ui,
-    link: &mut ResMut<Link>,
-    settings: &mut ResMut<StreamingSettings>,
-    reconnect: &mut MessageWriter<Reconnect>,
-) {
-    let mut own = **link;
+    let look = look(&interface, context);
+    let title = words.say("expert-title");
+    let window = Window::new(title.clone()).id(Id::new("veduta expert"));
+    let window = window.frame(frame(&look)).title_bar(false).resizable(false);
+    let high = context.content_rect().height() - look.text * 3.5;
     // Settings count as changed when they are written to.
-    let mut paused = settings.paused;
-    let mut pace = own.bytes_s.min(UNLIMITED);
-    ui.add(Slider::new(&mut own.latency_s, 0.0..=3.0).text("latency, s"));
-    let words = |n: f64, _: core::ops::RangeInclusive<usize>| if n >= UNLIMITED { "no limit".to_owned() } else { bytes(n as u64) };
-    ui.add(Slider::new(&mut pace, 1_000.0..=UNLIMITED).logarithmic(true).custom_formatter(words).text("a second"));
-    ui.add(Slider::new(&mut own.loss, 0.0..=0.9).text("lost"));
-    own.bytes_s = if pace >= UNLIMITED { f64::INFINITY } else { pace };
-    ui.horizontal(|ui| {
-        ui.checkbox(&mut own.is_down, "server gone");
-        ui.checkbox(&mut paused, "pause");
-        if ui.button("ask again now").clicked() {
-            reconnect.write(Reconnect);
-        }
+    let (mut own, mut is_paused) = (*link, settings.paused);
+    let (mut is_auto, mut percent) = (auto.is_some(), reach.0 * 100.0);
+    let (mut closes, mut asks) = (false, false);
+    window.anchor(Align2::RIGHT_TOP, Vec2::new(-MARGIN, MARGIN) * look.text).show(context, |ui| {
+        look.dress(ui, Surface::Dusk);
+        ui.set_width(look.text * BROAD);
+        ScrollArea::vertical().max_height(high).min_scrolled_height(high).show(ui, |ui| {
+            closes = head(ui, &look, &words, title, keys.first::<ExpertOpen>());
+            let told =
+                streamed.index().map_or((0, 0, 0), |index| (index.regions_here().count(), index.regions.len(), index.cell_count()));
+            figures(ui, &words, &stats, told, pace.bytes_s());
+            asks = line(ui, &words, &mut own, &mut is_paused);
+            levels(ui, &words, auto.as_deref().copied().unwrap_or_default(), &mut is_auto, &mut percent);
+            plots::show(ui, &look, &words, &downloads, time.elapsed_secs_f64());
+        });
     });
-    link.set_if_neq(own);
-    if paused != settings.paused {
-        settings.paused = paused;
+    if closes {
+        expert.is_shown = false;
     }
+    if asks {
+        reconnect.write(Reconnect);
+    }
+    link.set_if_neq(own);
+    if is_paused != settings.paused {
+        settings.paused = is_paused;
+    }
+    match (is_auto, auto.is_some()) {
+        (true, false) => commands.init_resource::<AutoLevels>(),
+        (false, true) => commands.remove_resource::<AutoLevels>(),
+        (false, false) if percent != reach.0 * 100.0 => reach.0 = percent / 100.0,
+        _ => {}
+    }
+    Ok(())
+}
+
+/// The panel's head; whether to close it.
+fn head(ui: &mut Ui, look: &Look, words: &Words, title: String, key: &str) -> bool {
+    let row = ui.horizontal(|ui| {
+        ui.label(look.words(title, 1.25, INK));
+        symbol_button(ui, look, Surface::Dusk, Symbol::Close, false, &words.say("bar-close"), key).clicked()
+    });
+    row.inner
+}
+
+/// What is loaded and has come. Of regions so many are told of, of so many, with so many cells.
+fn figures(ui: &mut Ui, words: &Words, stats: &StreamingStats, (told, regions, cells): (usize, usize, u32), bytes_s: Option<f64>) {
+    ui.label(words.say_with(
+        "expert-cells",
+        &[("loaded", stats.cells.into()), ("all", cells.into()), ("told", told.into()), ("regions", regions.into())],
+    ));
+    ui.label(words.say_with(
+        "expert-figures",
+        &[
+            ("content", bytes(words, stats.bytes_loaded).into()),
+            ("received", bytes(words, stats.bytes_all).into()),
+            ("requests", stats.requests.into()),
+            ("flying", stats.in_flight.into()),
+            ("failed", stats.failures.into()),
+        ],
+    ));
+    ui.label(match bytes_s {
+        Some(bytes_s) => words.say_with("expert-pace", &[("bytes", bytes(words, bytes_s as u64).into())]),
+        None => words.say("expert-pace-unknown"),
+    });
+}
+
+/// Sliders of the simulated line; whether to ask again.
+fn line(ui: &mut Ui, words: &Words, link: &mut Link, is_paused: &mut bool) -> bool {
+    let mut pace = link.bytes_s.min(UNLIMITED);
+    ui.add(number(words, &mut link.latency_s, 0.0..=3.0).text(words.say("expert-latency")));
+    let told =
+        |n: f64, _: RangeInclusive<usize>| if n >= UNLIMITED { words.say("expert-no-limit") } else { bytes(words, n as u64) };
+    let slider = Slider::new(&mut pace, 1_000.0..=UNLIMITED).logarithmic(true).custom_formatter(told);
+    ui.add(slider.text(words.say("expert-bandwidth")));
+    ui.add(number(words, &mut link.loss, 0.0..=0.9).text(words.say("expert-loss")));
+    link.bytes_s = if pace >= UNLIMITED { f64::INFINITY } else { pace };
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut link.is_down, words.say("expert-down"));
+        ui.checkbox(is_paused, words.say("expert-pause"));
+    });
+    ui.button(words.say("expert-ask")).clicked()
+}
+
+/// A slider of a number that is read and written as the language does.
+fn number<'a>(words: &'a Words, value: &'a mut f64, range: RangeInclusive<f64>) -> Slider<'a> {
+    Slider::new(value, range)
+        .custom_formatter(move |n, _| words.number(n, 2))
+        .custom_parser(|text| text.trim().replace(',', ".").parse().ok())
 }
 
 /// How far levels of detail reach: as frames allow, or by hand.
-fn levels(ui: &mut egui::Ui, commands: &mut Commands, auto: Option<&AutoLevels>, reach: &mut ResMut<LevelReach>) {
-    let mut is_auto = auto.is_some();
-    let mut share = reach.0 * 100.0;
-    let frames = auto.copied().unwrap_or_default().frame_s.recip();
-    let slider = Slider::new(&mut share, 0.0..=100.0).fixed_decimals(0).suffix(" %").text("reach of levels");
-    ui.add_enabled(!is_auto, slider);
-    ui.checkbox(&mut is_auto, format!("reach as far as {frames:.0} frames a second allow"));
-    match (is_auto, auto) {
-        (true, None) => commands.init_resource::<AutoLevels>(),
-        (false, Some(_)) => commands.remove_resource::<AutoLevels>(),
-        (true, Some(_)) => {}
-        (false, None) if share != reach.0 * 100.0 => reach.0 = share / 100.0,
-        (false, None) => {}
-    }
+fn levels(ui: &mut Ui, words: &Words, auto: AutoLevels, is_auto: &mut bool, percent: &mut f32) {
+    let slider = Slider::new(percent, 0.0..=100.0).fixed_decimals(0).suffix(" %").text(words.say("expert-reach"));
+    ui.add_enabled(!*is_auto, slider);
+    let frames = auto.frame_s.recip().round() as u32;
+    ui.checkbox(is_auto, words.say_with("expert-reach-auto", &[("frames", frames.into())]));
 }
 
-/// A line of the journal in words.
-fn words(event: &Event) -> (String, egui::Color32) {
-    match event {
-        Event::Opened { place } => (format!("opened {place}"), INK),
-        Event::Entered { cell: Some(cell), .. } => (format!("entered cell {cell}"), INK),
-        Event::Entered { cell: None, .. } => ("left all cells".to_owned(), INK),
-        Event::Asked { what, bytes: size, .. } => (format!("asked for {what}, {}", bytes(*size)), FAINT),
-        Event::Arrived { what, bytes: size } => (format!("arrived {what}, {}", bytes(*size)), PENDING),
-        Event::Failed { what, again_in_s: Some(s), .. } => (format!("failed {what}, again in {s:.1} s"), SHUT),
-        Event::Failed { what, again_in_s: None, .. } => (format!("failed {what} for good"), SHUT),
-        Event::Cancelled { what } => (format!("taken back {what}"), FAINT),
-        Event::Released { cell, from, why } => (format!("released cell {cell} from {from}, {why}"), FAINT),
+#[cfg(test)]
+mod tests {
+    use bevy_egui::egui::accesskit::Role;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    use super::super::tongues;
+    use super::*;
+
+    /// What was chosen on the panel.
+    #[derive(Default)]
+    struct Chosen {
+        link: Link,
+        is_paused: bool,
+        is_auto: bool,
+        percent: f32,
+        asks: bool,
+        closes: bool,
+    }
+
+    fn show(ui: &mut Ui, look: &Look, words: &Words, chosen: &mut Chosen) {
+        look.dress(ui, Surface::Dusk);
+        chosen.closes |= head(ui, look, words, words.say("expert-title"), "F2");
+        figures(ui, words, &StreamingStats::default(), (1, 2, 3), Some(5_000.0));
+        figures(ui, words, &StreamingStats::default(), (1, 2, 3), None);
+        chosen.asks |= line(ui, words, &mut chosen.link, &mut chosen.is_paused);
+        levels(ui, words, AutoLevels::default(), &mut chosen.is_auto, &mut chosen.percent);
+    }
+
+    #[test]
+    fn every_control_has_a_name_in_every_language_and_does_what_it_says() {
+        let look = Look { text: 12.0, high_contrast: false, reduced_motion: true };
+        for words in tongues() {
+            let mut harness = Harness::builder()
+                .with_size(Vec2::new(600.0, 700.0))
+                .build_ui_state(|ui, chosen: &mut Chosen| show(ui, &look, &words, chosen), Chosen::default());
+            harness.run();
+            for name in ["expert-latency", "expert-bandwidth", "expert-loss", "expert-reach"] {
+                harness.get_by_role_and_label(Role::Slider, &words.say(name));
+            }
+            let auto = words.say_with("expert-reach-auto", &[("frames", 50.into())]);
+            for name in [words.say("expert-down"), words.say("expert-pause"), auto] {
+                harness.get_by_role_and_label(Role::CheckBox, &name).click();
+                harness.run();
+            }
+            for name in ["expert-ask", "bar-close"] {
+                harness.get_by_label(&words.say(name)).click();
+                harness.run();
+            }
+            let Chosen { link, is_paused, is_auto, asks, closes, .. } = harness.state();
+            assert!(link.is_down && *is_paused && *is_auto && *asks && *closes, "{}", words.language());
+            assert!(harness.query_all_by_label_contains("expert-").next().is_none(), "{}", words.language());
+        }
     }
 }

@@ -1,10 +1,12 @@
 //! What was downloaded over the walk: all of it by time, and what each cell cost as it was entered.
 
 use bevy::prelude::*;
-use bevy_egui::egui::{self, Align2, FontId, Pos2, Rect, Sense, Stroke, Vec2};
-use veduta::ecs::{CellEntered, CityOpened};
+use bevy_egui::egui::{self, Align2, Pos2, Rect, Sense, Stroke, Vec2};
+use veduta::ecs::{CellEntered, CityOpened, Words};
 use veduta::streaming::StreamingStats;
+use veduta::ui::Look;
 
+use super::told::{by_cell, downloaded};
 use super::{FAINT, INK, OPEN, PENDING};
 
 /// Bytes over the walk.
@@ -51,14 +53,16 @@ pub(super) fn record(
     downloads.cells.drain(..excess);
 }
 
-pub(super) fn show(ui: &mut egui::Ui, downloads: &Downloads, now_s: f64) {
-    let size = Vec2::new(ui.available_width(), 54.0);
+pub(super) fn show(ui: &mut egui::Ui, look: &Look, words: &Words, downloads: &Downloads, now_s: f64) {
+    let size = Vec2::new(ui.available_width(), look.text * 4.0);
+    // The rest is for what is written above.
+    let high = look.text * 2.8;
     let began_s = downloads.all.first().map_or(now_s, |first| first.0);
     let total = downloads.all.last().map_or(0, |last| last.1);
     let (area, painter) = ui.allocate_painter(size, Sense::hover());
     let at = |s: f64, bytes: u64| {
         let x = ((s - began_s) / (now_s - began_s).max(1e-6)) as f32;
-        area.rect.left_bottom() + Vec2::new(x * size.x, -(bytes as f32 / total.max(1) as f32) * (size.y - 14.0))
+        area.rect.left_bottom() + Vec2::new(x * size.x, -(bytes as f32 / total.max(1) as f32) * high)
     };
     // Steps: between two arrivals nothing came.
     let mut line: Vec<Pos2> = Vec::new();
@@ -67,9 +71,9 @@ pub(super) fn show(ui: &mut egui::Ui, downloads: &Downloads, now_s: f64) {
         line.push(at(s, bytes));
     }
     line.extend(line.last().map(|last| Pos2::new(area.rect.right(), last.y)));
-    painter.add(egui::Shape::line(line, Stroke::new(1.5, OPEN)));
-    let label = format!("{} downloaded in {:.0} s", bytes(total), now_s - began_s);
-    painter.text(area.rect.left_top(), Align2::LEFT_TOP, label, FontId::proportional(11.0), INK);
+    painter.add(egui::Shape::line(line, Stroke::new(look.text * 0.11, OPEN)));
+    let label = downloaded(words, total, now_s - began_s);
+    painter.text(area.rect.left_top(), Align2::LEFT_TOP, label, look.font(0.9), INK);
 
     let (area, painter) = ui.allocate_painter(size, Sense::hover());
     let shown = 60.min(downloads.cells.len());
@@ -77,19 +81,10 @@ pub(super) fn show(ui: &mut egui::Ui, downloads: &Downloads, now_s: f64) {
     let most = last.iter().copied().max().unwrap_or(0).max(1);
     let broad = size.x / 60.0;
     for (n, &cell) in last.iter().enumerate() {
-        let high = (cell as f32 / most as f32) * (size.y - 14.0);
+        let high = (cell as f32 / most as f32) * high;
         let left = area.rect.left_bottom() + Vec2::new(n as f32 * broad, -high);
         painter.rect_filled(Rect::from_min_size(left, Vec2::new(broad - 1.0, high.max(1.0))), 0.0, PENDING);
     }
-    let label = format!("for each of the last {shown} cells on the way; at most {}", bytes(most));
-    painter.text(area.rect.left_top(), Align2::LEFT_TOP, label, FontId::proportional(11.0), FAINT);
-}
-
-/// A number of bytes as people read it.
-pub(super) fn bytes(n: u64) -> String {
-    match n {
-        0..1_000 => format!("{n} B"),
-        1_000..1_000_000 => format!("{:.1} kB", n as f64 / 1e3),
-        _ => format!("{:.2} MB", n as f64 / 1e6),
-    }
+    let label = by_cell(words, shown, most);
+    painter.text(area.rect.left_top(), Align2::LEFT_TOP, label, look.font(0.9), FAINT);
 }
