@@ -235,12 +235,20 @@ fn a_visitor_finds_reads_jumps_tours_chooses_and_comes_back() {
     visit.press("t");
     visit.until("visit: tour Paused");
 
+    // How a tour is edited, and what experts see.
+    visit.press("e");
+    visit.still("10_editor");
+    visit.press("e");
+    visit.press("F2");
+    visit.still("11_expert");
+    visit.press("F2");
+
     // Help, and by the search box the settings in another language and quality.
     visit.press("F1");
-    visit.still("10_help");
+    visit.still("12_help");
     visit.press("F1");
     visit.press("F3");
-    visit.still("11_settings");
+    visit.still("13_settings");
     visit.press("F3");
     visit.press("slash");
     visit.write("cestina");
@@ -253,7 +261,7 @@ fn a_visitor_finds_reads_jumps_tours_chooses_and_comes_back() {
     visit.press("Return");
     visit.until("visit: quality Medium");
     visit.press("F3");
-    visit.still("12_settings_in_czech");
+    visit.still("14_settings_in_czech");
     visit.press("F3");
     visit.press("n");
     visit.quit();
@@ -268,6 +276,6 @@ fn a_visitor_finds_reads_jumps_tours_chooses_and_comes_back() {
         "the first minute was gone through: {kept}"
     );
     assert!(kept.contains("north_up:true") || kept.contains("north_up: true"), "{kept}");
-    visit.still("13_the_next_start");
+    visit.still("15_the_next_start");
     visit.quit();
 }

@@ -45,3 +45,61 @@ fn key(button: Button, has_chosen: bool) -> Option<Key> {
         _ => return None,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn app(device: Device) -> App {
+        let mut app = App::new();
+        app.init_resource::<Open>().init_resource::<Capture>().init_resource::<Interface>().insert_resource(LastDevice(device));
+        app.add_message::<EguiInputEvent>().add_systems(Update, steer);
+        app.world_mut().spawn(PrimaryEguiContext);
+        app.world_mut().spawn(Gamepad::default());
+        app
+    }
+
+    /// The keys that a window hears of in a frame in which a button is pressed.
+    fn heard(app: &mut App, button: Option<Button>) -> Vec<Key> {
+        let mut pads = app.world_mut().query::<&mut Gamepad>();
+        let mut pad = pads.single_mut(app.world_mut()).expect("one gamepad");
+        pad.digital_mut().reset_all();
+        button.into_iter().for_each(|button| pad.digital_mut().press(button));
+        app.update();
+        let events = app.world_mut().resource_mut::<Messages<EguiInputEvent>>().drain().map(|input| input.event);
+        let pressed = events.filter_map(|event| match event {
+            Event::Key { key, pressed: true, .. } => Some(key),
+            _ => None,
+        });
+        pressed.collect()
+    }
+
+    #[test]
+    fn a_gamepad_goes_through_an_open_window_and_leaves_a_closed_one_alone() {
+        let mut app = app(Device::Pad);
+        assert_eq!(heard(&mut app, Some(Button::DPadDown)), [], "nothing is open");
+        app.world_mut().resource_mut::<Open>().settings = true;
+        assert_eq!(heard(&mut app, None), [Key::Tab], "something is chosen at once");
+        assert_eq!(heard(&mut app, Some(Button::South)), [], "nothing is chosen that could be pressed");
+        assert_eq!(heard(&mut app, Some(Button::DPadDown)), [Key::Tab]);
+        app.world_mut().resource_mut::<Interface>().is_typing = true;
+        for (button, key) in [
+            (Button::DPadUp, Key::ArrowUp),
+            (Button::DPadDown, Key::ArrowDown),
+            (Button::DPadLeft, Key::ArrowLeft),
+            (Button::DPadRight, Key::ArrowRight),
+            (Button::South, Key::Enter),
+            (Button::East, Key::Escape),
+        ] {
+            assert_eq!(heard(&mut app, Some(button)), [key], "{button:?}");
+        }
+        assert_eq!(heard(&mut app, Some(Button::West)), []);
+    }
+
+    #[test]
+    fn a_keyboard_chooses_for_itself() {
+        let mut app = app(Device::Keys);
+        app.world_mut().resource_mut::<Open>().help = true;
+        assert_eq!(heard(&mut app, Some(Button::DPadDown)), []);
+    }
+}

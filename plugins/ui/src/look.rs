@@ -127,6 +127,7 @@ impl Look {
         style.spacing.slider_width = self.text * 9.0;
         style.spacing.icon_width = self.text * 0.95;
         style.spacing.icon_width_inner = self.text * 0.55;
+        style.spacing.icon_spacing = self.text * 0.35;
         let visuals = &mut style.visuals;
         *visuals = if surface == Surface::Paper { egui::Visuals::light() } else { egui::Visuals::dark() };
         visuals.override_text_color = Some(ink);
