@@ -39,6 +39,9 @@ pub(crate) struct Settings {
     pub minimap: bool,
     pub minimap_share: f32,
     pub minimap_radius_m: f32,
+    /// Where it stands.
+    pub minimap_left: bool,
+    pub minimap_top: bool,
     pub north_up: bool,
     /// Layers of the map.
     pub map_names: bool,
@@ -53,6 +56,7 @@ pub(crate) struct Settings {
     pub without_steps: bool,
     pub place_panel: bool,
     pub place_unfolded: bool,
+    pub place_right: bool,
     pub captions: bool,
     /// Whether the city lives: pigeons, flags, water, clocks.
     pub life: bool,
@@ -88,6 +92,8 @@ impl Default for Settings {
             minimap: map.visible,
             minimap_share: map.share,
             minimap_radius_m: map.radius_m,
+            minimap_left: map.left,
+            minimap_top: map.top,
             north_up: map.north_up,
             map_names: map.names,
             map_symbols: map.symbols,
@@ -100,6 +106,7 @@ impl Default for Settings {
             without_steps: false,
             place_panel: true,
             place_unfolded: true,
+            place_right: false,
             captions: true,
             life: true,
             volume: sound.master,
@@ -268,7 +275,8 @@ fn gather(
     (next.map_route, next.colour_blind_safe) = (map.route, map.colour_blind_safe);
     next.without_steps = lead.without_steps;
     (next.place_panel, next.captions) = (panel.visible, captions.visible);
-    next.place_unfolded = panel.unfolded;
+    (next.minimap_left, next.minimap_top) = (map.left, map.top);
+    (next.place_unfolded, next.place_right) = (panel.unfolded, panel.right);
     next.keys = controls.written();
     settings.set_if_neq(next);
 }
@@ -302,6 +310,8 @@ fn dress(
         visible: settings.minimap,
         share: settings.minimap_share,
         radius_m: settings.minimap_radius_m,
+        left: settings.minimap_left,
+        top: settings.minimap_top,
         north_up: settings.north_up,
         names: settings.map_names,
         symbols: settings.map_symbols,
@@ -312,7 +322,11 @@ fn dress(
         trail: settings.map_trail,
         tour: settings.map_tour,
     });
-    panel.set_if_neq(PanelSettings { visible: settings.place_panel, unfolded: settings.place_unfolded });
+    panel.set_if_neq(PanelSettings {
+        visible: settings.place_panel,
+        unfolded: settings.place_unfolded,
+        right: settings.place_right,
+    });
     captions.set_if_neq(CaptionSettings { visible: settings.captions, ..*captions });
 }
 

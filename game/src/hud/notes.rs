@@ -7,7 +7,7 @@ use bevy_egui::egui::{Align2, Area, Id, Order, Vec2};
 use veduta::controls::KeyNames;
 use veduta::ecs::{Docks, Interface, Words, WordsValue};
 use veduta::guide::controls::SearchOpen;
-use veduta::guide::{CityGuide, WalkEnded};
+use veduta::guide::{CityGuide, PanelSettings, WalkEnded};
 use veduta::prelude::*;
 use veduta::tour::controls::TourPause;
 use veduta::ui::{Look, Surface};
@@ -154,6 +154,7 @@ pub(super) fn draw(
     mut contexts: EguiContexts,
     time: Res<Time<Real>>,
     (interface, docks): (Res<Interface>, Res<Docks>),
+    (map, place): (Res<MinimapSettings>, Res<PanelSettings>),
     notes: Res<Notes>,
     expert: Res<Expert>,
 ) -> Result {
@@ -165,7 +166,10 @@ pub(super) fn draw(
     let context = contexts.ctx_mut()?;
     let look = Look::of(&interface, context);
     let surface = Surface::Dusk;
-    let area = Area::new(Id::new("veduta notes")).anchor(Align2::RIGHT_TOP, Vec2::new(-look.text, look.text));
+    // At the right, unless something stands there.
+    let is_taken = (map.visible && map.top && !map.left) || (place.visible && place.right);
+    let (corner, aside) = if is_taken { (Align2::LEFT_TOP, look.text) } else { (Align2::RIGHT_TOP, -look.text) };
+    let area = Area::new(Id::new("veduta notes")).anchor(corner, Vec2::new(aside, look.text));
     area.constrain_to(Look::free(&docks, context)).order(Order::Foreground).interactable(false).show(context, |ui| {
         ui.set_max_width(context_width(ui) * 0.26);
         look.frame(surface).show(ui, |ui| {

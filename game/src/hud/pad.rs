@@ -66,8 +66,8 @@ mod tests {
         pad.digital_mut().reset_all();
         button.into_iter().for_each(|button| pad.digital_mut().press(button));
         app.update();
-        let events = app.world_mut().resource_mut::<Messages<EguiInputEvent>>().drain().map(|input| input.event);
-        let pressed = events.filter_map(|event| match event {
+        let mut events = app.world_mut().resource_mut::<Messages<EguiInputEvent>>();
+        let pressed = events.drain().filter_map(|input| match input.event {
             Event::Key { key, pressed: true, .. } => Some(key),
             _ => None,
         });

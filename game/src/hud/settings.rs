@@ -102,6 +102,9 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) {
             check(ui, &words.say("settings-motion"), &mut settings.reduced_motion);
             check(ui, &words.say("settings-minimap"), &mut settings.minimap);
             slider(ui, &words.say("settings-minimap-size"), &mut settings.minimap_share, MINIMAP_SHARE);
+            let before = (settings.minimap_left, settings.minimap_top, settings.place_right);
+            check(ui, &words.say("settings-minimap-left"), &mut settings.minimap_left);
+            check(ui, &words.say("settings-minimap-top"), &mut settings.minimap_top);
             check(ui, &words.say("settings-north"), &mut settings.north_up);
             check(ui, &words.say("settings-colour-blind"), &mut settings.colour_blind_safe);
             check(ui, &words.say("settings-map-names"), &mut settings.map_names);
@@ -113,6 +116,8 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) {
             check(ui, &words.say("settings-map-tour"), &mut settings.map_tour);
             check(ui, &words.say("settings-without-steps"), &mut settings.without_steps);
             check(ui, &words.say("settings-panel"), &mut settings.place_panel);
+            check(ui, &words.say("settings-panel-right"), &mut settings.place_right);
+            make_room(before, settings);
             check(ui, &words.say("settings-captions"), &mut settings.captions);
             check(ui, &words.say("settings-life"), &mut settings.life);
             sound(ui, words, settings);
@@ -122,6 +127,18 @@ fn show(ui: &mut Ui, look: &Look, words: &Words, settings: &mut Settings) {
     ui.label(look.words(words.say("settings-tiles"), 0.85, look.faint(surface)));
     if ui.button(words.say("settings-reset")).clicked() {
         *settings = Settings { knows_the_way: settings.knows_the_way, ..Settings::default() };
+    }
+}
+
+/// The minimap and what stands near never stand in one corner: that which was not moved goes to the other side.
+fn make_room((left, top, right): (bool, bool, bool), settings: &mut Settings) {
+    if !settings.minimap_top || settings.minimap_left == settings.place_right {
+        return;
+    }
+    if (left, top) != (settings.minimap_left, settings.minimap_top) {
+        settings.place_right = settings.minimap_left;
+    } else if right != settings.place_right {
+        settings.minimap_left = settings.place_right;
     }
 }
 
@@ -223,7 +240,7 @@ mod tests {
     fn every_setting_has_a_name_and_does_what_it_says() {
         let (look, words) = (Look { text: 14.0, high_contrast: false, reduced_motion: true }, words());
         let mut harness = Harness::builder()
-            .with_size(Vec2::new(900.0, 1300.0))
+            .with_size(Vec2::new(900.0, 1600.0))
             .build_ui_state(|ui, settings: &mut Settings| show(ui, &look, &words, settings), Settings::default());
         harness.run();
         let choose = |harness: &mut Harness<'_, Settings>, box_name: &str, choice: &str| {
@@ -239,6 +256,8 @@ mod tests {
             "High contrast",
             "Less motion",
             "Minimap",
+            "Minimap at the left",
+            "Minimap at the top",
             "North up",
             "Map: colours told apart by everybody",
             "Map: names",
@@ -272,6 +291,10 @@ mod tests {
             high_contrast: true,
             reduced_motion: true,
             minimap: false,
+            minimap_left: true,
+            minimap_top: true,
+            // Which makes room for it.
+            place_right: true,
             north_up: true,
             colour_blind_safe: true,
             map_names: false,
@@ -291,6 +314,9 @@ mod tests {
             ..Settings::default()
         };
         assert_eq!(*harness.state(), chosen);
+        harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, "What stands near at the right").click();
+        harness.run();
+        assert_eq!(*harness.state(), Settings { place_right: false, minimap_left: false, ..chosen }, "the minimap makes room");
         harness.get_by_label("As at first").click();
         harness.run();
         assert_eq!(*harness.state(), Settings::default());

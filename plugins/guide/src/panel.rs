@@ -17,11 +17,13 @@ pub struct PanelSettings {
     pub visible: bool,
     /// Whether a place's whole text is shown, not its name alone.
     pub unfolded: bool,
+    /// Whether it stands at the right.
+    pub right: bool,
 }
 
 impl Default for PanelSettings {
     fn default() -> Self {
-        Self { visible: true, unfolded: true }
+        Self { visible: true, unfolded: true, right: false }
     }
 }
 
@@ -65,7 +67,7 @@ impl<'a> Told<'a> {
 /// Seconds in which the panel comes and goes.
 const FADE_S: f32 = 0.25;
 
-/// Name and text of the place, at the top left.
+/// Name and text of the place, at the top.
 pub(crate) fn draw(
     mut contexts: EguiContexts,
     time: Res<Time<Real>>,
@@ -109,7 +111,9 @@ pub(crate) fn draw(
     let mut listens = state.listens.is_some();
     let screen = context.content_rect();
     let area = Area::new(EguiId::new("veduta place")).order(Order::Middle);
-    area.anchor(Align2::LEFT_TOP, Vec2::splat(screen.height() * 0.03)).show(context, |ui| {
+    let margin = screen.height() * 0.03;
+    let (corner, aside) = if settings.right { (Align2::RIGHT_TOP, -margin) } else { (Align2::LEFT_TOP, margin) };
+    area.anchor(corner, Vec2::new(aside, margin)).show(context, |ui| {
         ui.set_opacity(state.shown);
         look.frame(Surface::Paper).show(ui, |ui| {
             // As wide as the strip of a tour leaves it, in the middle of the upper edge.

@@ -99,8 +99,8 @@ pub(crate) fn draw_map(
         }
     } else {
         // Where docks leave little, at the upper edge: the lower one has the bar and captions.
-        let is_low = *docks == Docks::default();
-        corner_map(context, Look::free(&docks, context), is_low, &shown, &mut settings, &mut view, names);
+        let is_at_top = settings.top || *docks != Docks::default();
+        corner_map(context, Look::free(&docks, context), is_at_top, &shown, &mut settings, &mut view, names);
     }
     Ok(())
 }
@@ -108,7 +108,7 @@ pub(crate) fn draw_map(
 fn corner_map(
     context: &Context,
     free: Rect,
-    is_low: bool,
+    is_at_top: bool,
     shown: &Shown<'_>,
     settings: &mut ResMut<'_, MinimapSettings>,
     view: &mut MapView,
@@ -117,8 +117,10 @@ fn corner_map(
     let screen = context.content_rect();
     let edge = (screen.height() * settings.share).clamp(120.0, 900.0);
     let margin = edge * 0.06;
-    let corner = EguiVec2::splat(edge + margin);
-    let corner = if is_low { free.right_bottom() - corner } else { free.right_top() + EguiVec2::new(-corner.x, margin) };
+    let corner = egui::pos2(
+        if settings.left { free.left() + margin } else { free.right() - edge - margin },
+        if is_at_top { free.top() + margin } else { free.bottom() - edge - margin },
+    );
     egui::Area::new(Id::new("veduta minimap")).fixed_pos(corner).order(Order::Middle).show(context, |ui| {
         let (rect, response) = ui.allocate_exact_size(EguiVec2::splat(edge), Sense::click());
         let name = shown.words.say("map-open");

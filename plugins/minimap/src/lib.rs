@@ -73,6 +73,10 @@ pub struct MinimapSettings {
     pub share: f32,
     /// Metres from the middle to the edge of the map in the corner.
     pub radius_m: f32,
+    /// Whether that corner is a left one, and whether an upper one.
+    pub left: bool,
+    /// See [`MinimapSettings::left`].
+    pub top: bool,
     /// Whether north stays up; else the walker's heading does.
     pub north_up: bool,
     /// Whether streets, squares, water and parks are named.
@@ -108,6 +112,8 @@ impl Default for MinimapSettings {
             visible: true,
             share: 0.3,
             radius_m: 110.0,
+            left: false,
+            top: false,
             north_up: false,
             names: true,
             symbols: true,
