@@ -170,6 +170,8 @@ enum Way {
     Streamed,
     /// As streaming does it, with all that a visitor sees over the picture.
     Visited,
+    /// The same, with the large map over it.
+    Mapped,
     /// As streaming does it, with all that lives.
     Lived,
     /// All that is so near, in metres, whatever stands between; read and built on the main thread, as soon as it is wanted.
@@ -310,7 +312,7 @@ fn memory(world: &World) -> u64 {
 fn quiet_app(city: &Path, way: Way) -> App {
     let mut app = App::new();
     let (fetching, building) = match way {
-        Way::Streamed | Way::Visited | Way::Lived => (Fetching::Threads(2), Building::Pool),
+        Way::Streamed | Way::Visited | Way::Mapped | Way::Lived => (Fetching::Threads(2), Building::Pool),
         Way::Naive { .. } => (Fetching::Inline, Building::Inline),
     };
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), bevy::transform::TransformPlugin))
@@ -339,7 +341,7 @@ fn quiet_app(city: &Path, way: Way) -> App {
             schedule.set_executor(SingleThreadedExecutor::new());
         });
     }
-    if way == Way::Visited {
+    if matches!(way, Way::Visited | Way::Mapped) {
         visitor::add_interface(&mut app);
     } else {
         app.add_plugins((TourPlugin { interface: false }, GuidePlugin { interface: false }));
@@ -360,8 +362,11 @@ fn quiet_app(city: &Path, way: Way) -> App {
         });
     }
     let viewer = app.world_mut().spawn((Viewer, Transform::default(), Projection::default())).id();
-    if way == Way::Visited {
+    if matches!(way, Way::Visited | Way::Mapped) {
         visitor::open_window(&mut app, viewer);
+    }
+    if way == Way::Mapped {
+        visitor::open_map(&mut app);
     }
     app
 }
@@ -377,7 +382,7 @@ mod tests {
     /// A resource that a system asks for and nobody brings would end a benchmark with its first frame.
     #[test]
     fn every_way_of_walking_has_what_it_asks_for() {
-        for way in [Way::Streamed, Way::Visited, Way::Lived, Way::Naive { around_m: 100.0 }] {
+        for way in [Way::Streamed, Way::Visited, Way::Mapped, Way::Lived, Way::Naive { around_m: 100.0 }] {
             let mut app = quiet_app(Path::new("there is no such city"), way);
             (0..3).for_each(|_| app.update());
             let marks = app.world().resource::<Marks>().0.len();

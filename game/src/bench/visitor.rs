@@ -9,6 +9,7 @@ use bevy::window::{PrimaryWindow, WindowPlugin};
 use cpu_time::ThreadTime;
 use veduta::city::{Guide, Id, Overview, Tour, draw::Draw, file};
 use veduta::guide::{CityGuide, Directory, Offers};
+use veduta::minimap::MapView;
 use veduta::prelude::*;
 use veduta::sound::SoundSettings;
 use veduta::streaming::Link;
@@ -27,6 +28,8 @@ const REPEAT: usize = 3;
 /// So many names are searched, and so many ways sought.
 const NAMES: usize = 100_000;
 const QUESTIONS: usize = 300;
+/// From a town's middle to its edge, metres.
+const WHOLE_M: f32 = 2_000.0;
 
 /// Measures and prints.
 ///
@@ -50,7 +53,8 @@ pub(super) fn visitor(scene: &Path) -> Result<(), Failure> {
         line(&format!("{name}_interface_ms"), cost, "ms");
         costs.push(cost);
     }
-    line("sample_life_ms", life_cost(&sample, &tour)?, "ms");
+    line("sample_life_ms", extra_ms(&sample, &tour, Way::Lived)?, "ms");
+    line("town_whole_map_ms", extra_ms(&town, &run, Way::Mapped)?, "ms");
     line("town_houses", houses as f64, "1");
     line("interface_ratio", costs[1] / costs[0], "1");
     search();
@@ -59,13 +63,13 @@ pub(super) fn visitor(scene: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What life costs the main thread in a frame of the tour, milliseconds.
-fn life_cost(city: &Path, tour: &Tour) -> Result<f64, Failure> {
+/// What a way costs the main thread in a frame of a tour beyond streaming, milliseconds.
+fn extra_ms(city: &Path, tour: &Tour, way: Way) -> Result<f64, Failure> {
     let mut extra = Vec::new();
     for _ in 0..REPEAT {
         let mut bare = Walk::run(city, tour, Way::Streamed)?;
-        let mut lived = Walk::run(city, tour, Way::Lived)?;
-        extra.push(median(&mut lived.frames) - median(&mut bare.frames));
+        let mut more = Walk::run(city, tour, way)?;
+        extra.push(median(&mut more.frames) - median(&mut bare.frames));
     }
     Ok(median(&mut extra) / 1e3)
 }
@@ -120,6 +124,11 @@ pub(super) fn open_window(app: &mut App, viewer: Entity) {
         window.resolution = (1280, 720).into();
     }
     app.world_mut().entity_mut(viewer).insert(Camera3d::default());
+}
+
+/// The large map, zoomed out until a town is seen whole.
+pub(super) fn open_map(app: &mut App) {
+    app.insert_resource(MapView { open: true, radius_m: WHOLE_M, ..default() });
 }
 
 /// A word of some syllables.
