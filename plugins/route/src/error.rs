@@ -93,7 +93,7 @@ pub enum TourError {
     #[error("the tour has {0} steps, more than {MOST_STEPS}; split it")]
     TooManySteps(usize),
     /// One of the tour's own settings.
-    #[error("the tour's {0}")]
+    #[error("the tour's {words}", words = own(.0))]
     Setting(Range),
     /// A step.
     #[error("step {step} ({kind}): {problem}")]
@@ -169,7 +169,7 @@ pub enum StepProblem {
     #[error("{0}")]
     Range(Range),
     /// There is no way.
-    #[error("{0}; add `via` spots, fly, or use `Cut(to: ...)`")]
+    #[error("{0}; {out}", out = way_out(.0))]
     NoWay(#[from] RouteError),
     /// A flight without points.
     #[error("a flight goes through at least one point; give `through: [(x, y, height)]`")]
@@ -218,6 +218,20 @@ pub enum StepProblem {
 
 /// Greatest eye height from which a walk may begin, in metres.
 pub const WALK_EYE_M: f64 = 4.0;
+
+/// A number's words after whose it is.
+fn own(range: &Range) -> String {
+    let words = range.to_string();
+    words.strip_prefix("the ").map_or_else(|| words.clone(), str::to_owned)
+}
+
+/// What to do where there is no way.
+const fn way_out(error: &RouteError) -> &'static str {
+    match error {
+        RouteError::OffStreets { .. } => "choose a spot nearer to the streets, fly, or use `Cut(to: ...)`",
+        _ => "add `via` spots, fly, or use `Cut(to: ...)`",
+    }
+}
 
 fn did_you_mean(near: &[String]) -> String {
     match near {
