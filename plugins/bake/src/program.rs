@@ -1,6 +1,6 @@
 mod adopt;
-mod beside;
 mod bench;
+mod beside;
 mod check;
 mod city_named;
 mod export;

@@ -106,7 +106,7 @@ fn mistake(text: &str, file: &str, (line, column): (usize, usize), message: Stri
         file: file.to_owned(),
         line,
         column,
-        text: shown.iter().map(|&c| if c == '\t' { ' ' } else { c }).collect(),
+        text: shown.iter().map(|&c| if c.is_control() { ' ' } else { c }).collect(),
         caret: column - 1 - from.min(column - 1),
         message,
     }
@@ -139,12 +139,8 @@ pub fn parse_bytes<T: DeserializeOwned>(bytes: &[u8], file: &str) -> Result<T, S
             Err(SyntaxError::at("", file, 0, "the text is UTF-16, as some editors save it; save it as UTF-8"))
         }
         Err(error) => {
-            let good = String::from_utf8_lossy(&bytes[..error.valid_up_to()]).into_owned();
-            let line = good.lines().count().max(1);
-            let text: String = good.lines().last().unwrap_or("").chars().take(SHOWN).collect();
-            let column = text.chars().count() + 1;
-            let message = "the text is not UTF-8 from here on; save it as UTF-8".to_owned();
-            Err(SyntaxError { file: file.to_owned(), line, column, caret: column - 1, text, message })
+            let message = "the text is not UTF-8 from here on; save it as UTF-8";
+            Err(SyntaxError::at(&String::from_utf8_lossy(bytes), file, error.valid_up_to(), message))
         }
     }
 }

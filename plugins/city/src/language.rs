@@ -65,7 +65,11 @@ mod tests {
     #[test]
     fn languages_are_known_by_their_codes() {
         assert_eq!(KNOWN.split_whitespace().filter(|code| code.len() == 2).count(), KNOWN.split_whitespace().count());
-        assert!(["en", "cs", "it", "pt-BR", "haw"].into_iter().all(is_known_language) && !is_known_language("xx") && !is_known_language("qq"));
+        assert!(
+            ["en", "cs", "it", "pt-BR", "haw"].into_iter().all(is_known_language)
+                && !is_known_language("xx")
+                && !is_known_language("qq")
+        );
     }
 
     #[test]

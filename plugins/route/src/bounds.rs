@@ -54,9 +54,10 @@ impl Bounds {
         self.range(value).map_err(StepProblem::Range)
     }
 
-    /// The nearest number that lies between them; the least for what is no number.
-    pub(crate) fn nearest(self, value: f64) -> f64 {
-        if value.is_nan() { self.least } else { value.clamp(self.least, self.most) }
+    /// A number that lies between them and does no harm to what comes after.
+    pub(crate) const fn harmless(self) -> f64 {
+        const AS_ONE_WALKS: f64 = 1.65;
+        if self.least <= 0.0 { 0.0 } else { AS_ONE_WALKS.clamp(self.least, self.most) }
     }
 }
 

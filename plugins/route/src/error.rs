@@ -158,7 +158,7 @@ pub enum StepProblem {
     #[error("the tour stands nowhere yet; put `Start(at: ...)` before this step")]
     NoStart,
     /// No place has this name.
-    #[error("there is no place named \"{name}\"{}", did_you_mean(near))]
+    #[error("there is no place named {name:?}{meant}", meant = did_you_mean(near))]
     UnknownPlace {
         /// The name.
         name: String,
@@ -204,7 +204,7 @@ pub enum StepProblem {
         length_m: f64,
     },
     /// A file that cannot be what the step needs, by its name.
-    #[error("`{file}` must be the path of a file in or below the tour's folder that ends in {endings}")]
+    #[error("`{}` must be the path of a file in or below the tour's folder that ends in {endings}", file.escape_debug())]
     File {
         /// The path given.
         file: String,
@@ -236,7 +236,10 @@ const fn way_out(error: &RouteError) -> &'static str {
 fn did_you_mean(near: &[String]) -> String {
     match near {
         [] => String::new(),
-        [one] => format!("; did you mean \"{one}\"?"),
-        [most @ .., last] => format!("; did you mean \"{}\" or \"{last}\"?", most.join("\", \"")),
+        [one] => format!("; did you mean {one:?}?"),
+        [most @ .., last] => {
+            let most: Vec<String> = most.iter().map(|name| format!("{name:?}")).collect();
+            format!("; did you mean {} or {last:?}?", most.join(", "))
+        }
     }
 }

@@ -330,20 +330,8 @@ impl Draft {
         let dead_ends = RTree::bulk_load(dead_ends);
         let (terrain, barred) = (PlanTerrain::default(), RTree::new());
         let (piece_m, main_piece) = (Vec::new(), 0);
-        let mut net = StreetNet {
-            terrain,
-            nodes,
-            segments,
-            streets,
-            first,
-            neighbours,
-            piece,
-            piece_m,
-            main_piece,
-            tree,
-            dead_ends,
-            barred,
-        };
+        let mut net =
+            StreetNet { terrain, nodes, segments, streets, first, neighbours, piece, piece_m, main_piece, tree, dead_ends, barred };
         net.find_pieces();
         net
     }

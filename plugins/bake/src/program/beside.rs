@@ -37,7 +37,9 @@ pub(super) fn picture_beside(path: &Path, file: &str) -> Result<(), String> {
     });
     let (bytes, head) = read.map_err(|error| format!("the picture `{file}`: {error}"))?;
     if !is_picture(&head) {
-        return Err(format!("`{file}` is called a picture and is none: it does not begin as PNG, JPEG or WebP do; save it again as one of them"));
+        return Err(format!(
+            "`{file}` is called a picture and is none: it does not begin as PNG, JPEG or WebP do; save it again as one of them"
+        ));
     }
     if bytes > PICTURE_BYTES {
         return Err(format!("the picture `{file}` has {bytes} bytes; at most {PICTURE_BYTES} are shown: make it smaller"));
@@ -59,13 +61,17 @@ fn found_beside(path: &Path, file: &str, kind: &Kind) -> Result<PathBuf, String>
         return Err(format!("the {what} has no name; give the path of a file in or below the folder of this file"));
     }
     if file.contains('\\') || file.contains(char::is_control) {
-        return Err(format!("the {what}'s path `{shown}` has a `\\`; in a path write `/`, as in \"sounds/river.ogg\", on every system"));
+        return Err(format!(
+            "the {what}'s path `{shown}` has a `\\`; in a path write `/`, as in \"sounds/river.ogg\", on every system"
+        ));
     }
     if file.contains("://") {
         return Err(format!("the {what} `{shown}` is not fetched from the web: it must lie in or below the folder of this file"));
     }
     if !veduta_city::is_beside(file) {
-        return Err(format!("the {what} `{shown}` must lie in or below the folder of this file; copy it there and name it from there"));
+        return Err(format!(
+            "the {what} `{shown}` must lie in or below the folder of this file; copy it there and name it from there"
+        ));
     }
     let small = file.to_lowercase();
     if !endings.iter().any(|ending| small.ends_with(ending)) {
@@ -75,7 +81,11 @@ fn found_beside(path: &Path, file: &str, kind: &Kind) -> Result<PathBuf, String>
     if at.is_dir() {
         return Err(format!("`{shown}` is a folder; give a {what}"));
     }
-    if at.is_file() { Ok(at) } else { Err(format!("there is no file `{shown}` in the folder of this file{}", alike(&at, file, kind))) }
+    if at.is_file() {
+        Ok(at)
+    } else {
+        Err(format!("there is no file `{shown}` in the folder of this file{}", alike(&at, file, kind)))
+    }
 }
 
 /// That a file's name is not that of its kind, and what to do.
@@ -95,7 +105,8 @@ fn alike(at: &Path, file: &str, kind: &Kind) -> String {
     const FEW: usize = 6;
     let folder = at.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let before = file.rsplit_once('/').map_or(String::new(), |(folder, _)| format!("{folder}/"));
-    let names = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let names =
+        std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
     let is_of_kind = |name: &String| kind.endings.iter().any(|ending| name.to_lowercase().ends_with(ending));
     let mut there: Vec<String> = names.filter(is_of_kind).map(|name| format!("{before}{name}")).collect();
     there.sort();
@@ -108,7 +119,8 @@ fn alike(at: &Path, file: &str, kind: &Kind) -> String {
         None if there.is_empty() => String::new(),
         None => {
             let some: Vec<&str> = there.iter().take(FEW).map(String::as_str).collect();
-            format!("; there are {}{}", quoted(&some), if there.len() > FEW { " and others" } else { "" })
+            let are = if there.len() == 1 { "is" } else { "are" };
+            format!("; there {are} {}{}", quoted(&some), if there.len() > FEW { " and others" } else { "" })
         }
     }
 }

@@ -38,14 +38,16 @@ pub(super) fn named_city(path: &Path, named: &str) -> Named {
         return wrong(&format!("`{shown}` is no address of a city: those begin with https:// or http://"));
     }
     if let Some((_, what)) = NO_CITIES.iter().find(|(ending, _)| named.ends_with(ending)) {
-        return wrong(&format!("`{shown}` is {what}; here stands the city that this tour leads through: its map, or what was baked of it"));
+        return wrong(&format!(
+            "`{shown}` is {what}; here stands the city that this tour leads through: its map, or what was baked of it"
+        ));
     }
     match city_of(path, named) {
         Some(city) => Named::Here(city),
         None if named.contains('\\') => wrong(&format!("there is no city at `{shown}`; in a path write `/` instead of `\\`")),
-        None if !named.contains(['.', '/']) => {
-            wrong(&format!("there is no city at `{shown}`, as seen from this file; a path is wanted here, such as \"town.graph.ron\", not a name"))
-        }
+        None if !named.contains(['.', '/']) => wrong(&format!(
+            "there is no city at `{shown}`, as seen from this file; a path is wanted here, such as \"town.graph.ron\", not a name"
+        )),
         None => wrong(&format!("there is no city at `{shown}`, as seen from this file")),
     }
 }
@@ -56,7 +58,10 @@ fn lying_there(path: &Path, named: &str) -> String {
     let (before, _) = named.rsplit_once('/').unwrap_or_default();
     let there = Some(cities_in(&beside.join(before), before)).filter(|cities| !cities.is_empty() && !before.is_empty());
     let (words, cities) = there.map_or_else(|| ("beside it lies", cities_in(beside, "")), |cities| ("there lies", cities));
-    if cities.is_empty() { String::new() } else { format!("; {words} {}", cities.join(", ")) }
+    if cities.is_empty() {
+        return "; paths lead from the folder that this file lies in".to_owned();
+    }
+    format!("; {words} {}", cities.join(", "))
 }
 
 /// Graphs and baked cities in a folder, as a tour writes them that calls the folder so.

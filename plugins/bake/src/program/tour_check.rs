@@ -33,13 +33,18 @@ pub(super) fn check_tour(path: &Path, towns: &mut Towns, steps: bool) -> TourRep
 /// Every mistake that keeps a tour from being read, and that reading ended there.
 fn unreadable(path: &Path, error: &FileError) -> Vec<String> {
     let file = path.display().to_string();
-    let text = match error {
-        FileError::Syntax(_) => std::fs::read_to_string(path).unwrap_or_default(),
+    // What the system refuses and what is no text is one mistake.
+    let text = match (error, std::fs::read_to_string(path)) {
+        (FileError::Syntax(_), Ok(text)) => text,
         _ => return vec![error.to_string()],
     };
     let found = TourText::mistakes(&text, &file);
-    let mut told: Vec<String> = if found.is_empty() { vec![error.to_string()] } else { found.iter().map(ToString::to_string).collect() };
-    told.push(format!("{file}: what else may be wrong, and whether the places are there, is told once {} mended", if told.len() == 1 { "this is" } else { "these are" }));
+    let mut told: Vec<String> =
+        if found.is_empty() { vec![error.to_string()] } else { found.iter().map(ToString::to_string).collect() };
+    told.push(format!(
+        "{file}: what else may be wrong, and whether the places are there, is told once {} mended",
+        if told.len() == 1 { "this is" } else { "these are" }
+    ));
     told
 }
 
@@ -52,7 +57,8 @@ struct Check<'a> {
 impl Check<'_> {
     fn all(&self, towns: &mut Towns, steps: bool) -> TourReport {
         let tour = self.text.tour();
-        let mut report = TourReport { words: format!("“{}”, {} steps", tour.title, tour.steps.len()), ..TourReport::default() };
+        let mut report =
+            TourReport { words: format!("“{}”, {} steps", printable(&tour.title), tour.steps.len()), ..TourReport::default() };
         let mut wrong = self.wrong_languages();
         wrong.extend(self.wrong_files());
         let named = named_city(self.path, &tour.city);
@@ -65,33 +71,40 @@ impl Check<'_> {
             },
         };
         wrong.extend(untold.map(|why| self.text.mistake_at(None, "city", &self.file, why)));
-        let (no_net, no_places) = (StreetNet::new(&[]), Gazetteer::new(&[]));
-        let (net, places) = town.map_or((&no_net, &no_places), |town| (&town.net, &town.places));
-        let compiled = match mistakes(tour, net, places) {
-            Ok(compiled) => town.map(|_| compiled),
-            Err(found) => {
-                let own = found.iter().filter(|one| !is_of_file(&one.error) && (town.is_some() || is_own(&one.error)));
-                wrong.extend(own.map(|one| self.shown(one, town)));
-                None
-            }
-        };
+        let compiled = self.compiled(town, &mut wrong);
         match &compiled {
             Some(compiled) => report.words.push_str(&lengths(compiled, steps)),
             None if town.is_none() => report.words.push_str("; places and ways were not looked at, for the city lies on the web"),
             None => {}
         }
         let noted = notes(self.text, town, compiled.as_ref());
-        let noted = noted.into_iter().map(|note| self.text.mistake_at(note.step, &note.part, &self.file, format!("note: {}", note.message)));
+        let noted = noted
+            .into_iter()
+            .map(|note| self.text.mistake_at(note.step, &note.part, &self.file, format!("note: {}", note.message)));
         report.notes = in_order(noted.collect());
         report.mistakes = in_order(wrong);
         report
+    }
+
+    /// The tour as it is played in its city, or what keeps it from that; without a city only what is wrong with it in any.
+    fn compiled(&self, town: Option<&Town>, wrong: &mut Vec<SyntaxError>) -> Option<CompiledTour> {
+        let (no_net, no_places) = (StreetNet::new(&[]), Gazetteer::new(&[]));
+        let (net, places) = town.map_or((&no_net, &no_places), |town| (&town.net, &town.places));
+        match mistakes(self.text.tour(), net, places) {
+            Ok(compiled) => town.map(|_| compiled),
+            Err(found) => {
+                let own = found.iter().filter(|one| !is_of_file(&one.error) && (town.is_some() || is_own(&one.error)));
+                wrong.extend(own.map(|one| self.shown(one, town)));
+                None
+            }
+        }
     }
 
     /// A mistake at its place.
     fn shown(&self, mistake: &TourMistake, town: Option<&Town>) -> SyntaxError {
         let mut message = mistake.error.to_string();
         if let (TourError::Step { problem: StepProblem::UnknownPlace { name, near }, .. }, Some(town)) = (&mistake.error, town) {
-            message.push_str(&town.hint(name, near, &self.text.tour().city));
+            message.push_str(&town.hint(name, near));
         }
         self.text.mistake_at(mistake.step, &mistake.part, &self.file, message)
     }
@@ -157,6 +170,11 @@ fn by_language(step: &Step) -> Vec<(&'static str, &String)> {
     }
 }
 
+/// A name without what a terminal would take for orders.
+fn printable(name: &str) -> String {
+    name.replace(char::is_control, " ")
+}
+
 /// Messages in the order of their places, each once.
 fn in_order(mut told: Vec<SyntaxError>) -> Vec<String> {
     told.sort_by_key(|one| (one.line, one.column));
@@ -170,14 +188,22 @@ fn lengths(compiled: &CompiledTour, steps: bool) -> String {
     let mut words = format!(", {end_s:.0} s");
     let starts: Vec<f64> = compiled.chapters().iter().map(|chapter| chapter.start_s).chain([end_s]).collect();
     let chapters = compiled.chapters().iter().zip(starts.windows(2));
-    let chapters: Vec<String> = chapters.map(|(chapter, of)| format!("“{}” {:.0} s", chapter.title.own(), of[1] - of[0])).collect();
+    let chapters: Vec<String> =
+        chapters.map(|(chapter, of)| format!("“{}” {:.0} s", printable(chapter.title.own()), of[1] - of[0])).collect();
     if !chapters.is_empty() {
         let _ = write!(words, "; chapters {}", chapters.join(", "));
     }
     let mut spans = compiled.steps().to_vec();
     spans.sort_by_key(|span| span.index);
     for span in spans.iter().filter(|_| steps) {
-        let _ = write!(words, "\n{:>5}  {:<8}{:>7.1} s from {:.1} s", span.index + 1, span.kind.to_string(), span.end_s - span.start_s, span.start_s);
+        let _ = write!(
+            words,
+            "\n{:>5}  {:<8}{:>7.1} s from {:.1} s",
+            span.index + 1,
+            span.kind.to_string(),
+            span.end_s - span.start_s,
+            span.start_s
+        );
     }
     words
 }
@@ -199,8 +225,11 @@ const fn is_own(error: &TourError) -> bool {
         TourError::Empty | TourError::TooManySteps(_) | TourError::Setting(_) => true,
         TourError::Step { problem, .. } => !matches!(
             problem,
-            StepProblem::UnknownPlace { .. } | StepProblem::NoWay(_) | StepProblem::TooLong { .. } | StepProblem::TooLate | StepProblem::FromAbove { .. }
+            StepProblem::UnknownPlace { .. }
+                | StepProblem::NoWay(_)
+                | StepProblem::TooLong { .. }
+                | StepProblem::TooLate
+                | StepProblem::FromAbove { .. }
         ),
     }
 }
-

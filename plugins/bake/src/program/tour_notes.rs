@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec2;
-use veduta_city::{LookAt, Step, TourText, Where, is_known_language};
+use veduta_city::{LookAt, Step, TourText, Where, is_known_language, language_mistake};
 use veduta_route::{CompiledTour, StepKind, StepSpan, is_aside, reading_s, spots};
 
 use super::town::Town;
@@ -51,9 +51,9 @@ fn of_words(text: &TourText) -> Vec<Note> {
             _ => continue,
         };
         // An empty caption is how one is taken away.
-        if let Some((part, words)) = own.filter(|(_, words)| empty(words)) {
+        if let Some((part, _)) = own.filter(|(_, words)| empty(words)) {
             let what = if matches!(step, Step::Say { .. }) { "; it takes the caption before it away" } else { "" };
-            notes.push(note(i, part, format!("the {part} is empty: `{words}` shows nothing{what}")));
+            notes.push(note(i, part, format!("the {part} is empty and shows nothing{what}")));
         }
         notes.extend(of_languages(text, Some(i), "translations", translations));
         if let Step::Narrate { files, .. } = step {
@@ -73,9 +73,13 @@ fn of_languages(text: &TourText, step: Option<usize>, part: &str, pairs: &BTreeM
             notes.push(note(step, &at, format!("\"{code}\" stands there twice; only the last one counts")));
         }
         if words.trim().is_empty() {
-            notes.push(note(step, &at, format!("what is told for \"{code}\" is empty; take the pair out, and the tour's own is taken")));
+            notes.push(note(
+                step,
+                &at,
+                format!("what is told for \"{code}\" is empty; take the pair out, and the tour's own is taken"),
+            ));
         }
-        if !is_known_language(code) {
+        if language_mistake(code).is_none() && !is_known_language(code) {
             notes.push(note(step, &at, format!("no language has the code \"{code}\" (ISO 639-1): nobody will see it")));
         }
     }
@@ -113,7 +117,11 @@ fn of_hours(text: &TourText) -> Vec<Note> {
         let (hour, minutes) = written.split_once('.').filter(|(_, minutes)| matches!(*minutes, "15" | "30" | "45"))?;
         let (hour, minutes): (f64, f64) = (hour.parse().ok()?, minutes.parse().ok()?);
         let (told, meant) = ((minutes * 0.6).round(), hour + minutes / 60.0);
-        Some(note(step, "hour", format!("hours are decimal: `{written}` is {told} minutes past {hour}; {hour}:{minutes} is {meant}")))
+        Some(note(
+            step,
+            "hour",
+            format!("hours are decimal: `{written}` is {told} minutes past {hour}; {hour}:{minutes} is {meant}"),
+        ))
     };
     core::iter::once(None).chain(steps).filter_map(of_hour).collect()
 }
@@ -173,7 +181,8 @@ fn of_times(text: &TourText, compiled: &CompiledTour) -> Vec<Note> {
         let takes_s = span.end_s - span.start_s;
         match &steps[span.index] {
             Step::Look { seconds, .. } if takes_s > seconds + 0.1 && !follows_track(steps, span.index) => {
-                let message = format!("the turn takes {takes_s:.1} s, as a view turns by no more than 60° a second; it is given {seconds} s");
+                let message =
+                    format!("the turn takes {takes_s:.1} s, as a view turns by no more than 60° a second; it is given {seconds} s");
                 notes.push(note(span.index, "seconds", message));
             }
             Step::Walk { speed, .. } => {
@@ -207,7 +216,9 @@ fn never_reached(compiled: &CompiledTour, span: &StepSpan, speed: f64) -> Option
         return None;
     }
     let moves = if span.kind == StepKind::Walk { "the walk" } else { "the flight" };
-    let message = format!("{moves} comes to {fastest:.1} m/s at most, not to {speed}, as starts, stops and bends are eased; it takes {takes_s:.1} s");
+    let message = format!(
+        "{moves} comes to {fastest:.1} m/s at most, not to {speed}, as starts, stops and bends are eased; it takes {takes_s:.1} s"
+    );
     Some(note(span.index, "speed", message))
 }
 
@@ -230,8 +241,13 @@ fn of_captions(text: &TourText, compiled: &CompiledTour, spans: &[StepSpan]) -> 
         if until_s - span.start_s >= needed_s - 0.5 || words.trim().is_empty() {
             continue;
         }
-        let (part, why) = if next_s < span.end_s { ("text", ", for then the next words come; put a `Wait` between them") } else { ("seconds", "; leave `seconds` out, and they stay as long as they should") };
-        let message = format!("these words are shown for {:.1} s, and reading them takes about {needed_s:.0} s{why}", until_s - span.start_s);
+        let (part, why) = if next_s < span.end_s {
+            ("text", ", for then the next words come; put a `Wait` between them")
+        } else {
+            ("seconds", "; leave `seconds` out, and they stay as long as they should")
+        };
+        let message =
+            format!("these words are shown for {:.1} s, and reading them takes about {needed_s:.0} s{why}", until_s - span.start_s);
         notes.push(note(span.index, part, message));
     }
     notes

@@ -20,6 +20,8 @@ pub(super) struct Town {
     pub zero_m: Option<f64>,
     /// How far the farthest street is from the middle, metres.
     pub reach_m: f64,
+    /// Where it lies.
+    pub path: PathBuf,
     /// What its guide calls its places, by letters alone: as it is written, and the name in the map.
     pub known_as: BTreeMap<String, (String, String)>,
 }
@@ -75,14 +77,16 @@ impl Town {
         let reach_m = ends.fold(0.0, f64::max);
         let net = StreetNet::new(&overview.streets).on(&overview.terrain);
         let places = Gazetteer::new(&overview.places);
-        Self { net, places, anchor, overview, zero_m: None, reach_m, known_as: BTreeMap::new() }
+        Self { net, places, anchor, overview, zero_m: None, reach_m, path: PathBuf::new(), known_as: BTreeMap::new() }
     }
 
     /// What is meant by a name that no place has, or where their names are listed; in words that go on.
-    pub fn hint(&self, name: &str, near: &[String], city: &str) -> String {
+    pub fn hint(&self, name: &str, near: &[String]) -> String {
         match self.known_as.get(&fold(name)) {
-            Some((other, meant)) => format!("; “{other}” is what its guide calls \"{meant}\", and a tour takes the map's name"),
-            None if near.is_empty() => format!("; the names are listed by `veduta-bake places {city}`, and by the search in the game"),
+            Some((_, meant)) => format!("; tours go by the map's names, and there it is \"{meant}\""),
+            None if near.is_empty() => {
+                format!("; `veduta-bake places {}` lists the names, and the search in the game finds them", self.path.display())
+            }
             None => String::new(),
         }
     }
@@ -123,7 +127,7 @@ pub(super) fn open(city: &Path) -> Result<Town, String> {
         let zero_m = survey_bare(&input).ok().map(|(graph, _)| graph.zero_m).filter(|&zero_m| zero_m != 0.0);
         Town { zero_m, ..Town::of(Overview::of(&planned.plan), planned.plan.anchor) }
     };
-    Ok(Town { known_as: known_as(city), ..town })
+    Ok(Town { path: city.to_owned(), known_as: known_as(city), ..town })
 }
 
 fn open_baked(city: &Path) -> Result<Town, veduta_store::StoreError> {

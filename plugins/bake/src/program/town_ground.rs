@@ -42,7 +42,8 @@ impl Town {
         let outside_m = self.outside_m(pos);
         if outside_m > OUTSIDE_M || self.net.nearest(pos).is_some_and(|foot| foot.distance_m > OFF_STREET_M) {
             let far_m = self.net.nearest(pos).map_or(outside_m, |foot| foot.distance_m);
-            return (how == Stand::Placed).then(|| format!("this lies outside of the city, {far_m:.0} m from the nearest street; {}", self.reaches()));
+            return (how == Stand::Placed)
+                .then(|| format!("this lies outside of the city, {far_m:.0} m from the nearest street; {}", self.reaches()));
         }
         if let Some((house, _)) = self.house_at(pos) {
             return Some(format!("this lies within a house{house}: the view is inside of it; choose a spot in the street"));
@@ -53,7 +54,8 @@ impl Town {
     /// What is odd about looking at a spot, in words.
     pub fn looked_at(&self, pos: DVec2) -> Option<String> {
         let outside_m = self.outside_m(pos);
-        (outside_m > FAR_M).then(|| format!("what is looked at lies {:.1} km outside of the city; {}", outside_m / 1000.0, self.reaches()))
+        (outside_m > FAR_M)
+            .then(|| format!("what is looked at lies {:.1} km outside of the city; {}", outside_m / 1000.0, self.reaches()))
     }
 
     /// What is odd about flying through a point, in words.

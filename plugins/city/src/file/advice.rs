@@ -34,14 +34,17 @@ fn sign(here: &Around<'_>) -> Option<(usize, String)> {
         '“' | '”' | '„' | '‘' | '’' | '«' | '»' | '‚' | '`' => {
             format!("the quotation mark {found} is a printer's; write the straight one of the keyboard, \"")
         }
-        '−' | '–' | '—' if here.rest()[found.len_utf8()..].starts_with(|c: char| c.is_ascii_digit()) => format!("the dash {found} is a printer's; write the minus sign of the keyboard, -"),
+        '−' | '–' | '—' if here.rest()[found.len_utf8()..].starts_with(|c: char| c.is_ascii_digit()) => {
+            format!("the dash {found} is a printer's; write the minus sign of the keyboard, -")
+        }
         '，' | '、' | '；' => format!("the comma {found} is of another script; write the one of the keyboard, `,`"),
         '：' => "the colon ： is of another script; write the one of the keyboard, `:`".to_owned(),
         '（' | '）' => format!("the bracket {found} is of another script; write the one of the keyboard"),
         ';' => "between fields and steps stands a comma, not `;`".to_owned(),
         '=' => "between a field's name and its value stands `:`, not `=`".to_owned(),
         c if c.is_whitespace() && !is_space(c) => {
-            "a space of another kind stands here, as word processors and web pages write it; put a plain one in its place".to_owned()
+            "a space of another kind stands here, as word processors and web pages write it; put a plain one in its place"
+                .to_owned()
         }
         '\u{200b}' | '\u{feff}' => "an invisible sign stands here, as web pages have it; take it away".to_owned(),
         _ => return None,
@@ -88,7 +91,8 @@ fn of_error(error: &Error, here: &Around<'_>) -> (usize, String) {
             _ => format!("`{word}` is neither a name nor a number"),
         },
         Error::TrailingCharacters if here.found() == Some('(') => {
-            "nothing may follow here, and another `(` does: a file tells one thing, and a bracket closed too early ends it".to_owned()
+            "nothing may follow here, and another `(` does: a file tells one thing, and a bracket closed too early ends it"
+                .to_owned()
         }
         Error::TrailingCharacters => "nothing may follow here: is a bracket closed too early, or once too often?".to_owned(),
         Error::UnexpectedChar('/') => "a comment begins with `//`".to_owned(),
@@ -139,7 +143,10 @@ fn other_bracket(here: &Around<'_>) -> Option<(usize, String)> {
     let own_line = text[..at].rfind('\n').map_or(0, |newline| newline + 1);
     let is_one_too_many = text[..at].trim_end_matches([' ', ',']).ends_with(')') && unclosed(&text[own_line..at]).is_empty();
     let message = if found == ')' && is_one_too_many {
-        format!("one `)` too many: nothing is open here that it could close, but the `{}` of line {line}; take it away", open.bracket)
+        format!(
+            "one `)` too many: nothing is open here that it could close, but the `{}` of line {line}; take it away",
+            open.bracket
+        )
     } else {
         format!("`{found}` does not close the `{}` of line {line}: is a bracket missing, or another one meant?", open.bracket)
     };
@@ -180,7 +187,10 @@ fn no_list(here: &Around<'_>) -> String {
 /// `)` is wanted, and more stands there.
 fn not_ended(here: &Around<'_>) -> String {
     match here.name() {
-        "At" => format!("At(…) takes two numbers, metres east and north, with a point for decimals: At(12.5, -3); `{}` is too much", here.thing()),
+        "At" => format!(
+            "At(…) takes two numbers, metres east and north, with a point for decimals: At(12.5, -3); `{}` is too much",
+            here.thing()
+        ),
         "Place" => format!("the `)` that ends `Place(` is missing before `{}`", here.thing()),
         name if name.is_empty() => format!("`)` is wanted here: there are more numbers than a point has{}", instead(here)),
         _ => format!("`)` is wanted here{}", instead(here)),
@@ -278,11 +288,15 @@ fn no_field(here: &Around<'_>, expected: &[&str], found: &str) -> String {
         return format!("`{found}(…)` stands among fields: the `)` that ends what comes before it is missing");
     }
     if let Some((inner, outer)) = tour::belongs_outside(here, found) {
-        return format!("there is no field `{found}` in `{inner}`; it belongs to `{outer}`: is the `)` missing before it that ends `{inner}(`?");
+        return format!(
+            "there is no field `{found}` in `{inner}`; it belongs to `{outer}`: is the `)` missing before it that ends `{inner}(`?"
+        );
     }
     if crate::language_mistake(found).is_none() && expected.contains(&"translations") && found.len() == 2 {
         let own = expected.first().unwrap_or(&"text");
-        return format!("there is no field `{found}` here; words in other languages are written translations: {{\"{found}\": \"…\"}}, beside `{own}: \"…\"`");
+        return format!(
+            "there is no field `{found}` here; words in other languages are written translations: {{\"{found}\": \"…\"}}, beside `{own}: \"…\"`"
+        );
     }
     match (found, here.name()) {
         ("from", "Walk") => return "there is no field `from` here: a walk begins where the tour stands; to begin elsewhere put `Cut(to: …)` before it".to_owned(),
@@ -315,9 +329,9 @@ fn no_variant(here: &Around<'_>, expected: &[&str], found: &str, outer: Option<&
             format!("where to look is written `Spot(at: …)`: write `Spot(at: {whole})`")
         }
         (_, "None" | "null" | "nil") => "what is not wanted is left out: take the field away".to_owned(),
-        (Some("Where"), "Spot" | "Heading" | "Ahead") => format!(
-            "one stands at and goes to a place or metres, Place(\"…\") or At(12.5, -3); `{found}` tells only where to look"
-        ),
+        (Some("Where"), "Spot" | "Heading" | "Ahead") => {
+            format!("one stands at and goes to a place or metres, Place(\"…\") or At(12.5, -3); `{found}` tells only where to look")
+        }
         (Some("Where"), _) => match known_as(expected, found) {
             Some(known) => format!("`{found}` is not known here; did you mean `{known}`?"),
             None if whole.contains(['(', '[', '{']) => {

@@ -16,7 +16,10 @@ pub(super) fn no_number(here: &Around<'_>) -> String {
         return told;
     }
     if here.name() == "At" && thing.starts_with(['(', '[']) {
-        return format!("At(…) takes two numbers without more brackets, metres east and north: write `At({})`", thing.trim_matches(['(', '[', ')', ']']));
+        return format!(
+            "At(…) takes two numbers without more brackets, metres east and north: write `At({})`",
+            thing.trim_matches(['(', '[', ')', ']'])
+        );
     }
     if here.name() == "At" {
         return format!("At(…) takes two numbers without names, metres east and north: At(12.5, -3){}", instead(here));
@@ -96,9 +99,15 @@ mod tests {
 
     #[test]
     fn times_of_the_clock_are_decimal_hours() {
-        for (written, hour) in
-            [("12:00", Some(12.0)), ("17:30", Some(17.5)), ("5pm", Some(17.0)), ("12 am", Some(0.0)), ("17h15", Some(17.25)), ("five", None), ("25:00", None)]
-        {
+        for (written, hour) in [
+            ("12:00", Some(12.0)),
+            ("17:30", Some(17.5)),
+            ("5pm", Some(17.0)),
+            ("12 am", Some(0.0)),
+            ("17h15", Some(17.25)),
+            ("five", None),
+            ("25:00", None),
+        ] {
             assert_eq!(hour_of(written), hour, "{written}");
         }
     }

@@ -28,11 +28,7 @@ pub(super) struct Made {
 
 pub(super) const MADE: [Made; 18] = [
     made("Start", &[("at", Spot), ("eye_m", Number), ("look", Gaze)], "Start(at: Place(\"…\"))"),
-    made(
-        "Walk",
-        &[("to", Spot), ("via", Many), ("speed", Number), ("look", Gaze), ("ease", Ease)],
-        "Walk(to: Place(\"…\"))",
-    ),
+    made("Walk", &[("to", Spot), ("via", Many), ("speed", Number), ("look", Gaze), ("ease", Ease)], "Walk(to: Place(\"…\"))"),
     made(
         "Fly",
         &[("through", Many), ("speed", Number), ("look", Gaze), ("ease", Ease)],
@@ -124,7 +120,9 @@ pub(super) fn spelled(here: &Around<'_>) -> Option<String> {
         Ease if is_text(thing) => Some(format!("`{word}` stands without quotation marks")),
         Spot if is_text(thing) => Some(format!("a place is written `Place({thing})`")),
         Spot if thing.starts_with('(') && !thing.contains(':') => Some(format!("a spot in metres is written `At{thing}`")),
-        Spot if thing.parse::<f64>().is_ok() => Some("a spot in metres is written `At(12.5, -3)`, x to the east and y to the north".to_owned()),
+        Spot if thing.parse::<f64>().is_ok() => {
+            Some("a spot in metres is written `At(12.5, -3)`, x to the east and y to the north".to_owned())
+        }
         _ => None,
     }
 }
@@ -132,7 +130,8 @@ pub(super) fn spelled(here: &Around<'_>) -> Option<String> {
 /// The field of what encloses the innermost bracket, if a name is known there and not here.
 pub(super) fn belongs_outside<'a>(here: &Around<'a>, field: &str) -> Option<(&'a str, &'a str)> {
     let (inner, outer) = here.open.split_last()?;
-    let around = outer.iter().rev().find(|open| of(open.name).is_some_and(|made| made.fields.iter().any(|(known, _)| *known == field)))?;
+    let around =
+        outer.iter().rev().find(|open| of(open.name).is_some_and(|made| made.fields.iter().any(|(known, _)| *known == field)))?;
     (inner.bracket == '(').then_some((inner.name, around.name))
 }
 

@@ -31,11 +31,14 @@ pub(super) fn whole(text: &str, is_tour: bool) -> Option<(usize, String)> {
     let first_line = rest.lines().next().unwrap_or_default();
     if is_tour && first_line.trim_start_matches("---").split(':').next().is_some_and(|word| KEYS.contains(&word.trim())) {
         let is_yaml = rest.lines().any(|line| line.trim_start().starts_with("- "));
-        return Some((begin, if is_yaml {
-            format!("this looks like YAML, and a tour is RON, in brackets{example}")
-        } else {
-            "a tour stands in round brackets: put `(` before this, and `)` at the end of the file".to_owned()
-        }));
+        return Some((
+            begin,
+            if is_yaml {
+                format!("this looks like YAML, and a tour is RON, in brackets{example}")
+            } else {
+                "a tour stands in round brackets: put `(` before this, and `)` at the end of the file".to_owned()
+            },
+        ));
     }
     None
 }
