@@ -192,7 +192,7 @@ fn not_ended(here: &Around<'_>) -> String {
             here.thing()
         ),
         "Place" => format!("the `)` that ends `Place(` is missing before `{}`", here.thing()),
-        name if name.is_empty() => format!("`)` is wanted here: there are more numbers than a point has{}", instead(here)),
+        "" => format!("`)` is wanted here: there are more numbers than a point has{}", instead(here)),
         _ => format!("`)` is wanted here{}", instead(here)),
     }
 }

@@ -5,6 +5,7 @@ const STEPS: &[(&str, usize, &[&str])] = &[
     // Names and brackets.
     ("Pause(seconds: 3)", 3, &["`Pause` is not known", "did you mean `Wait`?"]),
     ("GoTo(place: \"x\")", 3, &["`GoTo` is not known", "did you mean `Walk`?"]),
+    ("Fvo(deg: 60)", 3, &["`Fvo` is not known", "did you mean `Fov`?"]),
     ("Wait,", 7, &["with the fields of `Wait`: write `Wait(seconds: 3)`"]),
     ("Cut,", 6, &["write `Cut(to: Place(\"…\"))`"]),
     ("Walk[to: Place(\"x\")],", 7, &["as in `Walk(to: Place(\"…\"))`", "`[to: Place(\"x\")]` stands there"]),

@@ -86,20 +86,26 @@ fn synonym<'a>(expected: &[&'a str], found: &str) -> Option<&'a str> {
     step.chain(field).find_map(|meant| expected.iter().find(|known| **known == meant).copied())
 }
 
-/// Letters to be changed, put in or taken out to make one word of another, whatever their case (Levenshtein 1966).
+/// Letters to be changed, put in, taken out or swapped with their neighbours to make one word of another, whatever their case (optimal string
+/// alignment).
 pub(super) fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.to_lowercase().chars().take(64).collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.to_lowercase().chars().enumerate() {
-        let mut corner = i;
-        row[0] = i + 1;
+    let letters = |word: &str| word.to_lowercase().chars().take(64).collect::<Vec<char>>();
+    let (a, b) = (letters(a), letters(b));
+    let mut before_last: Vec<usize> = Vec::new();
+    let mut last: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.iter().enumerate() {
+        let mut row = vec![i + 1];
         for (j, y) in b.iter().enumerate() {
-            let changed = corner + usize::from(x != *y);
-            corner = row[j + 1];
-            row[j + 1] = changed.min(corner + 1).min(row[j] + 1);
+            let changed = last[j] + usize::from(x != y);
+            let mut least = changed.min(last[j + 1] + 1).min(row[j] + 1);
+            if i > 0 && j > 0 && *x == b[j - 1] && a[i - 1] == *y {
+                least = least.min(before_last[j - 1] + 1);
+            }
+            row.push(least);
         }
+        before_last = core::mem::replace(&mut last, row);
     }
-    row.last().copied().unwrap_or(0)
+    last[b.len()]
 }
 
 #[cfg(test)]
@@ -112,6 +118,7 @@ mod tests {
         assert_eq!(names(wait, "second"), "; did you mean `seconds`?");
         assert_eq!(names(wait, "duration"), "; did you mean `seconds`?");
         assert_eq!(names(wait, "colour"), "; only `seconds` is known");
+        assert_eq!(names(&["Fov", "Fly"], "fvo"), "; did you mean `Fov`?", "two letters swapped are one slip");
         assert_eq!(names(&["Walk", "Wait"], "Pause"), "; did you mean `Wait`?");
         assert_eq!(names(&["Walk", "Wait"], "Sing"), "; known are `Walk`, `Wait`");
         assert_eq!(names(&["hour", "seconds"], "time"), "; did you mean `hour`?");
