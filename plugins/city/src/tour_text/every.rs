@@ -63,7 +63,7 @@ mod tests {
     fn every_step_that_cannot_be_read_is_told_at_its_place() {
         let text =
             "\u{feff}(title: \"Ž\", city: \"x\", steps: [\n Wait(),\n Say(text: \"ž\"), Fov(d: 1),\n Wait(\n  s: 2,\n ),\n Ok, ])";
-        assert_eq!(places(text), [(2, 7), (3, 22), (5, 3), (7, 4)]);
+        assert_eq!(places(text), [(2, 7), (3, 22), (5, 3), (7, 2)]);
         let shown = TourText::mistakes(text, "a.tour.ron")[1].text.clone();
         assert!(shown.contains("Say(text: \"ž\"), Fov(d: 1)"), "the line is that of the text: {shown}");
     }
