@@ -1,14 +1,20 @@
 mod adopt;
 mod bench;
+mod beside;
 mod check;
+mod city_named;
 mod export;
 mod inspect;
 mod map;
+mod places;
 mod report;
 mod serve;
 mod source;
 mod tour;
+mod tour_check;
+mod tour_notes;
 mod town;
+mod town_ground;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -100,6 +106,14 @@ enum Command {
         /// The files.
         #[arg(required = true)]
         files: Vec<PathBuf>,
+        /// Of a tour that can be played, also tell how long each of its steps takes.
+        #[arg(long)]
+        steps: bool,
+    },
+    /// List the places of a city, as tours name them: where they lie, and what its guide calls them.
+    Places {
+        /// The city: a baked one, a map, graph, plan or scene folder.
+        city: PathBuf,
     },
     /// Draw the map of a baked city, plan, graph or map for print, as SVG or PNG.
     Map {
@@ -247,7 +261,8 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
             bake_city(&source, output, seed, quiet, json, findings)?;
         }
         Command::Inspect { city, json, proof } => inspect::inspect(&city, json, &proof)?,
-        Command::Check { files } => check::check(&files)?,
+        Command::Check { files, steps } => check::check(&files, steps)?,
+        Command::Places { city } => places::list(&city)?,
         Command::Map { source, output, wishes } => map::map(&source, &output, &wishes, quiet)?,
         Command::Export { source, output, by_cell, house, monument, with, texture } => {
             let settings = ExportSettings { texture_px: texture };

@@ -50,7 +50,7 @@ fn mistakes_in_sounds_are_told_with_their_place() {
     std::fs::write(&sounds, r#"(cues: {"bell": (sound: File("none.ogg")), "horn": (sound: File("horn.ogg"))})"#).expect("room");
     std::fs::write(folder.join("horn.ogg"), b"no music").expect("room");
     let (is_good, told) = check(&sounds);
-    assert!(!is_good && told.contains("none.ogg") && told.contains("horn.ogg: it is not Ogg Vorbis"), "{told}");
+    assert!(!is_good && told.contains("none.ogg") && told.contains("`horn.ogg`: it is not Ogg Vorbis"), "{told}");
     let _ = std::fs::remove_dir_all(folder);
 }
 
@@ -68,7 +68,12 @@ fn tours_and_guides_name_only_what_is_there() {
     assert!(is_good, "{told}");
     write("Narrate(file: \"tone.ogg\", files: {\"cs\": \"ton.ogg\"}, text: \"A tone.\"), Picture(file: \"no.png\", seconds: 3)");
     let (is_good, told) = check(&tour);
-    assert!(!is_good && told.contains("step 2: the recording") && told.contains("step 3: the picture"), "{told}");
+    assert!(
+        !is_good
+            && told.contains("step 2 (Narrate): there is no file `ton.ogg`")
+            && told.contains("step 3 (Picture): there is no file `no.png`"),
+        "{told}"
+    );
     let guide = folder.join("a.guide.ron");
     let place = "(name: \"A\", sound: \"no.ogg\", pictures: [(file: \"no.webp\", credit: {\"en\": \"own\"})])";
     std::fs::write(&guide, format!("(places: [{place}])")).expect("room");

@@ -85,13 +85,13 @@ fn options() -> ron::Options {
 pub fn parse<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, SyntaxError> {
     options().from_str(text).map_err(|error| {
         let [start, end] = [error.span.start, error.span.end].map(|at| byte_of(text, at.line.max(1), at.col.max(1)));
-        let (at, message) = advice::advice(&error.code, text, start, end);
+        let (at, message) = advice::advice(&error.code, text, (start, end), file.ends_with(".tour.ron"));
         SyntaxError::at(text, file, at, message)
     })
 }
 
 /// The byte of a line and column, both from 1.
-fn byte_of(text: &str, line: usize, column: usize) -> usize {
+pub(crate) fn byte_of(text: &str, line: usize, column: usize) -> usize {
     let start = text.split_inclusive('\n').take(line - 1).map(str::len).sum::<usize>();
     let within = text[start..].char_indices().nth(column - 1).map_or(text.len() - start, |(at, _)| at);
     start + within
@@ -106,7 +106,7 @@ fn mistake(text: &str, file: &str, (line, column): (usize, usize), message: Stri
         file: file.to_owned(),
         line,
         column,
-        text: shown.iter().map(|&c| if c == '\t' { ' ' } else { c }).collect(),
+        text: shown.iter().map(|&c| if c.is_control() { ' ' } else { c }).collect(),
         caret: column - 1 - from.min(column - 1),
         message,
     }
@@ -135,13 +135,12 @@ impl SyntaxError {
 pub fn parse_bytes<T: DeserializeOwned>(bytes: &[u8], file: &str) -> Result<T, SyntaxError> {
     match core::str::from_utf8(bytes) {
         Ok(text) => parse(text.strip_prefix('\u{feff}').unwrap_or(text), file),
+        Err(_) if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") => {
+            Err(SyntaxError::at("", file, 0, "the text is UTF-16, as some editors save it; save it as UTF-8"))
+        }
         Err(error) => {
-            let good = String::from_utf8_lossy(&bytes[..error.valid_up_to()]).into_owned();
-            let line = good.lines().count().max(1);
-            let text: String = good.lines().last().unwrap_or("").chars().take(SHOWN).collect();
-            let column = text.chars().count() + 1;
-            let message = "the text is not UTF-8 from here on; save it as UTF-8".to_owned();
-            Err(SyntaxError { file: file.to_owned(), line, column, caret: column - 1, text, message })
+            let message = "the text is not UTF-8 from here on; save it as UTF-8";
+            Err(SyntaxError::at(&String::from_utf8_lossy(bytes), file, error.valid_up_to(), message))
         }
     }
 }

@@ -83,7 +83,7 @@ pub use graph_check::GraphError;
 pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres, ring_edges};
 pub use guide::{Certainty, Guide, GuidePicture, GuidePlace};
 pub use id::Id;
-pub use language::language_mistake;
+pub use language::{is_known_language, language_mistake};
 pub use life::{Dial, Jet, Life, LifeKind, LifeRules, LivingThing, SignShape, Tells};
 pub use limits::{FARTHEST_M, HIGHEST_M, MOST_LEVELS, WIDEST_M};
 pub use monument::{Design, Monument, MonumentError, MonumentTag, Monuments, PlacedMonument};

@@ -24,8 +24,10 @@ use merge::Piece;
 use syntax::{Group, Item, Node};
 use value::{Field, Value};
 
+mod every;
 mod layout;
 mod merge;
+mod part;
 mod steps;
 pub(crate) mod syntax;
 #[cfg(test)]
@@ -197,14 +199,6 @@ impl TourText {
     pub fn mistake(&self, step: Option<usize>, file: &str, message: String) -> SyntaxError {
         let at = step.and_then(|step| self.step_span(step)).map_or(self.root.span.start + self.mark, |span| span.start);
         SyntaxError::at(&self.text, file, at, message)
-    }
-
-    /// A mistake in a step, from 0, at the first of these words within it that stands there; `file` names the text.
-    #[must_use]
-    pub fn mistake_near(&self, step: usize, words: &[&str], file: &str, message: String) -> SyntaxError {
-        let Some(span) = self.step_span(step) else { return self.mistake(None, file, message) };
-        let within = words.iter().find_map(|word| self.text[span.clone()].find(word)).unwrap_or(0);
-        SyntaxError::at(&self.text, file, span.start + within, message)
     }
 
     /// A mistake in one of the tour's own settings, by its field's name.

@@ -5,9 +5,10 @@ use veduta_city::{Ease, PlanTerrain, Step, Tour};
 
 use crate::{
     FreeLine, Gazetteer, Pose, StepKind, StepProblem, StreetNet, TourError,
+    bounds::{Bounds, DAY, EYE, FOV, HOUR, SECONDS, WALK_SPEED, WET},
     error::{LONGEST_TOUR_S, MOST_STEPS},
     pace::{Haste, Pace},
-    plot::{Act, Leg, Plotter, TrackLeg, within},
+    plot::{Act, Leg, Plotter, TrackLeg},
     pose::{Facing, smoothstep},
     script::{Ambience, Caption, Chapter, Mark, Narration, PICTURES, RECORDINGS, Script, Spoken, TourPicture, beside},
     timeline::{Draft, Gaze, Run, Timeline},
@@ -106,12 +107,12 @@ fn compile_plotter(plotter: &Plotter<'_>) -> Result<CompiledTour, TourError> {
     if tour.steps.len() > MOST_STEPS {
         return Err(TourError::TooManySteps(tour.steps.len()));
     }
-    let setting = |what, value, least, most| within(what, value, least, most).map_err(TourError::Setting);
-    setting("speed in metres a second", tour.speed, 0.1, 10.0)?;
-    setting("eye height in metres", tour.eye_m, 0.2, 2000.0)?;
-    setting("field of view in degrees", tour.fov_deg, FOV.0, FOV.1)?;
-    setting("hour", tour.hour, 0.0, 24.0)?;
-    setting("day", f64::from(tour.day), 1.0, 366.0)?;
+    let setting = |bounds: Bounds, value| bounds.range(value).map_err(TourError::Setting);
+    setting(WALK_SPEED, tour.speed)?;
+    setting(EYE, tour.eye_m)?;
+    setting(FOV, tour.fov_deg)?;
+    setting(HOUR, tour.hour)?;
+    setting(DAY, f64::from(tour.day))?;
     let acts = plotter.plot()?;
     let Some((at, facing)) = acts.iter().enumerate().find_map(|(i, act)| opening(act, &acts[i + 1..], terrain)) else {
         return Err(TourError::Empty);
@@ -133,9 +134,6 @@ fn compile_plotter(plotter: &Plotter<'_>) -> Result<CompiledTour, TourError> {
     }
     Ok(score.finish())
 }
-
-/// Least and greatest field of view in degrees.
-const FOV: (f64, f64) = (5.0, 140.0);
 
 /// Position and direction where a place is taken, if the act is one; the view ahead needs what follows.
 fn opening(act: &Act, following: &[Act], terrain: &PlanTerrain) -> Option<(glam::DVec3, Facing)> {
@@ -337,8 +335,7 @@ impl Score<'_> {
 
     /// A step that goes on beside those that follow.
     fn aside(&mut self, step: usize, start_s: f64) -> Result<(), TourError> {
-        let ranged = |what, value, least, most| within(what, value, least, most).map_err(StepProblem::Range);
-        let time = |seconds| ranged("the time in seconds", seconds, 0.0, LONGEST_TOUR_S);
+        let time = |seconds| SECONDS.check(seconds);
         let seconds = match self.tour.steps.get(step) {
             Some(Step::Say { text, translations, seconds }) => {
                 let longest = translations.values().chain([text]).map(|text| reading_s(text)).fold(0.0, f64::max);
@@ -379,19 +376,19 @@ impl Score<'_> {
                 0.0
             }
             Some(Step::Rain { wet, seconds }) => {
-                let wet = ranged("how wet it is", *wet, 0.0, 1.0).map_err(|p| self.fail(step, p))?;
+                let wet = WET.check(*wet).map_err(|p| self.fail(step, p))?;
                 let seconds = time(*seconds).map_err(|p| self.fail(step, p))?;
                 self.wet.get_or_insert(Dial { first: 0.0, turns: Vec::new() }).turn(start_s, seconds, wet);
                 seconds
             }
             Some(Step::Fov { deg, seconds }) => {
-                let deg = ranged("the field of view in degrees", *deg, FOV.0, FOV.1).map_err(|p| self.fail(step, p))?;
+                let deg = FOV.check(*deg).map_err(|p| self.fail(step, p))?;
                 let seconds = time(*seconds).map_err(|p| self.fail(step, p))?;
                 self.fov.turn(start_s, seconds, deg);
                 seconds
             }
             Some(Step::Time { hour, seconds }) => {
-                let hour = ranged("the hour", *hour, 0.0, 24.0).map_err(|p| self.fail(step, p))?;
+                let hour = HOUR.check(*hour).map_err(|p| self.fail(step, p))?;
                 let seconds = time(*seconds).map_err(|p| self.fail(step, p))?;
                 let now = self.hour.at(start_s);
                 self.hour.turn(start_s, seconds, hour_on(now, hour));
@@ -428,8 +425,9 @@ pub(crate) fn hour_on(now: f64, hour: f64) -> f64 {
     now + if forward < -12.0 { forward + 24.0 } else { forward }
 }
 
-/// How long a caption stays if it does not say: time to read it twice over, and to notice it.
-fn reading_s(text: &str) -> f64 {
+/// How long a caption stays if it does not say: time to read it twice over, and to notice it; seconds.
+#[must_use]
+pub fn reading_s(text: &str) -> f64 {
     let letters = text.chars().take(100_000).count() as f64;
     if letters > 0.0 { (1.5 + letters / 14.0).max(2.5) } else { 0.0 }
 }

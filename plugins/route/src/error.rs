@@ -93,7 +93,7 @@ pub enum TourError {
     #[error("the tour has {0} steps, more than {MOST_STEPS}; split it")]
     TooManySteps(usize),
     /// One of the tour's own settings.
-    #[error("the tour's {0}")]
+    #[error("the tour's {words}", words = own(.0))]
     Setting(Range),
     /// A step.
     #[error("step {step} ({kind}): {problem}")]
@@ -158,7 +158,7 @@ pub enum StepProblem {
     #[error("the tour stands nowhere yet; put `Start(at: ...)` before this step")]
     NoStart,
     /// No place has this name.
-    #[error("there is no place named \"{name}\"{}", did_you_mean(near))]
+    #[error("there is no place named {name:?}{meant}", meant = did_you_mean(near))]
     UnknownPlace {
         /// The name.
         name: String,
@@ -169,7 +169,7 @@ pub enum StepProblem {
     #[error("{0}")]
     Range(Range),
     /// There is no way.
-    #[error("{0}; add `via` spots, fly, or use `Cut(to: ...)`")]
+    #[error("{0}; {out}", out = way_out(.0))]
     NoWay(#[from] RouteError),
     /// A flight without points.
     #[error("a flight goes through at least one point; give `through: [(x, y, height)]`")]
@@ -204,7 +204,7 @@ pub enum StepProblem {
         length_m: f64,
     },
     /// A file that cannot be what the step needs, by its name.
-    #[error("`{file}` must be the path of a file in or below the tour's folder that ends in {endings}")]
+    #[error("`{}` must be the path of a file in or below the tour's folder that ends in {endings}", file.escape_debug())]
     File {
         /// The path given.
         file: String,
@@ -219,10 +219,27 @@ pub enum StepProblem {
 /// Greatest eye height from which a walk may begin, in metres.
 pub const WALK_EYE_M: f64 = 4.0;
 
+/// A number's words after whose it is.
+fn own(range: &Range) -> String {
+    let words = range.to_string();
+    words.strip_prefix("the ").map_or_else(|| words.clone(), str::to_owned)
+}
+
+/// What to do where there is no way.
+const fn way_out(error: &RouteError) -> &'static str {
+    match error {
+        RouteError::OffStreets { .. } => "choose a spot nearer to the streets, fly, or use `Cut(to: ...)`",
+        _ => "add `via` spots, fly, or use `Cut(to: ...)`",
+    }
+}
+
 fn did_you_mean(near: &[String]) -> String {
     match near {
         [] => String::new(),
-        [one] => format!("; did you mean \"{one}\"?"),
-        [most @ .., last] => format!("; did you mean \"{}\" or \"{last}\"?", most.join("\", \"")),
+        [one] => format!("; did you mean {one:?}?"),
+        [most @ .., last] => {
+            let most: Vec<String> = most.iter().map(|name| format!("{name:?}")).collect();
+            format!("; did you mean {} or {last:?}?", most.join(", "))
+        }
     }
 }

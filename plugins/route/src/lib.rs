@@ -54,7 +54,7 @@
 //!
 //! # Edit
 //! A [`TourEdit`] keeps a tour's text with what is selected in it and what can be undone; [`sketch`] compiles what can be played of it and
-//! says what is wrong with the rest; [`steps_to_view`] leads to a view, and a [`Recording`] becomes steps that follow it.
+//! says what is wrong with the rest; [`mistakes`] tells everything that is wrong with one; [`steps_to_view`] leads to a view, and a [`Recording`] becomes steps that follow it.
 //!
 //! # Limits
 //! - A tour lasts six hours at most, a leg is 100 km long at most, and heights are above the ground: slopes are for the one
@@ -68,6 +68,7 @@
 //! (speeds true only between its entries); clothoids at corners (arcs with smoothed pace and gaze look the same at a walk);
 //! a navigation mesh (tours are told in streets, and the cells may not be loaded when a tour is compiled).
 
+mod bounds;
 mod compile;
 mod edit;
 mod error;
@@ -75,6 +76,7 @@ mod flight;
 mod gazetteer;
 pub mod kml;
 mod letters;
+mod mistakes;
 mod net;
 mod pace;
 mod path;
@@ -95,11 +97,13 @@ mod track;
 mod walk;
 mod way;
 
-pub use compile::{CompiledTour, StepSpan, compile, compile_with};
+pub use bounds::{Bounds, numbers, settings, spots};
+pub use compile::{CompiledTour, StepSpan, compile, compile_with, reading_s};
 pub use edit::{Approach, TourEdit, joined, new_step, steps_to_view, stretched};
 pub use error::{LONGEST_LEG_M, LONGEST_TOUR_S, MOST_KEYS, MOST_STEPS, Range, StepKind, StepProblem, TourError, WALK_EYE_M};
 pub use gazetteer::Gazetteer;
 pub use letters::{fold, plain_name};
+pub use mistakes::{TourMistake, mistakes};
 pub use net::{Foot, JOIN_M, StreetNet};
 pub use path::CORNER_M;
 pub use pose::{Pose, turn_deg};

@@ -4,7 +4,8 @@ use glam::{DVec2, DVec3, swizzles::Vec3Swizzles};
 use veduta_city::{Ease, LookAt, Place, Step, Tour, Viewpoint, Where};
 
 use crate::{
-    FreeLine, Gazetteer, Range, RouteError, StepKind, StepProblem, StreetNet, TourError,
+    FreeLine, Gazetteer, RouteError, StepKind, StepProblem, StreetNet, TourError,
+    bounds::{COORDINATE, EYE, FADE_SECONDS, FLIGHT_SPEED, HEADING, HEIGHT, PITCH, SECONDS, SPOT_HEIGHT, TURN_SECONDS, WALK_SPEED},
     error::{LONGEST_LEG_M, MOST_STEPS, WALK_EYE_M},
     flight::fly,
     path::{Mark, Path, round_corners},
@@ -14,9 +15,6 @@ use crate::{
     track::{self, Key},
     way,
 };
-
-/// Furthest coordinate of a tour, in metres: the plan's grid ends there.
-pub(crate) const FURTHEST_M: f64 = 2_097_000.0;
 
 /// A step or a run of joined steps, with everything known but time.
 pub(crate) enum Act {
@@ -71,16 +69,6 @@ pub(crate) struct Plotter<'a> {
 
 type Checked<T> = Result<T, StepProblem>;
 
-/// A number within bounds.
-pub(crate) fn within(what: &'static str, value: f64, least: f64, most: f64) -> Result<f64, Range> {
-    // False also for what is not a number.
-    if (least..=most).contains(&value) { Ok(value) } else { Err(Range { what, value, least, most }) }
-}
-
-pub(crate) fn checked(what: &'static str, value: f64, least: f64, most: f64) -> Checked<f64> {
-    within(what, value, least, most).map_err(StepProblem::Range)
-}
-
 /// A spot looked up.
 struct Spot<'a> {
     pos: DVec2,
@@ -131,7 +119,7 @@ impl<'a> Plotter<'a> {
             }
             Step::Cut { to, eye_m, look, seconds } => {
                 stands()?;
-                let fade_s = checked("the fade's length in seconds", *seconds, 0.0, 60.0).map_err(&fails)?;
+                let fade_s = FADE_SECONDS.check(*seconds).map_err(&fails)?;
                 self.place(step, to, *eye_m, look, fade_s.max(SHORTEST_FADE_S)).map_err(fails)?
             }
             Step::Walk { .. } | Step::Fly { .. } => return self.movement(step, stands()?),
@@ -141,12 +129,12 @@ impl<'a> Plotter<'a> {
             }
             Step::Look { at, seconds } => {
                 stands()?;
-                let seconds = checked("the time in seconds", *seconds, 0.0, 3600.0).map_err(&fails)?;
+                let seconds = TURN_SECONDS.check(*seconds).map_err(&fails)?;
                 Act::Turn { step, gaze: self.gaze(at).map_err(fails)?, seconds }
             }
             Step::Wait { seconds } => {
                 stands()?;
-                Act::Wait { step, seconds: checked("the time in seconds", *seconds, 0.0, 21_600.0).map_err(fails)? }
+                Act::Wait { step, seconds: SECONDS.check(*seconds).map_err(fails)? }
             }
             Step::Say { .. }
             | Step::Narrate { .. }
@@ -164,7 +152,7 @@ impl<'a> Plotter<'a> {
     fn place(&self, step: usize, at: &Where, eye_m: Option<f64>, look: &LookAt, fade_s: f64) -> Checked<Act> {
         let spot = self.spot(at)?;
         let eye = eye_m.or_else(|| spot.view().map(|v| v.eye_m)).unwrap_or(self.tour.eye_m);
-        let eye = checked("the eye's height in metres", eye, 0.2, 2000.0)?;
+        let eye = EYE.check(eye)?;
         let gaze = self.gaze(look)?;
         let otherwise = spot.view().map(|v| Facing { heading: v.heading_deg, pitch: v.pitch_deg });
         let otherwise = otherwise.filter(|f| f.heading.is_finite() && f.pitch.abs() <= 90.0);
@@ -186,7 +174,7 @@ impl<'a> Plotter<'a> {
         };
         let stand = spot.view().map_or(spot.pos, |v| v.pos);
         for value in [spot.pos.x, spot.pos.y, stand.x, stand.y] {
-            checked("a coordinate in metres", value, -FURTHEST_M, FURTHEST_M)?;
+            COORDINATE.check(value)?;
         }
         Ok(spot)
     }
@@ -214,11 +202,11 @@ impl<'a> Plotter<'a> {
         Ok(match look {
             LookAt::Ahead => Gaze::Ahead,
             LookAt::Heading { deg, pitch_deg } => {
-                let heading = checked("the heading in degrees", *deg, -36_000.0, 36_000.0)?;
-                Gaze::Direction(Facing { heading, pitch: checked("the pitch in degrees", *pitch_deg, -90.0, 90.0)? })
+                let heading = HEADING.check(*deg)?;
+                Gaze::Direction(Facing { heading, pitch: PITCH.check(*pitch_deg)? })
             }
             LookAt::Spot { at, height_m } => {
-                let height = checked("the spot's height in metres", *height_m, -500.0, 5000.0)?;
+                let height = SPOT_HEIGHT.check(*height_m)?;
                 Gaze::Spot(self.spot(at)?.pos.extend(height))
             }
         })
@@ -274,7 +262,7 @@ impl<'a> Plotter<'a> {
         let before = marks.len().saturating_sub(1);
         let (speed, look, ease) = match &self.tour.steps[step] {
             Step::Walk { to, via, speed, look, ease } => {
-                let speed = checked("the speed in metres a second", speed.unwrap_or(self.tour.speed), 0.1, 10.0)?;
+                let speed = WALK_SPEED.check(speed.unwrap_or(self.tour.speed))?;
                 if via.len() > MOST_STEPS {
                     return Err(StepProblem::TooManyPoints(via.len()));
                 }
@@ -284,7 +272,7 @@ impl<'a> Plotter<'a> {
                 (speed, look, *ease)
             }
             Step::Fly { through, speed, look, ease } => {
-                let speed = checked("the speed in metres a second", *speed, 0.1, 200.0)?;
+                let speed = FLIGHT_SPEED.check(*speed)?;
                 if through.is_empty() {
                     return Err(StepProblem::NoPoints);
                 }
@@ -292,9 +280,9 @@ impl<'a> Plotter<'a> {
                     return Err(StepProblem::TooManyPoints(through.len()));
                 }
                 for &(x, y, height) in through {
-                    checked("a coordinate in metres", x, -FURTHEST_M, FURTHEST_M)?;
-                    checked("a coordinate in metres", y, -FURTHEST_M, FURTHEST_M)?;
-                    checked("a height in metres", height, 0.2, 5000.0)?;
+                    COORDINATE.check(x)?;
+                    COORDINATE.check(y)?;
+                    HEIGHT.check(height)?;
                     marks.push(Mark { at: DVec3::new(x, y, height), leg });
                 }
                 (speed, look, *ease)

@@ -2,7 +2,11 @@
 
 use veduta_city::{Step, Tour};
 
-use crate::{CompiledTour, Gazetteer, Pose, StepKind, StreetNet, TourError, compile};
+use crate::{
+    CompiledTour, Gazetteer, Pose, StepKind, StreetNet, TourError,
+    bounds::{Bounds, EYE, FOV, HOUR, WALK_SPEED},
+    compile,
+};
 
 /// A tour under edit, compiled: what can be played, and what is wrong with the rest.
 #[derive(Debug, Clone, Default)]
@@ -67,13 +71,13 @@ pub fn sketch(tour: &Tour, net: &StreetNet, places: &Gazetteer) -> Sketch {
 
 /// With numbers that are out of bounds made what they are where none are given.
 fn with_usual_settings(tour: Tour) -> Tour {
-    let usual =
-        |value: f64, (least, most): (f64, f64), otherwise: f64| if (least..=most).contains(&value) { value } else { otherwise };
+    let usual = Tour::new(String::new(), String::new());
+    let otherwise = |bounds: Bounds, value: f64, usual: f64| bounds.range(value).unwrap_or(usual);
     Tour {
-        speed: usual(tour.speed, (0.1, 10.0), 1.4),
-        eye_m: usual(tour.eye_m, (0.2, 2000.0), 1.65),
-        fov_deg: usual(tour.fov_deg, (5.0, 140.0), 55.0),
-        hour: usual(tour.hour, (0.0, 24.0), 10.0),
+        speed: otherwise(WALK_SPEED, tour.speed, usual.speed),
+        eye_m: otherwise(EYE, tour.eye_m, usual.eye_m),
+        fov_deg: otherwise(FOV, tour.fov_deg, usual.fov_deg),
+        hour: otherwise(HOUR, tour.hour, usual.hour),
         day: tour.day.clamp(1, 366),
         ..tour
     }

@@ -5,8 +5,8 @@ use glam::{DVec3, DVec4};
 
 use crate::{
     StepProblem,
-    error::{LONGEST_TOUR_S, MOST_KEYS},
-    plot::{FURTHEST_M, checked},
+    bounds::{COORDINATE, HEADING, HEIGHT, KEY_SECONDS, PITCH},
+    error::MOST_KEYS,
     pose::{Facing, turn_deg},
 };
 
@@ -30,16 +30,16 @@ pub(crate) fn read(keys: &[(f64, f64, f64, f64, f64, f64)], start_s: f64, into: 
     }
     let mut last = 0.0;
     for (i, &(seconds, x, y, height, heading, pitch)) in keys.iter().enumerate() {
-        checked("a key's time in seconds", seconds, 0.0, LONGEST_TOUR_S)?;
+        KEY_SECONDS.check(seconds)?;
         if seconds <= last {
             return Err(StepProblem::KeysOutOfOrder { key: i + 1, seconds });
         }
         last = seconds;
-        checked("a coordinate in metres", x, -FURTHEST_M, FURTHEST_M)?;
-        checked("a coordinate in metres", y, -FURTHEST_M, FURTHEST_M)?;
-        checked("a height in metres", height, 0.2, 5000.0)?;
-        let heading = checked("the heading in degrees", heading, -36_000.0, 36_000.0)?;
-        let facing = Facing { heading, pitch: checked("the pitch in degrees", pitch, -90.0, 90.0)? };
+        COORDINATE.check(x)?;
+        COORDINATE.check(y)?;
+        HEIGHT.check(height)?;
+        let heading = HEADING.check(heading)?;
+        let facing = Facing { heading, pitch: PITCH.check(pitch)? };
         into.push(Key { seconds: start_s + seconds, at: DVec3::new(x, y, height), facing });
     }
     Ok(start_s + last)

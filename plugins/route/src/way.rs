@@ -30,7 +30,7 @@ pub enum RouteError {
     #[error("the city has no streets to walk along; at most {STRAIGHT_M} m can be walked without")]
     NoStreets,
     /// A position lies far from all streets.
-    #[error("({:.1}, {:.1}) lies {distance_m:.0} m from the nearest street, more than {OFF_STREET_M} m", plan_pos.x, plan_pos.y)]
+    #[error("({:.1}, {:.1}) lies outside of the city: {distance_m:.0} m from the nearest street, and nobody walks more than {OFF_STREET_M} m off them", plan_pos.x, plan_pos.y)]
     OffStreets {
         /// The position, plan metres.
         plan_pos: DVec2,

@@ -2,19 +2,29 @@ use std::path::{Path, PathBuf};
 
 use anstream::{eprintln, println};
 use glam::DVec2;
-use veduta_city::{CityGraph, CityPlan, GraphOverrides, Guide, Life, Monuments, Soundscape, StyleDraft, TourText, Views, file};
+use veduta_city::{CityGraph, CityPlan, GraphOverrides, Guide, Life, Monuments, Soundscape, StyleDraft, Views, file};
 use veduta_growth::plan::{Repetition, Stock, repetition};
 use veduta_survey::CityWords;
 
 use super::Failure;
-use super::town::{Towns, check_guide, check_life, check_tour};
+use super::beside::recording_beside;
+use super::tour_check::check_tour;
+use super::town::{Towns, check_guide, check_life};
 
 /// Checks every file and names every mistake; fails if there is one.
-pub(crate) fn check(files: &[PathBuf]) -> Result<(), Failure> {
+/// `steps` asks for the seconds of each step of a tour.
+pub(crate) fn check(files: &[PathBuf], steps: bool) -> Result<(), Failure> {
     let mut bad = 0;
     let mut towns = Towns::default();
     for path in files {
-        match check_one(path, &mut towns) {
+        let checked = if path.to_string_lossy().ends_with(".tour.ron") {
+            let report = check_tour(path, &mut towns, steps);
+            report.notes.iter().for_each(|note| eprintln!("{note}"));
+            if report.mistakes.is_empty() { Ok(report.words) } else { Err(report.mistakes) }
+        } else {
+            check_one(path, &mut towns)
+        };
+        match checked {
             Ok(words) => println!("{}: {words}", path.display()),
             Err(mistakes) => {
                 bad += 1;
@@ -72,10 +82,6 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
         let plan: CityPlan = file::read(path).map_err(one)?;
         return told(path, plan.styles.validate(), format!("{} houses{}", plan.houses.len(), repeated(&plan)));
     }
-    if name.ends_with(".tour.ron") {
-        let tour = TourText::read(path).map_err(one)?;
-        return check_tour(path, &tour, towns);
-    }
     if name.ends_with(".guide.ron") {
         let guide: Guide = file::read(path).map_err(one)?;
         return check_guide(path, &guide, towns);
@@ -110,17 +116,6 @@ fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
          in a folder `styles` or `monuments`",
         path.display()
     )])
-}
-
-/// How long a recording beside a file plays, seconds; or why it cannot be played, in words.
-pub(super) fn recording_beside(path: &Path, file: &str) -> Result<f64, String> {
-    if !veduta_city::is_beside(file) {
-        return Err(format!("the recording `{file}` must lie in or below the folder of this file"));
-    }
-    let at = path.with_file_name("").join(file);
-    let bytes = std::fs::read(&at).map_err(|error| format!("the recording {}: {error}", at.display()))?;
-    let recording = veduta_synth::Recording::new(bytes).map_err(|error| format!("the recording {}: {error}", at.display()))?;
-    Ok(recording.seconds())
 }
 
 /// A file read as monuments, if it is meant to be one of them by its name or folder.

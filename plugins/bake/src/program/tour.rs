@@ -12,7 +12,8 @@ use veduta_route::{
 use super::{
     Failure,
     report::report_all,
-    town::{city_of, open, shown},
+    tour_check::first_mistake,
+    town::{city_of, open},
 };
 
 /// What is done with a tour.
@@ -65,13 +66,15 @@ fn import(kml: &Path, city: &Path, output: &Path, quiet: bool) -> Result<(), Fai
         name: &name,
         anchor: town.anchor,
         zero_m: town.zero_m,
-        terrain: &town.terrain,
+        terrain: &town.overview.terrain,
         reach_m: town.reach_m + ROUND_ABOUT_M,
     };
     let (tour, findings) = from_kml(&bytes, &kml.display().to_string(), around)?;
     report_all(&findings, &kml.display().to_string(), quiet);
     let text = TourText::new(&tour)?;
-    let compiled = compile(&tour, &town.net, &town.places).map_err(|error| shown(&error, &text, &output.display().to_string()))?;
+    let compiled = compile(&tour, &town.net, &town.places).map_err(|error| {
+        first_mistake(&text, &town.net, &town.places, &output.display().to_string()).unwrap_or_else(|| error.to_string())
+    })?;
     file::write_text(text.text(), output)?;
     println!("{}: “{}”, {} steps, {:.0} s", output.display(), tour.title, tour.steps.len(), compiled.duration_s());
     Ok(())
@@ -86,7 +89,8 @@ fn export(path: &Path, output: &Path, language: &str, quiet: bool) -> Result<(),
         return Err(text.setting_mistake("city", &file, message).into());
     };
     let town = open(&city).map_err(|error| format!("{}: {error}", city.display()))?;
-    let compiled = compile(text.tour(), &town.net, &town.places).map_err(|error| shown(&error, &text, &file))?;
+    let compiled = compile(text.tour(), &town.net, &town.places)
+        .map_err(|error| first_mistake(&text, &town.net, &town.places, &file).unwrap_or_else(|| error.to_string()))?;
     let (kml, findings) = to_kml(&compiled, town.anchor, language);
     report_all(&findings, &file, quiet);
     file::write_text(&kml, output)?;

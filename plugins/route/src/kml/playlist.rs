@@ -10,7 +10,7 @@ use super::{
     element::{Element, without_marks},
     finding, stamp, up_deg,
 };
-use crate::{LONGEST_TOUR_S, plot::FURTHEST_M};
+use crate::{LONGEST_TOUR_S, bounds::FURTHEST_M};
 
 /// Least height of an eye, and what one is raised to that would lie lower; metres.
 const LEAST_EYE_M: f64 = 0.2;
