@@ -21,11 +21,11 @@ const RUN_M_S: f64 = 8.0;
 const RUN_M: f64 = 1_600.0;
 /// A viewer of the naive way wants everything so near, metres.
 const NAIVE_M: f64 = 400.0;
-/// The sample city so many times, along and across, that streets go on on all sides of the walk as far as is seen: what its walk is compared
-/// with in larger ones, as a walk along a city's edge sees less.
-const SURROUNDED: (u32, u32) = (3, 3);
+/// The sample city so many times, along and across, that it goes on on all sides of the walk as far as anything is asked for, overviews
+/// included: what its walk is compared with in larger ones, as a walk along a city's edge asks for less.
+const SURROUNDED: (u32, u32) = (3, 5);
 /// Ten and a hundred times as large as that.
-const TIMES: [(u32, u32, &str); 2] = [(10, 9, "10x"), (30, 30, "100x")];
+const TIMES: [(u32, u32, &str); 2] = [(15, 10, "10x"), (50, 30, "100x")];
 
 /// Measures and prints, as one object of JSON or as lines of it.
 ///
