@@ -263,9 +263,9 @@ fn identifier(here: &Around<'_>) -> String {
 fn escape(here: &Around<'_>) -> (usize, String) {
     let at = here.rest().find('\\').map_or(here.at, |off| here.at + off);
     let line = here.text[..at].rfind('\n').map_or(0, |newline| newline + 1);
-    let begin = here.text[line..at].rfind('"').map_or(at, |quote| line + quote + 1);
-    let field = Around::new(here.text, begin.saturating_sub(1)).field;
-    let is_path = matches!(field, "file" | "city" | "files") || here.text[begin..at].ends_with(':');
+    let quote = here.text[line..at].rfind('"').map_or(line, |quote| line + quote);
+    let field = Around::new(here.text, quote).field;
+    let is_path = matches!(field, "file" | "city" | "files") || here.text[quote..at].ends_with(':');
     let message = if is_path {
         "within quotation marks `\\` begins a sign; in a path write `/` instead, as on every system"
     } else {
@@ -320,7 +320,8 @@ fn no_field(here: &Around<'_>, expected: &[&str], found: &str) -> String {
 /// A name that is none of those that may stand there.
 fn no_variant(here: &Around<'_>, expected: &[&str], found: &str, outer: Option<&str>) -> String {
     // The reader stands before the name, or after it.
-    let begin = if here.rest().starts_with(found) { here.at } else { here.at - last_word(&here.text[..here.at]).len() };
+    let before = here.text[..here.at].trim_end_matches(is_space);
+    let begin = if here.rest().starts_with(found) { here.at } else { before.len() - last_word(before).len() };
     let whole = Around::new(here.text, begin).thing();
     let whole = if whole.starts_with(found) { whole } else { found };
     match (outer, found) {

@@ -118,6 +118,13 @@ fn what_is_no_tour_from_its_beginning_on_is_told_as_what_it_is() {
     assert!(error.message.contains("UTF-16"), "{error}");
 }
 
+#[test]
+fn a_backslash_behind_letters_of_several_bytes_is_pointed_at() {
+    let text = "(\n  title: \"$n  transla~~~~,\n ݢӾ\\x$$\")- 0),\n  ],\n)\n";
+    let error = TourText::parse(text, "a.tour.ron").expect_err(text);
+    assert!((error.line, error.column) == (3, 4) && error.message.contains('\\'), "{error}");
+}
+
 proptest::proptest! {
     #[test]
     fn advice_never_panics(text in "[\\[({:,;\"'/\\*# \\\\\nxé−1.=\\])}Wait]{0,40}") {
