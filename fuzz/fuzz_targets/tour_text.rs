@@ -3,7 +3,7 @@
 use libfuzzer_sys::fuzz_target;
 use veduta_city::{Step, Tour, TourSetting, TourText, file};
 
-/// The first bytes say what is done to the tour that the rest is.
+// The first bytes say what is done to the tour that the rest is.
 fuzz_target!(|bytes: &[u8]| {
     let Some((edits, text)) = bytes.split_at_checked(6) else { return };
     let read = file::parse_bytes::<Tour>(text, "fuzz");
