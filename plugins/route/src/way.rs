@@ -16,6 +16,7 @@ pub const CROSSING_M: f64 = 120.0;
 /// A straight line across free space is taken where the way along streets is more than so many times as long.
 pub const DETOUR: f64 = 1.6;
 /// Paths of no more metres that are joined to no other belong to a garden, a yard, a platform: one gets out of it beside them.
+/// An islet with as few paths, as near to a bank, is taken for one.
 const ENCLOSED_M: f64 = 600.0;
 /// Furthest that a position may lie from any street, in metres.
 pub const OFF_STREET_M: f64 = 500.0;
