@@ -159,6 +159,18 @@ const TOLD: &[(&str, &str, bool, &[(&str, &str)])] = &[
     ("\"A walk\"", "\"\"", true, &[("2:10", "note: the title is empty")]),
     (
         "Wait(seconds: 2)",
+        "Look(at: Spot(at: At(0, 9), follow: \"Hay carts\"), seconds: 9)",
+        true,
+        &[("11:41", "note: nothing that moves in t.life.ron is named \"Hay carts\"; did you mean \"Hay cart\"?")],
+    ),
+    (
+        "Wait(seconds: 2)",
+        "Look(at: Spot(at: At(0, 9), follow: \"\"), seconds: 9)",
+        true,
+        &[("11:41", "note: the name of what is followed is empty")],
+    ),
+    (
+        "Wait(seconds: 2)",
         "Say(text: \"And here, as you see, is where all of it came to its end\", seconds: 0.5)",
         true,
         &[("10:15", "note: these words are shown for 0.0 s"), ("11:84", "note: these words are shown for 0.5 s")],
@@ -206,6 +218,8 @@ fn all_that_is_wrong_or_odd_is_told_once_at_its_place() {
     folder.write("t.graph.ron", TOWN);
     folder.write("t.guide.ron", "(places: [(name: \"Týn\", names: {\"de\": \"Teynkirche\"})])");
     folder.write("a.png", "no picture at all");
+    let cart = "(name: \"Hay cart\", at: At(0, 9), kind: Flock(radius_m: 4, count: 3))";
+    folder.write("t.life.ron", &format!("(things: [{cart}])"));
     let mut wrong = Vec::new();
     for (good, bad, may_be_played, all) in TOLD {
         assert_eq!(GOOD.matches(good).count(), 1, "{good:?} stands once in the tour");

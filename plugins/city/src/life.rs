@@ -57,7 +57,7 @@ impl Default for LifeRules {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LivingThing {
-    /// What it is called in messages; each name once.
+    /// What it is called in messages, and by tours that follow it with the eye; each name once.
     pub name: String,
     /// Where: a place by its name, or plan metres.
     pub at: Where,

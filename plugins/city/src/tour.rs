@@ -108,6 +108,9 @@ pub enum LookAt {
         /// Metres above the ground.
         #[serde(default = "Tour::default_eye_m")]
         height_m: f64,
+        /// Something that moves thereabouts, by its name: as long as it is there, it is what the eye turns to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        follow: Option<String>,
     },
     /// In a direction.
     Heading {
@@ -296,6 +299,16 @@ pub enum Step {
 }
 
 impl Step {
+    /// Where the eye turns, if the step says it.
+    #[must_use]
+    pub const fn look(&self) -> Option<&LookAt> {
+        match self {
+            Self::Start { look, .. } | Self::Cut { look, .. } | Self::Walk { look, .. } | Self::Fly { look, .. } => Some(look),
+            Self::Look { at, .. } => Some(at),
+            _ => None,
+        }
+    }
+
     pub(crate) const fn default_fade_s() -> f64 {
         1.6
     }

@@ -26,6 +26,7 @@ mod place;
 mod sets;
 mod sight;
 mod space;
+mod subject;
 mod words;
 
 use bevy::prelude::*;
@@ -45,6 +46,7 @@ pub use place::{CITY_SOURCE, City, CityFailed, CityOpened, JumpTo, OpenCity, own
 pub use sets::{InterfaceSystems, VedutaSystems};
 pub use sight::{Sight, Sights, house_key};
 pub use space::WorldOrigin;
+pub use subject::Subject;
 pub use words::{Words, WordsError, WordsValue};
 
 /// Registers what the plugins share. Every plugin of Veduta adds it if it is missing.
@@ -72,6 +74,7 @@ impl Plugin for EcsPlugin {
             .register_type::<Eye>()
             .register_type::<Viewer>()
             .register_type::<Footing>()
+            .register_type::<Subject>()
             .register_type::<LevelFade>()
             .register_type::<CityClock>()
             .register_type::<Interface>()

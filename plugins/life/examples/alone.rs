@@ -119,6 +119,7 @@ mod tests {
     use std::time::Duration;
 
     use bevy::time::TimeUpdateStrategy;
+    use veduta_ecs::Subject;
     use veduta_life::{LifeSettings, Living, SolidMaterial, WINGS};
 
     use super::*;
@@ -156,6 +157,31 @@ mod tests {
         assert!(heard.iter().any(|sound| sound == WINGS), "the viewer has come too near");
         let materials = app.world().resource::<Assets<SolidMaterial>>();
         assert!(materials.iter().count() >= 2);
+    }
+
+    /// What tours can follow with the eye, and how high it is.
+    fn subjects(app: &mut App) -> Vec<(String, f32)> {
+        let mut named: Vec<(String, f32)> = app
+            .world_mut()
+            .query::<(&Subject, &Transform)>()
+            .iter(app.world())
+            .map(|(name, at)| (name.0.clone(), at.translation.y))
+            .collect();
+        named.sort_by(|a, b| a.0.cmp(&b.0));
+        named
+    }
+
+    #[test]
+    fn what_is_told_of_can_be_followed_with_the_eye() {
+        let (mut app, _) = lived(1, 30, LifeSettings::default());
+        let names: Vec<String> = subjects(&mut app).into_iter().map(|(name, _)| name).collect();
+        assert_eq!(names, ["clock", "flag", "fountain", "pigeons", "sign"]);
+        let mut highest: f32 = 0.0;
+        for _ in 0..600 {
+            app.update();
+            highest = highest.max(subjects(&mut app)[3].1);
+        }
+        assert!(highest > 1.5, "the middle of a flock flies up with it: {highest} m");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 use veduta_city::LifeKind;
-use veduta_ecs::{CityClock, Cue, Eye, Viewer, Weather};
+use veduta_ecs::{CityClock, Cue, Eye, Subject, Viewer, Weather};
 
 use crate::dial::{Pointing, pointings};
 use crate::flock::Notice;
@@ -32,6 +32,7 @@ pub(crate) fn fly(
     mut stage: ResMut<Stage>,
     mut solids: Option<ResMut<Assets<SolidMaterial>>>,
     mut mists: Option<ResMut<Assets<MistMaterial>>>,
+    mut middles: Query<&mut Transform, With<Subject>>,
     mut cues: ParamSet<(MessageReader<Cue>, MessageWriter<Cue>)>,
     mut before: Local<Before>,
 ) {
@@ -51,11 +52,16 @@ pub(crate) fn fly(
     noises.extend(others);
     let mut heard = Vec::new();
     for actor in stage.actors.values_mut() {
-        let Part::Flock { flock, birds, shades, origin_m, hues } = &mut actor.part else { continue };
+        let Part::Flock { flock, birds, shades, origin_m, hues, subject } = &mut actor.part else { continue };
         let last = flock.frightened_s;
         flock.advance(from_s, to_s, &Notice { eyes: &pairs, noises: &noises });
         if flock.frightened_s != last {
             heard.push(actor.dweller.plan_pos.extend(actor.z_m));
+        }
+        if let Some(mut middle) = subject.and_then(|subject| middles.get_mut(subject).ok()) {
+            let sum: DVec3 = flock.poses(to_s).map(|pose| pose.pos - *origin_m).sum();
+            let from = sum / flock.len() as f64;
+            middle.translation = actor.world + DVec3::new(from.x, from.z, -from.y).as_vec3();
         }
         let Some(mut birds) = solids.as_mut().and_then(|solids| solids.get_mut(&*birds)) else { continue };
         let numbers = &mut birds.extension.told.numbers;

@@ -27,6 +27,8 @@
 //!     })
 //!     .run();
 //! ```
+//! What is seen of what a file tells has a [`Subject`](veduta_ecs::Subject) of its name, for tours that follow it with the eye: of a flock its middle.
+//!
 //! What it may cost is told by [`LifeSettings`], in vertices, birds and fires. It works in any scene with a
 //! [`Viewer`](veduta_ecs::Viewer): `cargo run -p veduta-life --example life_alone`.
 //!

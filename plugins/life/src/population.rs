@@ -15,6 +15,8 @@ use crate::asset::CityLife;
 #[derive(Debug, Clone)]
 pub(crate) struct Dweller {
     pub id: Id,
+    /// What it is told of by, empty if rules tell of it.
+    pub name: String,
     pub plan_pos: DVec2,
     pub height_m: f64,
     pub heading_deg: f64,
@@ -67,8 +69,8 @@ impl Population {
             .iter()
             .filter_map(|thing| {
                 let plan_pos = thing.plan_pos(|name| by_name.get(name).copied())?;
-                let LivingThing { height_m, heading_deg, kind, .. } = thing.clone();
-                Some(Dweller { id: Id::from_place(&thing.name, plan_pos), plan_pos, height_m, heading_deg, kind })
+                let LivingThing { name, height_m, heading_deg, kind, .. } = thing.clone();
+                Some(Dweller { id: Id::from_place(&name, plan_pos), name, plan_pos, height_m, heading_deg, kind })
             })
             .collect();
         if rules.pigeons == 0 {
@@ -80,7 +82,7 @@ impl Population {
             }
             let kind = LifeKind::Flock { radius_m: SQUARE_M, count: rules.pigeons, startle_m: 4.5 };
             let id = Id::from_place("pigeons", place.pos);
-            self.told.push(Dweller { id, plan_pos: place.pos, height_m: 0.0, heading_deg: 0.0, kind });
+            self.told.push(Dweller { id, name: String::new(), plan_pos: place.pos, height_m: 0.0, heading_deg: 0.0, kind });
         }
     }
 
@@ -94,7 +96,7 @@ impl Population {
             }
             let id = Id::from_place("fountain", plan_pos);
             let kind = usual_fountain(veduta_city::metres(object.height));
-            dwellers.push(Dweller { id, plan_pos, height_m: 0.0, heading_deg: 0.0, kind });
+            dwellers.push(Dweller { id, name: String::new(), plan_pos, height_m: 0.0, heading_deg: 0.0, kind });
         }
         self.by_cell.insert(cell, dwellers);
         if rules.hearths > 0.0 {
@@ -240,7 +242,14 @@ mod tests {
         let shell = CellShell { origin: GridPos(10 * 1024, 0), outline, objects: vec![at(1), at(40)], ..CellShell::default() };
         let mut population = Population::default();
         let told = usual_fountain(3.2);
-        population.told.push(Dweller { id: Id(1), plan_pos: DVec2::new(12.0, 0.5), height_m: 0.0, heading_deg: 0.0, kind: told });
+        population.told.push(Dweller {
+            id: Id(1),
+            name: String::new(),
+            plan_pos: DVec2::new(12.0, 0.5),
+            height_m: 0.0,
+            heading_deg: 0.0,
+            kind: told,
+        });
         population.settle_cell(3, &shell, &LifeRules::default(), &WorldOrigin::default());
         let places: Vec<DVec2> = population.by_cell[&3].iter().map(|dweller| dweller.plan_pos).collect();
         assert_eq!(places, [DVec2::new(50.0, 0.0)], "the other is told of");

@@ -7,7 +7,7 @@ use bevy::light::NotShadowCaster;
 use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 use veduta_city::{Id, Life, LifeKind};
-use veduta_ecs::{City, Daylight, Eye, Ground, OpenCity, StandingCells, Viewer, Weather, WorldOrigin};
+use veduta_ecs::{City, Daylight, Eye, Ground, OpenCity, StandingCells, Subject, Viewer, Weather, WorldOrigin};
 
 use crate::craft;
 use crate::dial;
@@ -46,7 +46,15 @@ pub(crate) enum Part {
     /// Nothing that the processor sees to: shaders move it.
     Still,
     /// A flock, its materials and how each bird is coloured.
-    Flock { flock: Box<Flock>, birds: Handle<SolidMaterial>, shades: Handle<MistMaterial>, origin_m: DVec3, hues: Vec<f32> },
+    Flock {
+        flock: Box<Flock>,
+        birds: Handle<SolidMaterial>,
+        shades: Handle<MistMaterial>,
+        origin_m: DVec3,
+        hues: Vec<f32>,
+        /// Where its middle is, for whoever follows it.
+        subject: Option<Entity>,
+    },
     /// Hands, in the order of the dial's pointings.
     Clock { hands: Vec<Entity> },
     /// A board.
@@ -293,6 +301,9 @@ impl Workshop<'_, '_> {
             }
             LifeKind::Smoke { .. } | LifeKind::Bell { .. } => (0, Vec::new(), Part::Still),
         };
+        if let Some(&first) = entities.get(usize::from(matches!(part, Part::Sign { .. }))).filter(|_| !dweller.name.is_empty()) {
+            self.commands.entity(first).insert(Subject(dweller.name.clone()));
+        }
         Actor { dweller: dweller.clone(), z_m, world: at.translation, work, entities, part }
     }
 
@@ -308,7 +319,7 @@ impl Workshop<'_, '_> {
         let body = pigeon::flock(flock.len());
         let work = body.vertices() + 4 * flock.len();
         let around = bounds(Vec3::Y * 6.0, (radius_m + 24.0) as f32);
-        let entities = vec![
+        let mut entities = vec![
             self.commands.spawn((Living(id), Mesh3d(self.meshes.add(body.mesh())), MeshMaterial3d(birds.clone()), at, around)).id(),
             self.commands
                 .spawn((
@@ -323,7 +334,10 @@ impl Workshop<'_, '_> {
         ];
         let draw = veduta_city::draw::Draw::new(0, id, "plumage");
         let hues = (0..Life::MOST_PIGEONS as u64).map(|n| draw.part(n).unit("hue") as f32).collect();
-        let part = Part::Flock { flock: Box::new(flock), birds, shades, origin_m: middle.extend(z_m), hues };
+        let is_named = !dweller.name.is_empty() && flock.len() > 0;
+        let subject = is_named.then(|| self.commands.spawn((Subject(dweller.name.clone()), at)).id());
+        entities.extend(subject);
+        let part = Part::Flock { flock: Box::new(flock), birds, shades, origin_m: middle.extend(z_m), hues, subject };
         Actor { dweller: dweller.clone(), z_m, world: at.translation, work, entities, part }
     }
 }
@@ -374,6 +388,7 @@ mod tests {
     fn population() -> Population {
         let dweller = |n: u64, x: f64, kind: LifeKind| Dweller {
             id: Id(n),
+            name: String::new(),
             plan_pos: DVec2::new(x, 0.0),
             height_m: 0.0,
             heading_deg: 0.0,

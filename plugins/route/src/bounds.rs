@@ -137,7 +137,7 @@ fn of_spot<'a>(part: &str, spot: &'a mut Where, all: &mut Vec<(String, Bounds, &
 fn of_gaze<'a>(part: &str, look: &'a mut LookAt, all: &mut Vec<(String, Bounds, &'a mut f64)>) {
     match look {
         LookAt::Ahead => {}
-        LookAt::Spot { at, height_m } => {
+        LookAt::Spot { at, height_m, follow: _ } => {
             of_spot(&format!("{part}.at"), at, all);
             all.push((format!("{part}.height_m"), SPOT_HEIGHT, height_m));
         }

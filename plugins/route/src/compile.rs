@@ -1,5 +1,7 @@
 //! The second half of compiling: acts are set in time.
 
+use std::collections::BTreeMap;
+
 use glam::{DVec2, swizzles::Vec3Swizzles};
 use veduta_city::{Ease, PlanTerrain, Step, Tour};
 
@@ -7,6 +9,7 @@ use crate::{
     FreeLine, Gazetteer, Pose, StepKind, StepProblem, StreetNet, TourError,
     bounds::{Bounds, DAY, EYE, FOV, HOUR, SECONDS, WALK_SPEED, WET},
     error::{LONGEST_TOUR_S, MOST_STEPS},
+    follow,
     pace::{Haste, Pace},
     plot::{Act, Leg, Plotter, TrackLeg},
     pose::{Facing, smoothstep},
@@ -42,6 +45,8 @@ pub struct CompiledTour {
     day: u16,
     fades: Vec<Fade>,
     pub(crate) script: Script,
+    /// What the eye follows, by the step that names it.
+    pub(crate) subjects: BTreeMap<usize, String>,
     spans: Vec<StepSpan>,
 }
 
@@ -249,7 +254,7 @@ impl Score<'_> {
             self.draft.stand(fade_s);
             self.has_started = true;
         }
-        if let Gaze::Spot(_) = gaze {
+        if let Gaze::Spot { .. } = gaze {
             self.draft.cue(self.draft.now_s, gaze, 0.0);
         }
     }
@@ -409,6 +414,7 @@ impl Score<'_> {
             day: self.tour.day,
             fades: self.fades,
             script: self.script,
+            subjects: follow::subjects(&self.tour.steps),
             spans: self.spans,
         }
     }

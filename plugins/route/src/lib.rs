@@ -63,8 +63,12 @@
 //! - Ways are the shortest; hills and crossings cost nothing. Stairs are left out on request, all of them
 //!   ([`StreetNet::without_steps`]).
 //!
+//! # Follow
+//! A tour may name something that moves ([`veduta_city::LookAt::Spot`]). Nobody knows beforehand where it will be, so the tour's own view turns to
+//! the spot that is told, and [`Follow`] leads it from there to the thing while it is about, in place, never the eye.
+//!
 //! # Rejected
-//! Springs and filters that run with the clock (other poses at other frame rates, and no seeking); one table of whole poses
+//! Springs and filters that run with the clock (other poses at other frame rates, and no seeking), but for what is followed; one table of whole poses
 //! (speeds true only between its entries); clothoids at corners (arcs with smoothed pace and gaze look the same at a walk);
 //! a navigation mesh (tours are told in streets, and the cells may not be loaded when a tour is compiled).
 
@@ -73,6 +77,7 @@ mod compile;
 mod edit;
 mod error;
 mod flight;
+mod follow;
 mod gazetteer;
 pub mod kml;
 mod letters;
@@ -101,6 +106,7 @@ pub use bounds::{Bounds, numbers, settings, spots};
 pub use compile::{CompiledTour, StepSpan, compile, compile_with, reading_s};
 pub use edit::{Approach, TourEdit, joined, new_step, steps_to_view, stretched};
 pub use error::{LONGEST_LEG_M, LONGEST_TOUR_S, MOST_KEYS, MOST_STEPS, Range, StepKind, StepProblem, TourError, WALK_EYE_M};
+pub use follow::{Follow, Followed};
 pub use gazetteer::Gazetteer;
 pub use letters::{fold, plain_name};
 pub use mistakes::{TourMistake, mistakes};

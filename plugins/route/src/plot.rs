@@ -130,7 +130,7 @@ impl<'a> Plotter<'a> {
             Step::Look { at, seconds } => {
                 stands()?;
                 let seconds = TURN_SECONDS.check(*seconds).map_err(&fails)?;
-                Act::Turn { step, gaze: self.gaze(at).map_err(fails)?, seconds }
+                Act::Turn { step, gaze: self.gaze(step, at).map_err(fails)?, seconds }
             }
             Step::Wait { seconds } => {
                 stands()?;
@@ -153,7 +153,7 @@ impl<'a> Plotter<'a> {
         let spot = self.spot(at)?;
         let eye = eye_m.or_else(|| spot.view().map(|v| v.eye_m)).unwrap_or(self.tour.eye_m);
         let eye = EYE.check(eye)?;
-        let gaze = self.gaze(look)?;
+        let gaze = self.gaze(step, look)?;
         let otherwise = spot.view().map(|v| Facing { heading: v.heading_deg, pitch: v.pitch_deg });
         let otherwise = otherwise.filter(|f| f.heading.is_finite() && f.pitch.abs() <= 90.0);
         Ok(Act::Place { step, at: self.stand(&spot)?.extend(eye), gaze, otherwise, fade_s })
@@ -198,16 +198,16 @@ impl<'a> Plotter<'a> {
         Ok(foot.plan_pos.lerp(spot.pos, (near - OFF_WALL_M / foot.distance_m).max(0.0)))
     }
 
-    fn gaze(&self, look: &LookAt) -> Checked<Gaze> {
+    fn gaze(&self, step: usize, look: &LookAt) -> Checked<Gaze> {
         Ok(match look {
             LookAt::Ahead => Gaze::Ahead,
             LookAt::Heading { deg, pitch_deg } => {
                 let heading = HEADING.check(*deg)?;
                 Gaze::Direction(Facing { heading, pitch: PITCH.check(*pitch_deg)? })
             }
-            LookAt::Spot { at, height_m } => {
+            LookAt::Spot { at, height_m, follow } => {
                 let height = SPOT_HEIGHT.check(*height_m)?;
-                Gaze::Spot(self.spot(at)?.pos.extend(height))
+                Gaze::Spot { at: self.spot(at)?.pos.extend(height), follow: follow.is_some().then_some(step) }
             }
         })
     }
@@ -293,7 +293,7 @@ impl<'a> Plotter<'a> {
         if length_m > LONGEST_LEG_M {
             return Err(StepProblem::TooLong { length_m });
         }
-        Ok(Leg { step, speed, gaze: self.gaze(look)?, ease, asides: Vec::new() })
+        Ok(Leg { step, speed, gaze: self.gaze(step, look)?, ease, asides: Vec::new() })
     }
 
     fn walk_to(&self, to: &Where, leg: u32, marks: &mut Vec<Mark>) -> Checked<()> {

@@ -32,8 +32,13 @@ pub(crate) enum Gaze {
     Hold,
     /// A direction.
     Direction(Facing),
-    /// A spot: plan metres and height above the ground.
-    Spot(DVec3),
+    /// A spot.
+    Spot {
+        /// Plan metres and height above the ground.
+        at: DVec3,
+        /// The step that names what is followed from there.
+        follow: Option<usize>,
+    },
     /// Along the path.
     Ahead,
 }
@@ -44,7 +49,7 @@ impl Gaze {
         match self {
             Self::Hold | Self::Ahead => now,
             Self::Direction(facing) => facing,
-            Self::Spot(spot) => {
+            Self::Spot { at: spot, .. } => {
                 let rise = terrain.height_m(spot.xy()) - terrain.height_m(at.xy());
                 Facing::along((spot - at) + DVec3::Z * rise, now)
             }
@@ -166,6 +171,7 @@ impl<'a> Draft<'a> {
 
     /// Moves by keys, each after the one before, from the present pose.
     pub fn track(&mut self, keys: &[Key]) {
+        self.cue(self.now_s, Gaze::Hold, 0.0);
         let first = Key { seconds: 0.0, at: self.here, facing: self.facing };
         let track = Track::new(core::iter::once(first).chain(keys.iter().copied()));
         (self.here, self.facing) = (track.at(track.duration_s()), track.facing(track.duration_s()));
@@ -234,7 +240,7 @@ impl<'a> Draft<'a> {
                 end = end.max(shot.start_s + (shot.table.len() - 1) as f64 / RATE_HZ);
             }
         }
-        Timeline { clips: self.clips, shots: self.shots, end_s: end }
+        Timeline { clips: self.clips, cues: self.cues, shots: self.shots, end_s: end }
     }
 }
 
@@ -343,6 +349,7 @@ fn averaged(table: &[Facing]) -> Vec<Facing> {
 #[derive(Debug, Clone)]
 pub(crate) struct Timeline {
     clips: Vec<Clip>,
+    cues: Vec<Cue>,
     shots: Vec<Shot>,
     end_s: f64,
 }
@@ -356,6 +363,14 @@ impl Timeline {
     pub fn at(&self, t: f64) -> DVec3 {
         let clip = self.clips.partition_point(|c| c.start_s <= t).saturating_sub(1);
         self.clips.get(clip).map_or(DVec3::ZERO, |c| c.at(t.min(self.end_s)))
+    }
+
+    /// The step that names what the eye follows, and how far it has turned there, 0 to 1.
+    pub fn followed(&self, t: f64) -> Option<(usize, f64)> {
+        let cue = self.cues.partition_point(|c| c.start_s <= t).checked_sub(1).and_then(|i| self.cues.get(i))?;
+        let Gaze::Spot { follow, .. } = cue.gaze else { return None };
+        let share = if cue.turn_s > 0.0 { smoothstep((t - cue.start_s) / cue.turn_s) } else { 1.0 };
+        Some((follow?, share))
     }
 
     /// Where it looks; clamps. The heading is within 0 to 360.

@@ -155,7 +155,7 @@ fn a_flight_keeps_its_speed_and_passes_its_points() {
 
 #[test]
 fn the_eye_looks_where_the_step_says() {
-    let hall = LookAt::Spot { at: Where::Place("Old Town Hall".into()), height_m: 41.65 };
+    let hall = LookAt::Spot { at: Where::Place("Old Town Hall".into()), height_m: 41.65, follow: None };
     let tour = compiled(&with_steps(vec![
         start(100.0, 0.0),
         walk(100.0, 200.0),
@@ -179,7 +179,7 @@ fn on_a_slope_the_eye_looks_up_and_down_at_what_stands_higher_and_lower() {
     let terrain = PlanTerrain { origin: GridPos(0, 0), step: 100 * 1024, columns: 2, heights };
     let steps = vec![
         start(20.0, 30.0),
-        Step::Look { at: LookAt::Spot { at: Where::At(20.0, 70.0), height_m: 1.65 }, seconds: 4.0 },
+        Step::Look { at: LookAt::Spot { at: Where::At(20.0, 70.0), height_m: 1.65, follow: None }, seconds: 4.0 },
         Step::Wait { seconds: 2.0 },
     ];
     let tour = compile(&with_steps(steps), &town().on(&terrain), &places()).unwrap_or_else(|e| panic!("{e}"));
@@ -428,7 +428,7 @@ fn poses_do_not_depend_on_who_asks() {
 fn any_look() -> impl Strategy<Value = LookAt> {
     prop_oneof![
         2 => Just(LookAt::Ahead),
-        1 => (0.0..200.0, 0.0..200.0, 0.0..40.0f64).prop_map(|(x, y, height_m)| LookAt::Spot { at: Where::At(x, y), height_m }),
+        1 => (0.0..200.0, 0.0..200.0, 0.0..40.0f64).prop_map(|(x, y, height_m)| LookAt::Spot { at: Where::At(x, y), height_m, follow: None }),
         1 => (-400.0..400.0, -60.0..60.0f64).prop_map(|(deg, pitch_deg)| LookAt::Heading { deg, pitch_deg }),
     ]
 }
@@ -481,7 +481,7 @@ proptest! {
         n in proptest::collection::vec(any_number(), 12), kinds in proptest::collection::vec(0u8..8, 1..5),
     ) {
         let mut steps = vec![start(n[0], n[1])];
-        let look = LookAt::Spot { at: Where::At(n[10], n[11]), height_m: n[9] };
+        let look = LookAt::Spot { at: Where::At(n[10], n[11]), height_m: n[9], follow: None };
         for kind in kinds {
             steps.push(match kind {
                 0 => Step::Walk { to: Where::At(n[2], n[3]), via: vec![Where::At(n[7], 0.0)], speed: Some(n[4]), look: LookAt::Ahead, ease: Ease::In },

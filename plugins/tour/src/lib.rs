@@ -60,7 +60,9 @@
 //! assert_eq!(tour.steps.len(), 6);
 //! # Ok::<(), veduta_city::file::SyntaxError>(())
 //! ```
-//! A [`TourMark`] tells a game that a moment has come which the tour marks: to ring bells, to open a door.
+//! A [`TourMark`] tells a game that a moment has come which the tour marks: to ring bells, to open a door. The other way round, a game puts a
+//! [`Subject`](veduta_ecs::Subject) on what moves, and a tour follows it with the eye from wherever it leads the visitor: where a step looks
+//! at a spot, `follow: "Hay cart"` names it.
 //!
 //! Its [`controls`], whose keys a visitor may change ([`veduta_controls`]); at first they are:
 //!
@@ -92,6 +94,7 @@ mod asset;
 mod caption;
 pub mod controls;
 mod editor;
+mod follow;
 mod picture;
 mod play;
 mod ready;

@@ -8,6 +8,7 @@ use veduta_route::{CompiledTour, Pose, ResumeLeg, resume};
 
 use crate::TourAsset;
 use crate::accompany::Moments;
+use crate::follow::Following;
 use crate::streets::Streets;
 
 /// What to do with the tour.
@@ -376,6 +377,7 @@ pub(crate) fn play(
     mut weather: ResMut<Weather>,
     mut ended: MessageWriter<TourEnded>,
     mut moments: Moments,
+    mut following: Following,
 ) {
     tell_ahead(&player, &mut has_told, &mut itineraries);
     let guided = *steering == Steering::Guided;
@@ -423,6 +425,7 @@ pub(crate) fn play(
         TourState::Idle | TourState::Waiting | TourState::Wandering => None,
     };
     let Some(pose) = pose else { return };
+    let pose = following.lead(&player, pose, viewers.iter().next(), was.is_still(), seconds);
     if let Some(day) = player.compiled.as_ref().map(CompiledTour::day).filter(|day| *day != clock.day) {
         clock.day = day;
     }

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use veduta_city::Place;
+use veduta_city::{Life, LifeKind, Place};
 use veduta_route::Gazetteer;
 
 /// Larger pictures are not shown; bytes.
@@ -24,6 +24,34 @@ pub(super) fn recording_beside(path: &Path, file: &str) -> Result<f64, String> {
     let bytes = std::fs::read(&at).map_err(|error| format!("the recording `{file}`: {error}"))?;
     let recording = veduta_synth::Recording::new(bytes).map_err(|error| format!("the recording `{file}`: {error}"))?;
     Ok(recording.seconds())
+}
+
+/// A file of a city's life, and what lives by it.
+pub(super) struct Living {
+    /// Its name.
+    pub file: String,
+    /// The names of what can be seen to live.
+    pub names: Vec<String>,
+}
+
+/// What lives in a city by the files that lie beside its map, or within what was baked of it. Files that cannot be read are left out: who
+/// checks them is told.
+pub(super) fn living_beside(city: &Path) -> Vec<Living> {
+    let folder = if city.is_dir() { city } else { city.parent().filter(|at| !at.as_os_str().is_empty()).unwrap_or(Path::new(".")) };
+    let mut living: Vec<Living> = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter_map(|entry| {
+            let file = entry.file_name().to_string_lossy().into_owned();
+            let life: Life = file.ends_with(".life.ron").then(|| veduta_city::file::read(&entry.path()).ok()).flatten()?;
+            let seen =
+                life.things.into_iter().filter(|thing| !matches!(thing.kind, LifeKind::Smoke { .. } | LifeKind::Bell { .. }));
+            Some(Living { file, names: seen.map(|thing| thing.name).collect() })
+        })
+        .collect();
+    living.sort_by(|a, b| a.file.cmp(&b.file));
+    living
 }
 
 /// Whether a picture beside a file is there, is one, and is small enough to be shown.

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use glam::DVec2;
-use veduta_city::{LookAt, Step, TourText, Where, is_known_language, language_mistake};
-use veduta_route::{CompiledTour, StepKind, StepSpan, is_aside, reading_s, spots};
+use veduta_city::{LookAt, Place, Step, TourText, Where, is_known_language, language_mistake};
+use veduta_route::{CompiledTour, Gazetteer, StepKind, StepSpan, is_aside, reading_s, spots};
 
+use super::beside::Living;
 use super::town::Town;
 use super::town_ground::Stand;
 
@@ -21,10 +22,11 @@ fn note(step: impl Into<Option<usize>>, part: &str, message: String) -> Note {
 }
 
 /// All notes on a tour; on its spots where its city is at hand, on its times where it can be played.
-pub(super) fn notes(text: &TourText, town: Option<&Town>, compiled: Option<&CompiledTour>) -> Vec<Note> {
+pub(super) fn notes(text: &TourText, town: Option<&Town>, compiled: Option<&CompiledTour>, living: &[Living]) -> Vec<Note> {
     let mut notes = of_words(text);
     notes.extend(of_order(text));
     notes.extend(of_hours(text));
+    notes.extend(of_followed(text, living));
     notes.extend(town.into_iter().flat_map(|town| of_spots(text, town)));
     notes.extend(compiled.into_iter().flat_map(|compiled| of_times(text, compiled)));
     notes
@@ -109,6 +111,39 @@ fn of_order(text: &TourText) -> Vec<Note> {
     notes
 }
 
+/// What is followed and does not live in the city. A game may have put it there.
+fn of_followed(text: &TourText, living: &[Living]) -> Vec<Note> {
+    let names = living.iter().flat_map(|life| &life.names);
+    let places: Vec<Place> = names.map(|name| Place { name: name.clone(), ..Place::default() }).collect();
+    let known = Gazetteer::new(&places);
+    let steps = text.tour().steps.iter().enumerate();
+    let of_step = |(i, step): (usize, &Step)| {
+        let Some(LookAt::Spot { follow: Some(name), .. }) = step.look() else { return None };
+        if name.trim().is_empty() {
+            return Some(note(
+                i,
+                &format!("{}.follow", look_part(step)),
+                "the name of what is followed is empty: nothing has it".to_owned(),
+            ));
+        }
+        let file = &living.first()?.file;
+        if places.iter().any(|place| place.name == *name) {
+            return None;
+        }
+        let near: Vec<String> = known.suggest(name).into_iter().map(|near| format!("{near:?}")).collect();
+        let meant =
+            if near.is_empty() { "; the".to_owned() } else { format!("; did you mean {}? Otherwise the", near.join(" or ")) };
+        let message = format!("nothing that moves in {file} is named {name:?}{meant} game itself has to move it there");
+        Some(note(i, &format!("{}.follow", look_part(step)), message))
+    };
+    steps.filter_map(of_step).collect()
+}
+
+/// The part of a step that says where the eye turns.
+const fn look_part(step: &Step) -> &'static str {
+    if let Step::Look { .. } = step { "at" } else { "look" }
+}
+
 /// Hours that look like hours and minutes.
 fn of_hours(text: &TourText) -> Vec<Note> {
     let steps = text.tour().steps.iter().enumerate().filter(|(_, step)| matches!(step, Step::Time { .. })).map(|(i, _)| Some(i));
@@ -158,15 +193,12 @@ fn of_spots(text: &TourText, town: &Town) -> Vec<Note> {
 /// A view of what lies below the ground.
 fn of_depth(i: usize, step: &Step) -> Option<Note> {
     const DEEP_M: f64 = -3.0;
-    let (part, look) = match step {
-        Step::Look { at, .. } => ("at", at),
-        Step::Start { look, .. } | Step::Cut { look, .. } | Step::Walk { look, .. } | Step::Fly { look, .. } => ("look", look),
-        _ => return None,
-    };
-    match look {
-        LookAt::Spot { height_m, .. } if *height_m < DEEP_M => {
-            Some(note(i, &format!("{part}.height_m"), format!("what is looked at lies {} m below the ground there", -height_m)))
-        }
+    match step.look()? {
+        LookAt::Spot { height_m, .. } if *height_m < DEEP_M => Some(note(
+            i,
+            &format!("{}.height_m", look_part(step)),
+            format!("what is looked at lies {} m below the ground there", -height_m),
+        )),
         _ => None,
     }
 }

@@ -193,7 +193,8 @@ fn spot() -> impl Strategy<Value = Where> {
 fn look() -> impl Strategy<Value = LookAt> {
     prop_oneof![
         Just(LookAt::Ahead),
-        (spot(), prop_oneof![Just(1.65), number()]).prop_map(|(at, height_m)| LookAt::Spot { at, height_m }),
+        (spot(), prop_oneof![Just(1.65), number()], proptest::option::of(words()))
+            .prop_map(|(at, height_m, follow)| LookAt::Spot { at, height_m, follow }),
         (number(), prop_oneof![Just(0.0), number()]).prop_map(|(deg, pitch_deg)| LookAt::Heading { deg, pitch_deg }),
     ]
 }

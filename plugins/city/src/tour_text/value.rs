@@ -96,9 +96,10 @@ fn place(at: &Where) -> Value {
 fn gaze(look: &LookAt) -> Value {
     match look {
         LookAt::Ahead => Value::Word("Ahead"),
-        LookAt::Spot { at, height_m } => {
+        LookAt::Spot { at, height_m, follow } => {
             let height_m = unless("height_m", Value::Number(*height_m), &Value::Number(Tour::default_eye_m()));
-            Value::Struct("Spot", vec![told("at", place(at)), height_m])
+            let follow = follow.clone().map_or(Value::Nothing, Value::Text);
+            Value::Struct("Spot", vec![told("at", place(at)), height_m, unless("follow", follow, &Value::Nothing)])
         }
         LookAt::Heading { deg, pitch_deg } => {
             let pitch = unless("pitch_deg", Value::Number(*pitch_deg), &Value::Number(0.0));

@@ -105,7 +105,13 @@ fn lost(tour: &CompiledTour) -> Vec<Finding> {
         Finding::new(Severity::Note, Id::NONE, None, message)
     });
     let rain = usize::from(tour.wet(0.0).is_some());
-    let lost = [told(tour.script.chapters.len(), "chapters"), told(tour.script.marks.len(), "marks"), told(rain, "weather"), dark];
+    let lost = [
+        told(tour.script.chapters.len(), "chapters"),
+        told(tour.script.marks.len(), "marks"),
+        told(tour.subjects.len(), "views that follow what moves"),
+        told(rain, "weather"),
+        dark,
+    ];
     lost.into_iter().flatten().collect()
 }
 

@@ -148,7 +148,7 @@ fn spot(samples: &[Sample], terrain: &PlanTerrain) -> Option<LookAt> {
         (NEAREST_M..FARTHEST_M).contains(&d.length()) && apart_deg(Facing::along(d, s.facing), s.facing) <= RECORDED_GAZE_DEG / 2.0
     });
     let height_m = tenth(at.z - terrain.height_m(at.xy()));
-    (is_seen && (-50.0..300.0).contains(&height_m)).then_some(LookAt::Spot { at: Where::At(at.x, at.y), height_m })
+    (is_seen && (-50.0..300.0).contains(&height_m)).then_some(LookAt::Spot { at: Where::At(at.x, at.y), height_m, follow: None })
 }
 
 /// Where a tour looks when a movement with such a gaze has ended.
@@ -157,7 +157,7 @@ pub(super) fn at_the_end(look: &LookAt, samples: &[Sample], terrain: &PlanTerrai
     Some(match look {
         LookAt::Ahead => way_ahead(samples, samples.len() - 1, false)[2],
         LookAt::Heading { deg, pitch_deg } => Facing { heading: *deg, pitch: *pitch_deg },
-        LookAt::Spot { at, height_m } => {
+        LookAt::Spot { at, height_m, .. } => {
             let at = at.plan_pos()?;
             let rise = terrain.height_m(at) - terrain.height_m(last.at.xy());
             Facing::along(at.extend(*height_m) - last.at + DVec3::Z * rise, last.facing)

@@ -201,7 +201,7 @@ fn who_walks_past_something_and_looks_at_it_looks_at_that_spot() {
     }
     let (steps, compiled) = follows(&visitor, &net, &Gazetteer::default(), RECORDED_WALK_M);
     assert_eq!(kinds(&steps), [StepKind::Start, StepKind::Walk], "{steps:#?}");
-    let Step::Walk { look: LookAt::Spot { at: Where::At(x, y), height_m }, .. } = steps[1] else { panic!("{steps:#?}") };
+    let Step::Walk { look: LookAt::Spot { at: Where::At(x, y), height_m, .. }, .. } = steps[1] else { panic!("{steps:#?}") };
     assert!(DVec3::new(x, y, height_m).distance(tower) < 1.0, "{x} {y} {height_m}");
     for (_, pose) in visitor.passed.iter().step_by(30) {
         let along = |t: &f64| compiled.pose(*t).plan_pos.distance(pose.plan_pos);

@@ -131,15 +131,22 @@ pub(super) fn gaze(ui: &mut Ui, bench: &Bench<'_>, look: &mut LookAt) {
     if wanted != is && !(wanted == Gaze::Heading && matches!(look, LookAt::Heading { .. })) {
         *look = match wanted {
             Gaze::Ahead => LookAt::Ahead,
-            Gaze::Spot => LookAt::Spot { at: other(bench, &here(bench)), height_m: 2.0 },
+            Gaze::Spot => LookAt::Spot { at: other(bench, &here(bench)), height_m: 2.0, follow: None },
             Gaze::Heading => mine(bench),
         };
     }
     match look {
         LookAt::Ahead => {}
-        LookAt::Spot { at, height_m } => {
+        LookAt::Spot { at, height_m, follow } => {
             place(ui, bench, "look-at", at);
             ui.horizontal(|ui| coordinate(ui, bench, "look-height", height_m, &HEIGHT));
+            ui.horizontal(|ui| {
+                let mut name = follow.clone().unwrap_or_default();
+                let label = ui.label(bench.say("look-follow"));
+                let field = TextEdit::singleline(&mut name).desired_width(bench.look.text * 10.0);
+                ui.add(field).labelled_by(label.id).on_hover_text(bench.say("look-follow-hint"));
+                *follow = (!name.is_empty()).then_some(name);
+            });
         }
         LookAt::Heading { deg, pitch_deg } => {
             ui.horizontal(|ui| {

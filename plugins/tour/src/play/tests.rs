@@ -1,4 +1,4 @@
-use veduta_ecs::City;
+use veduta_ecs::{City, Subject};
 
 use super::*;
 
@@ -84,6 +84,47 @@ fn the_player_stands_at_the_same_place_at_any_frame_rate() {
         let turned = (a.heading_deg - b.heading_deg + 180.0).rem_euclid(360.0) - 180.0;
         assert!(turned.abs().max((a.pitch_deg - b.pitch_deg).abs()).max((a.fov_deg - b.fov_deg).abs()) < 1e-2, "{a:?} and {b:?}");
     }
+}
+
+/// A cart that goes by, as a game would move it.
+fn drive(time: Res<Time>, mut carts: Query<(&mut Transform, &mut GlobalTransform), With<Subject>>) {
+    for (mut at, mut global) in &mut carts {
+        at.translation.x = 6.0 * time.elapsed_secs() - 60.0;
+        *global = GlobalTransform::from(*at);
+    }
+}
+
+#[test]
+fn the_eye_goes_with_what_moves_and_leaves_it_when_it_is_gone() {
+    const STEPS: &str =
+        r#"Start(at: At(0, 0)), Look(at: Spot(at: At(0, 30), height_m: 1.65, follow: "Cart"), seconds: 2), Wait(seconds: 30)"#;
+    let watched = |hz: f64| {
+        let mut app = playing(hz, STEPS);
+        app.add_systems(PreUpdate, drive);
+        let hidden =
+            (Subject("Cart".into()), Transform::from_xyz(0.0, 0.0, -9.0), GlobalTransform::default(), InheritedVisibility::HIDDEN);
+        app.world_mut().spawn(hidden);
+        let cart =
+            app.world_mut().spawn((Subject("Cart".into()), Transform::from_xyz(0.0, 1.65, -30.0), GlobalTransform::default())).id();
+        let headings: Vec<f64> = (0..20)
+            .map(|_| {
+                (0..hz as u32).for_each(|_| app.update());
+                assert_eq!((eye(&mut app).plan_pos, eye(&mut app).eye_m), (DVec2::ZERO, 1.65), "the eye stays the tour's");
+                (eye(&mut app).heading_deg + 180.0).rem_euclid(360.0) - 180.0
+            })
+            .collect();
+        app.world_mut().entity_mut(cart).despawn();
+        (0..(3.0 * hz) as u32).for_each(|_| app.update());
+        let left = (eye(&mut app).heading_deg + 180.0).rem_euclid(360.0) - 180.0;
+        (headings, left)
+    };
+    let ((slow, left), (fast, _)) = (watched(30.0), watched(144.0));
+    for (second, (a, b)) in slow.iter().zip(&fast).enumerate().skip(6) {
+        let there = (6.0 * (second as f64 + 1.0) - 60.0).atan2(30.0).to_degrees();
+        assert!((a - there).abs() < 8.0, "after {second} s it looks to {a}°, and the cart is at {there}°");
+        assert!((a - b).abs() < 1.0, "{a}° at 30 and {b}° at 144 frames a second");
+    }
+    assert!(left.abs() < 0.5, "the spot is looked at again: {left}°");
 }
 
 #[test]

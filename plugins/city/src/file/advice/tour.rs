@@ -55,7 +55,7 @@ pub(super) const MADE: [Made; 18] = [
     made("Fov", &[("deg", Number), ("seconds", Number)], "Fov(deg: 60, seconds: 2)"),
     made("Time", &[("hour", Number), ("seconds", Number)], "Time(hour: 17.5, seconds: 20)"),
     made("Cut", &[("to", Spot), ("eye_m", Number), ("look", Gaze), ("seconds", Number)], "Cut(to: Place(\"…\"))"),
-    made("Spot", &[("at", Spot), ("height_m", Number)], "Spot(at: Place(\"…\"))"),
+    made("Spot", &[("at", Spot), ("height_m", Number), ("follow", Text)], "Spot(at: Place(\"…\"))"),
     made("Heading", &[("deg", Number), ("pitch_deg", Number)], "Heading(deg: 90)"),
 ];
 
