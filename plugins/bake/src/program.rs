@@ -186,6 +186,8 @@ enum Bench {
     Growth(bench::GrowthBench),
     /// Make all meshes of a city from its packets: how fast, and from which bandwidth on ready ones would come sooner.
     Meshes(bench::MeshesBench),
+    /// Make the pictures of painted façades ready for a graphics card: how long one core takes.
+    Facades(bench::FacadesBench),
     /// Find the straight skeletons of footprints: how fast, and whether each has one.
     Roofs(bench::RoofsBench),
 }
@@ -282,6 +284,7 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
         Command::Bench(Bench::Cells(cells)) => bench::cells(&cells)?,
         Command::Bench(Bench::Growth(growth)) => bench::growth(&growth)?,
         Command::Bench(Bench::Meshes(meshes)) => bench::meshes(&meshes)?,
+        Command::Bench(Bench::Facades(facades)) => bench::facades(&facades)?,
         Command::Bench(Bench::Roofs(roofs)) => bench::roofs(&roofs)?,
         Command::Serve { city, port } => serve::serve(&city, port)?,
     }

@@ -259,7 +259,9 @@ fn a_tour_that_went_out_as_kml_comes_in_the_same() {
             assert!(off[0] < 0.1 && off[1] < 0.5 && off[2] < 0.5, "{name}: at {t:.2} s {off:?}\n{a:?}\n{b:?}");
             worst = core::array::from_fn(|i| worst[i].max(off[i]));
         }
-        for t in moments(tour, 5.0).map(|t| t + 0.05) {
+        // KML's seconds are rounded: a caption may come and go a hundredth of a second off.
+        let goes_on = |&t: &f64| tour.caption(t - 0.01) == tour.caption(t + 0.01);
+        for t in moments(tour, 5.0).map(|t| t + 0.05).filter(goes_on) {
             assert_eq!(
                 (tour.caption(t), tour.caption_in(t, "cs")),
                 (again.caption(t), again.caption_in(t, "cs")),

@@ -32,10 +32,16 @@ impl Rgb {
     /// The colour nearest to channels in linear light; what is beyond 0 to 1 is bounded.
     #[must_use]
     pub fn from_linear(channels: [f32; 3]) -> Self {
+        let (linear, firsts) = (&*LINEAR, &*FIRSTS);
         let [r, g, b] = channels.map(|light| {
-            let above = LINEAR.partition_point(|&step| step < light).min(255);
+            // Not a number and what is dark count as 0.
+            let bin = (light * BINS as f32) as usize;
+            let mut above = usize::from(firsts[bin.min(BINS - 1)]);
+            while above < 255 && linear[above] < light {
+                above += 1;
+            }
             let below = above.saturating_sub(1);
-            if light - LINEAR[below] < LINEAR[above] - light { below as u8 } else { above as u8 }
+            if light - linear[below] < linear[above] - light { below as u8 } else { above as u8 }
         });
         Self(r, g, b)
     }
@@ -46,6 +52,17 @@ static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
     core::array::from_fn(|c| {
         let c = c as f32 / 255.0;
         if c <= 0.040_45 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) }
+    })
+});
+
+/// Equal parts of linear light: finer than all but the darkest steps of sRGB.
+const BINS: usize = 4096;
+
+/// For each part, the first step of sRGB that is not darker than where it begins.
+static FIRSTS: LazyLock<[u8; BINS]> = LazyLock::new(|| {
+    core::array::from_fn(|bin| {
+        let begin = bin as f32 / BINS as f32;
+        LINEAR.partition_point(|&step| step < begin).min(255) as u8
     })
 });
 

@@ -1,7 +1,7 @@
 use block_compression::CompressionVariant;
 use block_compression::encode::compress_rgba8;
 
-use crate::Layer;
+use crate::{Layer, bc1};
 
 /// Texels along a block.
 const SIDE: usize = 4;
@@ -26,32 +26,41 @@ impl Layer {
 
 /// Blocks of a mip chain of opaque pictures, BC1: half as many bytes.
 pub(crate) fn opaque(chain: &[u8], size: u32) -> Vec<u8> {
-    encode(CompressionVariant::BC1, chain, size)
+    let mut blocks = Vec::with_capacity(chain.len() / 8 + 32);
+    for_each_mip(chain, size, |mip, side| {
+        let texels = mip.as_chunks::<4>().0;
+        for corner in (0..side).step_by(SIDE).flat_map(|y| (0..side).step_by(SIDE).map(move |x| y * side + x)) {
+            let texels = core::array::from_fn(|i| texels[corner + i / SIDE * side + i % SIDE]);
+            blocks.extend(bc1::block(&texels));
+        }
+    });
+    blocks
 }
 
 fn in_blocks(chain: &[u8], size: u32) -> Vec<u8> {
-    encode(CompressionVariant::BC3, chain, size)
+    let mut blocks = Vec::with_capacity(chain.len() / 4 + 32);
+    for_each_mip(chain, size, |mip, side| {
+        let (start, side) = (blocks.len(), side as u32);
+        blocks.resize(start + CompressionVariant::BC3.blocks_byte_size(side, side), 0);
+        compress_rgba8(CompressionVariant::BC3, mip, &mut blocks[start..], side, side, side * 4);
+    });
+    blocks
 }
 
-/// Blocks of a mip chain of RGBA8 that begins with `size` × `size` texels, a power of two.
-fn encode(variant: CompressionVariant, chain: &[u8], size: u32) -> Vec<u8> {
-    let (mut blocks, mut rest, mut side) = (Vec::with_capacity(chain.len() / 4 + 32), chain, size as usize);
+/// The mips of a chain of RGBA8 that begins with `size` × `size` texels, a power of two, each with its side; those that are smaller than a
+/// block repeated.
+fn for_each_mip(chain: &[u8], size: u32, mut of: impl FnMut(&[u8], usize)) {
+    let (mut rest, mut side) = (chain, size as usize);
     while side > 0 {
         let (mip, smaller) = rest.split_at(side * side * 4);
         rest = smaller;
-        let padded;
-        let (mip, edge) = if side < SIDE {
-            padded = repeated(mip, side);
-            (&*padded, SIDE as u32)
+        if side < SIDE {
+            of(&repeated(mip, side), SIDE)
         } else {
-            (mip, side as u32)
-        };
-        let start = blocks.len();
-        blocks.resize(start + variant.blocks_byte_size(edge, edge), 0);
-        compress_rgba8(variant, mip, &mut blocks[start..], edge, edge, edge * 4);
+            of(mip, side)
+        }
         side /= 2;
     }
-    blocks
 }
 
 /// A block of a mip that is smaller than one.

@@ -58,6 +58,7 @@
 //! same bits on every platform); painting on the GPU (baking and tests have none).
 
 mod bay;
+mod bc1;
 mod blocks;
 mod canvas;
 mod card;

@@ -1,6 +1,9 @@
 //! From the canvas to bytes: normals from relief, mip chains averaged in linear light, encoding.
 
-use glam::Vec3;
+use std::sync::LazyLock;
+
+use glam::{Vec3, Vec3A};
+use veduta_city::Rgb;
 
 use crate::canvas::{Canvas, Texel};
 
@@ -42,6 +45,43 @@ impl Encoder {
         let share = luminance(half) / luminance(sum).max(1e-6);
         [self.byte(sum.x), self.byte(sum.y), self.byte(sum.z), (share * 255.0 + 0.5) as u8]
     }
+}
+
+/// Linear light in sixteen bits: finer than any step of sRGB, and told by tables both ways.
+pub(crate) struct Light {
+    linear: [u16; 256],
+    srgb: Vec<u8>,
+}
+
+impl Light {
+    /// The tables, made when they are asked for first.
+    pub(crate) fn tables() -> &'static Self {
+        static TABLES: LazyLock<Light> = LazyLock::new(|| Light {
+            linear: core::array::from_fn(|c| (Rgb(c as u8, 0, 0).to_linear()[0] * 65_535.0 + 0.5) as u16),
+            srgb: (0..=u16::MAX).map(|light| Rgb::from_linear([f32::from(light) / 65_535.0; 3]).0).collect(),
+        });
+        &TABLES
+    }
+
+    pub(crate) fn linear(&self, Rgb(r, g, b): Rgb) -> [u16; 3] {
+        [r, g, b].map(|c| self.linear[usize::from(c)])
+    }
+
+    pub(crate) fn srgb(&self, light: [u16; 3]) -> Rgb {
+        let [r, g, b] = light.map(|c| self.srgb[usize::from(c)]);
+        Rgb(r, g, b)
+    }
+
+    /// Of light from 0 to 1; what is beyond is bounded.
+    pub(crate) fn srgb_of(&self, light: Vec3A) -> Rgb {
+        self.srgb((light * 65_535.0 + 0.5).to_array().map(|c| c as u16))
+    }
+}
+
+/// The mean of four colours in linear light.
+pub(crate) fn mean_light(four: [[u16; 3]; 4]) -> [u16; 3] {
+    let sum = |c: usize| four.iter().map(|light| u32::from(light[c])).sum::<u32>();
+    [0, 1, 2].map(|c| ((sum(c) + 2) / 4) as u16)
 }
 
 fn luminance(c: Vec3) -> f32 {
@@ -104,7 +144,7 @@ pub(crate) fn facets(canvas: &Canvas) -> Vec<Facet> {
 }
 
 /// The next smaller picture: means of two by two.
-pub(crate) fn halve<T: Copy>(size: usize, from: &[T], mean: impl Fn([T; 4]) -> T) -> Vec<T> {
+pub(crate) fn halve<T: Copy, U>(size: usize, from: &[T], mean: impl Fn([T; 4]) -> U) -> Vec<U> {
     let half = size / 2;
     let mut to = Vec::with_capacity(half * half);
     for row in 0..half {

@@ -10,6 +10,7 @@
 
 mod cells;
 mod cmpe;
+mod facades;
 mod figure;
 mod figures;
 mod footprints;
@@ -29,6 +30,7 @@ use veduta_city::file;
 
 use super::Failure;
 pub(crate) use cells::{CellsBench, cells};
+pub(crate) use facades::{FacadesBench, facades};
 use figures::{Kind, Pooled, median_seconds};
 pub(crate) use growth::{GrowthBench, growth};
 pub(crate) use meshes::{MeshesBench, meshes};

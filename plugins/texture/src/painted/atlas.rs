@@ -1,11 +1,13 @@
 //! Pictures of level 3, taken apart: the wall without what repeats on it section by section, and all that repeats once.
 
-use glam::DVec2;
+use core::ops::Range;
+
+use glam::{DVec2, Vec3A};
 use veduta_city::{PaintedFacade, PaintedObject, Rgb};
 
 use super::Pixels;
 use super::picture::PICTURE_SIDE;
-use crate::mips::halve;
+use crate::mips::{Light, halve};
 
 /// How much finer objects are kept than sections show them; less where they do not fit.
 const FINER: f64 = 1.4;
@@ -77,26 +79,71 @@ pub(super) struct Shown {
 
 /// Finds some of the objects in sections of so many texels a side; others hide what they lie on, as the wall does.
 pub(super) fn shown(painted: &PaintedFacade, side: usize, is_shown: impl Fn(&PaintedObject) -> bool) -> Shown {
-    let texel = DVec2::new(f64::from(painted.size.0) / f64::from(painted.sections), f64::from(painted.size.1)) / side as f64;
     let mut of = vec![vec![None; side * side]; painted.sections.into()];
-    let mut texels = Vec::with_capacity(painted.objects.len());
-    for (n, object) in (0_u8..).zip(&painted.objects) {
-        let size = DVec2::new(object.size.0.into(), object.size.1.into());
-        texels.push(texel / size);
-        for (low_x, low_y) in object.places() {
-            // In texels of the whole row of sections, y from the top.
-            let (left, top) = (f64::from(low_x) / texel.x, (f64::from(painted.size.1 - low_y) - size.y) / texel.y);
-            let (right, bottom) = (left + size.x / texel.x, top + size.y / texel.y);
-            let range = |from: f64, to: f64, end: usize| (from + 0.5).floor() as usize..((to + 0.5).floor() as usize).min(end);
-            for y in range(top, bottom, side) {
-                for x in range(left, right, side * of.len()) {
-                    let at = DVec2::new((x as f64 + 0.5 - left) / (right - left), (y as f64 + 0.5 - top) / (bottom - top));
-                    of[x / side][y * side + x % side] = is_shown(object).then_some((n, at));
-                }
+    for stamp in stamps(painted, side) {
+        let is_shown = is_shown(&painted.objects[usize::from(stamp.object)]);
+        for y in stamp.rows(side) {
+            for x in stamp.columns(side * of.len()) {
+                of[x / side][y * side + x % side] = is_shown.then(|| (stamp.object, stamp.share(x, y)));
             }
         }
     }
+    let texel = texel_size(painted, side);
+    let texels = painted.objects.iter().map(|object| texel / DVec2::new(object.size.0.into(), object.size.1.into())).collect();
     Shown { of, texels }
+}
+
+/// Size of a texel of sections of so many a side, in steps of the façade's grid.
+fn texel_size(painted: &PaintedFacade, side: usize) -> DVec2 {
+    DVec2::new(f64::from(painted.size.0) / f64::from(painted.sections), f64::from(painted.size.1)) / side as f64
+}
+
+/// An object in one of its places, in texels of the whole row of sections, y from the top.
+struct Stamp {
+    object: u8,
+    left: f64,
+    top: f64,
+    right: f64,
+    bottom: f64,
+}
+
+/// All objects in all their places, each before what lies on it.
+fn stamps(painted: &PaintedFacade, side: usize) -> impl Iterator<Item = Stamp> {
+    let texel = texel_size(painted, side);
+    (0_u8..).zip(&painted.objects).flat_map(move |(n, object)| {
+        let size = DVec2::new(object.size.0.into(), object.size.1.into());
+        object.places().map(move |(low_x, low_y)| {
+            let (left, top) = (f64::from(low_x) / texel.x, (f64::from(painted.size.1 - low_y) - size.y) / texel.y);
+            Stamp { object: n, left, top, right: left + size.x / texel.x, bottom: top + size.y / texel.y }
+        })
+    })
+}
+
+impl Stamp {
+    /// Texels whose middles it covers, of so many.
+    fn columns(&self, end: usize) -> Range<usize> {
+        covered(self.left, self.right, end)
+    }
+
+    fn rows(&self, end: usize) -> Range<usize> {
+        covered(self.top, self.bottom, end)
+    }
+
+    /// All of them, row by row.
+    fn texels(&self, end: usize) -> impl Iterator<Item = (usize, usize)> {
+        let columns = self.columns(end);
+        self.rows(PICTURE_SIDE).flat_map(move |y| columns.clone().map(move |x| (x, y)))
+    }
+
+    /// Where the middle of a texel lies in it.
+    fn share(&self, x: usize, y: usize) -> DVec2 {
+        let within = |at: usize, from: f64, to: f64| (at as f64 + 0.5 - from) / (to - from);
+        DVec2::new(within(x, self.left, self.right), within(y, self.top, self.bottom))
+    }
+}
+
+fn covered(from: f64, to: f64, end: usize) -> Range<usize> {
+    (from + 0.5).floor() as usize..((to + 0.5).floor() as usize).min(end)
 }
 
 /// The pictures of a façade's sections as level 3 shows them, of those that it is kept as: the wall of each section, then, if it has objects,
@@ -108,20 +155,105 @@ pub fn compose(painted: &PaintedFacade, pictures: &[Pixels]) -> Option<Vec<Pixel
     if pictures.len() != painted.pictures() || !pictures.iter().all(is_whole) {
         return None;
     }
-    let mut sections = pictures[..painted.sections.into()].to_vec();
-    let Some(atlas) = pictures.get(sections.len()) else { return Some(sections) };
-    let (places, shown) = (layout(painted), shown(painted, PICTURE_SIDE, repeats));
-    let linear: Vec<[f32; 3]> = atlas.texels.iter().map(|texel| texel.to_linear()).collect();
-    for (section, of) in sections.iter_mut().zip(&shown.of) {
-        for (texel, shown_here) in section.texels.iter_mut().zip(of) {
-            let Some((n, at)) = shown_here else { continue };
-            let (place, step) = (&places[usize::from(*n)], shown.texels[usize::from(*n)]);
-            let mut mean = [0.0; 3];
-            footprint(place, *at, step, |i, share| (0..3).for_each(|c| mean[c] += share * linear[i][c]));
-            *texel = Rgb::from_linear(mean);
+    let (walls, atlas) = pictures.split_at(painted.sections.into());
+    let mut sections = walls.to_vec();
+    let Some(atlas) = atlas.first() else { return Some(sections) };
+    let (places, light) = (layout(painted), Light::tables());
+    let stamps: Vec<Stamp> = stamps(painted, PICTURE_SIDE).collect();
+    let (mut linear, mut lines, mut row) = (Vec::new(), Vec::new(), Vec::new());
+    for stamps in stamps.chunk_by(|a, b| a.object == b.object) {
+        let object = stamps.first().map_or(0, |stamp| usize::from(stamp.object));
+        let (place, end) = (&places[object], PICTURE_SIDE * sections.len());
+        if !repeats(&painted.objects[object]) {
+            // It hides what it lies on, as the wall has it.
+            for (x, y) in stamps.iter().flat_map(|stamp| stamp.texels(end)) {
+                let (section, at) = (x / PICTURE_SIDE, y * PICTURE_SIDE + x % PICTURE_SIDE);
+                sections[section].texels[at] = walls[section].texels[at];
+            }
+            continue;
+        }
+        let taps = |stamp: &Stamp| {
+            let across = Taps::new(stamp.columns(end), stamp.left, stamp.right, (place.x, place.width));
+            (across, Taps::new(stamp.rows(PICTURE_SIDE), stamp.top, stamp.bottom, (place.y, place.height)))
+        };
+        let taps: Vec<(Taps, Taps)> = stamps.iter().map(taps).collect();
+        // The part of the atlas that is shown of it anywhere, in linear light.
+        let (from_x, to_x) = Taps::bounds(taps.iter().map(|(across, _)| across));
+        let (from_y, to_y) = Taps::bounds(taps.iter().map(|(_, down)| down));
+        linear.clear();
+        for row in atlas.texels.chunks_exact(PICTURE_SIDE).take(to_y).skip(from_y) {
+            linear.extend(row[from_x..to_x].iter().map(|texel| Vec3A::from_array(texel.to_linear())));
+        }
+        for (stamp, (across, down)) in stamps.iter().zip(&taps) {
+            let (columns, width) = (stamp.columns(end), to_x - from_x);
+            // First along its rows, then along its columns.
+            let (top, bottom) = Taps::bounds([down]);
+            lines.clear();
+            for line in linear.chunks_exact(width.max(1)).take(bottom.saturating_sub(from_y)).skip(top - from_y.min(top)) {
+                lines.extend(across.each().map(|(first, shares)| mixed(line[first - from_x..].iter(), shares)));
+            }
+            for (y, (first, shares)) in stamp.rows(PICTURE_SIDE).zip(down.each()) {
+                row.clear();
+                row.resize(columns.len(), Vec3A::ZERO);
+                for (line, &share) in lines[(first - top) * columns.len()..].chunks_exact(columns.len()).zip(shares) {
+                    row.iter_mut().zip(line).for_each(|(mean, &colour)| *mean += colour * share);
+                }
+                let mut rest = &row[..];
+                for (section, part) in (0..).zip(&mut sections).map(|(n, section)| (section, within(&columns, n))) {
+                    let (here, further) = rest.split_at(part.len());
+                    let texels = &mut section.texels[y * PICTURE_SIDE..][part];
+                    texels.iter_mut().zip(here).for_each(|(texel, &mean)| *texel = light.srgb_of(mean));
+                    rest = further;
+                }
+            }
         }
     }
     Some(sections)
+}
+
+/// Those of some texels of the whole row of sections that lie in one, as its own.
+fn within(columns: &Range<usize>, section: usize) -> Range<usize> {
+    let own = |x: usize| x.saturating_sub(section * PICTURE_SIDE).min(PICTURE_SIDE);
+    own(columns.start)..own(columns.end)
+}
+
+/// The sum of some colours, each times its share.
+fn mixed<'a>(colours: impl Iterator<Item = &'a Vec3A>, shares: &[f32]) -> Vec3A {
+    colours.zip(shares).map(|(&colour, &share)| colour * share).sum()
+}
+
+/// What texels of a section show of an object in the atlas along one axis: texels there, and their shares.
+struct Taps {
+    /// Of each texel, the first one and where its shares begin.
+    firsts: Vec<(usize, usize)>,
+    shares: Vec<f32>,
+}
+
+impl Taps {
+    /// Of some texels of sections, of an object that reaches from one place to another, and lies in the atlas from a texel on, so many long.
+    fn new(texels: Range<usize>, from: f64, to: f64, (corner, length): (usize, usize)) -> Self {
+        let (step, length) = (1.0 / (to - from), length as f64);
+        let mut taps = Self { firsts: Vec::with_capacity(texels.len() + 1), shares: Vec::with_capacity(4 * texels.len()) };
+        for texel in texels {
+            let (low, high) = reach(corner as f64, length, (texel as f64 + 0.5 - from) * step, step);
+            let (first, last) = (low as usize, last(high));
+            taps.firsts.push((first, taps.shares.len()));
+            taps.shares.extend((first..last).map(|n| (overlap(n, low, high) / (high - low)) as f32));
+        }
+        taps.firsts.push((0, taps.shares.len()));
+        taps
+    }
+
+    /// Of each texel the first one, and the shares from there on.
+    fn each(&self) -> impl Iterator<Item = (usize, &[f32])> {
+        self.firsts.windows(2).map(|of| (of[0].0, &self.shares[of[0].1..of[1].1]))
+    }
+
+    /// The first texel of some, and the one after the last.
+    fn bounds<'a>(taps: impl IntoIterator<Item = &'a Self>) -> (usize, usize) {
+        let ends = taps.into_iter().flat_map(Self::each).map(|(first, shares)| (first, first + shares.len()));
+        ends.reduce(|(from, to), (first, end)| (from.min(first), to.max(end))).unwrap_or_default()
+    }
 }
 
 /// Which texels of the atlas any section shows anything of.
@@ -157,21 +289,33 @@ pub(super) fn sharpen(atlas: &mut Pixels, places: &[Place], shown: &Shown, wante
 /// What a texel of so many shares of the object covers in the atlas, about a place: texels and their shares of it. Where objects are kept more
 /// finely than they are shown, as where they are not.
 fn footprint(place: &Place, at: DVec2, texel: DVec2, mut of: impl FnMut(usize, f32)) {
-    let size = DVec2::new(place.width as f64, place.height as f64);
-    let corner = DVec2::new(place.x as f64, place.y as f64);
-    // At least as broad as a texel of the atlas: then it is the mean of those beside it, as between texels.
-    let half = (texel * size / 2.0).max(DVec2::splat(0.5));
-    let middle = (corner + at * size).clamp(half, DVec2::splat(PICTURE_SIDE as f64) - half);
-    let (low, high) = (middle - half, middle + half);
-    let area = (4.0 * half.x * half.y) as f32;
-    let last = |end: f64| (end.ceil() as usize).min(PICTURE_SIDE);
-    for y in low.y as usize..last(high.y) {
-        let rows = (high.y.min(y as f64 + 1.0) - low.y.max(y as f64)) as f32;
-        for x in low.x as usize..last(high.x) {
-            let share = rows * (high.x.min(x as f64 + 1.0) - low.x.max(x as f64)) as f32;
-            of(y * PICTURE_SIDE + x, share / area);
+    let (left, right) = reach(place.x as f64, place.width as f64, at.x, texel.x);
+    let (top, bottom) = reach(place.y as f64, place.height as f64, at.y, texel.y);
+    let area = (right - left) * (bottom - top);
+    for y in top as usize..last(bottom) {
+        let rows = overlap(y, top, bottom);
+        for x in left as usize..last(right) {
+            of(y * PICTURE_SIDE + x, (rows * overlap(x, left, right) / area) as f32);
         }
     }
+}
+
+/// Along one axis of the atlas, from where to where a texel reaches that is a share of an object, about a place in the object.
+fn reach(corner: f64, length: f64, at: f64, texel: f64) -> (f64, f64) {
+    // At least as broad as a texel of the atlas: then it is the mean of those beside it, as between texels.
+    let half = (texel * length / 2.0).max(0.5);
+    let middle = (corner + at * length).clamp(half, PICTURE_SIDE as f64 - half);
+    (middle - half, middle + half)
+}
+
+/// The texel of the atlas before which a reach ends.
+fn last(end: f64) -> usize {
+    (end.ceil() as usize).min(PICTURE_SIDE)
+}
+
+/// How much of a texel lies between two places.
+fn overlap(texel: usize, low: f64, high: f64) -> f64 {
+    high.min(texel as f64 + 1.0) - low.max(texel as f64)
 }
 
 /// Fills texels that are free to be anything smoothly from the others, so that they cost nothing. `is_vague`: those that are not free, but tell

@@ -19,7 +19,7 @@ use glam::DVec2;
 use veduta_city::{PaintedFacade, Rgb};
 
 use crate::blocks;
-use crate::mips::halve;
+use crate::mips::{Light, halve, mean_light};
 
 pub use atlas::compose;
 use atlas::shown;
@@ -76,13 +76,21 @@ impl PictureLayer {
         if !size.is_power_of_two() || picture.height() != size {
             return None;
         }
-        let mut mip: Vec<[f32; 3]> = picture.texels.iter().map(|texel| texel.to_linear()).collect();
-        let mut texels: Vec<u8> = picture.texels.iter().flat_map(|&Rgb(r, g, b)| [r, g, b, 255]).collect();
-        let mut side = size;
+        let mut texels = vec![255; (4 * size * size - 1) / 3 * 4];
+        let (whole, mut smaller) = texels.split_at_mut(4 * size * size);
+        fill(whole, picture.texels.iter().copied());
+        let light = Light::tables();
+        let (mut side, mut mip) = (size, Vec::<[u16; 3]>::new());
         while side > 1 {
-            mip = halve(side, &mip, |four| [0, 1, 2].map(|c| four.iter().map(|texel| texel[c]).sum::<f32>() * 0.25));
+            mip = if side == size {
+                halve(side, &picture.texels, |four| mean_light(four.map(|texel| light.linear(texel))))
+            } else {
+                halve(side, &mip, mean_light)
+            };
             side /= 2;
-            texels.extend(mip.iter().map(|&texel| Rgb::from_linear(texel)).flat_map(|Rgb(r, g, b)| [r, g, b, 255]));
+            let (here, rest) = smaller.split_at_mut(4 * side * side);
+            fill(here, mip.iter().map(|&texel| light.srgb(texel)));
+            smaller = rest;
         }
         Some(Self { size: size as u32, texels })
     }
@@ -97,6 +105,13 @@ impl PictureLayer {
     #[must_use]
     pub fn in_blocks(&self) -> Vec<u8> {
         blocks::opaque(&self.texels, self.size)
+    }
+}
+
+/// Writes colours into RGBA8, whose alpha stays.
+fn fill(rgba: &mut [u8], colours: impl Iterator<Item = Rgb>) {
+    for ([r, g, b, _], colour) in rgba.as_chunks_mut::<4>().0.iter_mut().zip(colours) {
+        (*r, *g, *b) = (colour.0, colour.1, colour.2);
     }
 }
 
