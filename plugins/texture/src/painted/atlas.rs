@@ -158,57 +158,82 @@ pub fn compose(painted: &PaintedFacade, pictures: &[Pixels]) -> Option<Vec<Pixel
     let (walls, atlas) = pictures.split_at(painted.sections.into());
     let mut sections = walls.to_vec();
     let Some(atlas) = atlas.first() else { return Some(sections) };
-    let (places, light) = (layout(painted), Light::tables());
+    let (places, mut painter) = (layout(painted), Painter::default());
     let stamps: Vec<Stamp> = stamps(painted, PICTURE_SIDE).collect();
-    let (mut linear, mut lines, mut row) = (Vec::new(), Vec::new(), Vec::new());
     for stamps in stamps.chunk_by(|a, b| a.object == b.object) {
         let object = stamps.first().map_or(0, |stamp| usize::from(stamp.object));
-        let (place, end) = (&places[object], PICTURE_SIDE * sections.len());
-        if !repeats(&painted.objects[object]) {
-            // It hides what it lies on, as the wall has it.
-            for (x, y) in stamps.iter().flat_map(|stamp| stamp.texels(end)) {
-                let (section, at) = (x / PICTURE_SIDE, y * PICTURE_SIDE + x % PICTURE_SIDE);
-                sections[section].texels[at] = walls[section].texels[at];
-            }
+        if repeats(&painted.objects[object]) {
+            painter.paint(&mut sections, stamps, &places[object], atlas);
             continue;
         }
-        let taps = |stamp: &Stamp| {
-            let across = Taps::new(stamp.columns(end), stamp.left, stamp.right, (place.x, place.width));
-            (across, Taps::new(stamp.rows(PICTURE_SIDE), stamp.top, stamp.bottom, (place.y, place.height)))
-        };
-        let taps: Vec<(Taps, Taps)> = stamps.iter().map(taps).collect();
-        // The part of the atlas that is shown of it anywhere, in linear light.
-        let (from_x, to_x) = Taps::bounds(taps.iter().map(|(across, _)| across));
-        let (from_y, to_y) = Taps::bounds(taps.iter().map(|(_, down)| down));
-        linear.clear();
-        for row in atlas.texels.chunks_exact(PICTURE_SIDE).take(to_y).skip(from_y) {
-            linear.extend(row[from_x..to_x].iter().map(|texel| Vec3A::from_array(texel.to_linear())));
-        }
-        for (stamp, (across, down)) in stamps.iter().zip(&taps) {
-            let (columns, width) = (stamp.columns(end), to_x - from_x);
-            // First along its rows, then along its columns.
-            let (top, bottom) = Taps::bounds([down]);
-            lines.clear();
-            for line in linear.chunks_exact(width.max(1)).take(bottom.saturating_sub(from_y)).skip(top - from_y.min(top)) {
-                lines.extend(across.each().map(|(first, shares)| mixed(line[first - from_x..].iter(), shares)));
-            }
-            for (y, (first, shares)) in stamp.rows(PICTURE_SIDE).zip(down.each()) {
-                row.clear();
-                row.resize(columns.len(), Vec3A::ZERO);
-                for (line, &share) in lines[(first - top) * columns.len()..].chunks_exact(columns.len()).zip(shares) {
-                    row.iter_mut().zip(line).for_each(|(mean, &colour)| *mean += colour * share);
-                }
-                let mut rest = &row[..];
-                for (section, part) in (0..).zip(&mut sections).map(|(n, section)| (section, within(&columns, n))) {
-                    let (here, further) = rest.split_at(part.len());
-                    let texels = &mut section.texels[y * PICTURE_SIDE..][part];
-                    texels.iter_mut().zip(here).for_each(|(texel, &mean)| *texel = light.srgb_of(mean));
-                    rest = further;
-                }
-            }
+        // It hides what it lies on, as the wall has it.
+        for (x, y) in stamps.iter().flat_map(|stamp| stamp.texels(PICTURE_SIDE * walls.len())) {
+            let (section, at) = (x / PICTURE_SIDE, y * PICTURE_SIDE + x % PICTURE_SIDE);
+            sections[section].texels[at] = walls[section].texels[at];
         }
     }
     Some(sections)
+}
+
+/// Paints objects of the atlas on sections, first along their rows, then along their columns.
+#[derive(Default)]
+struct Painter {
+    /// The part of the atlas that is shown of an object anywhere, in linear light.
+    linear: Vec<Vec3A>,
+    /// Its rows as wide as they are shown.
+    lines: Vec<Vec3A>,
+    /// A row of what is shown.
+    row: Vec<Vec3A>,
+}
+
+impl Painter {
+    /// Paints an object in some places.
+    fn paint(&mut self, sections: &mut [Pixels], stamps: &[Stamp], place: &Place, atlas: &Pixels) {
+        let end = PICTURE_SIDE * sections.len();
+        let placed = |stamp: &Stamp| {
+            let (columns, rows) = (stamp.columns(end), stamp.rows(PICTURE_SIDE));
+            // What is smaller than a texel may be shown nowhere.
+            (!columns.is_empty() && !rows.is_empty()).then(|| {
+                let across = Taps::new(columns.clone(), stamp.left, stamp.right, (place.x, place.width));
+                let down = Taps::new(rows.clone(), stamp.top, stamp.bottom, (place.y, place.height));
+                (columns, rows, across, down)
+            })
+        };
+        let placed: Vec<_> = stamps.iter().filter_map(placed).collect();
+        let (left, right) = Taps::bounds(placed.iter().map(|(_, _, across, _)| across));
+        let (top, bottom) = Taps::bounds(placed.iter().map(|(.., down)| down));
+        self.linear.clear();
+        for row in atlas.texels.chunks_exact(PICTURE_SIDE).take(bottom).skip(top) {
+            self.linear.extend(row[left..right].iter().map(|texel| Vec3A::from_array(texel.to_linear())));
+        }
+        for (columns, rows, across, down) in placed {
+            let (first, last) = Taps::bounds([&down]);
+            self.lines.clear();
+            for line in self.linear.chunks_exact(right - left).take(last - top).skip(first - top) {
+                self.lines.extend(across.each().map(|(from, shares)| mixed(&line[from - left..], shares)));
+            }
+            for (y, (from, shares)) in rows.zip(down.each()) {
+                self.row.clear();
+                self.row.resize(columns.len(), Vec3A::ZERO);
+                for (line, &share) in self.lines[(from - first) * columns.len()..].chunks_exact(columns.len()).zip(shares) {
+                    self.row.iter_mut().zip(line).for_each(|(mean, &colour)| *mean += colour * share);
+                }
+                write(sections, &columns, y, &self.row);
+            }
+        }
+    }
+}
+
+/// Writes colours in linear light to some texels of a row of all sections.
+fn write(sections: &mut [Pixels], columns: &Range<usize>, y: usize, mut colours: &[Vec3A]) {
+    let light = Light::tables();
+    for (n, section) in sections.iter_mut().enumerate() {
+        let part = within(columns, n);
+        let (here, further) = colours.split_at(part.len());
+        let texels = &mut section.texels[y * PICTURE_SIDE..][part];
+        texels.iter_mut().zip(here).for_each(|(texel, &colour)| *texel = light.srgb_of(colour));
+        colours = further;
+    }
 }
 
 /// Those of some texels of the whole row of sections that lie in one, as its own.
@@ -218,8 +243,8 @@ fn within(columns: &Range<usize>, section: usize) -> Range<usize> {
 }
 
 /// The sum of some colours, each times its share.
-fn mixed<'a>(colours: impl Iterator<Item = &'a Vec3A>, shares: &[f32]) -> Vec3A {
-    colours.zip(shares).map(|(&colour, &share)| colour * share).sum()
+fn mixed(colours: &[Vec3A], shares: &[f32]) -> Vec3A {
+    colours.iter().zip(shares).map(|(&colour, &share)| colour * share).sum()
 }
 
 /// What texels of a section show of an object in the atlas along one axis: texels there, and their shares.
@@ -367,4 +392,77 @@ pub(super) fn fill(picture: &mut Pixels, is_free: &[bool], is_vague: impl Fn(usi
 pub(super) fn beside(i: usize, side: usize) -> [usize; 4] {
     let (x, y) = (i % side, i / side);
     [i - usize::from(x > 0), i + usize::from(x + 1 < side), i - side * usize::from(y > 0), i + side * usize::from(y + 1 < side)]
+}
+
+#[cfg(test)]
+mod tests {
+    use veduta_city::draw::Draw;
+    use veduta_city::{FacadeObjectKind, Id, ObjectHead, SmallTexture};
+
+    use super::*;
+
+    /// What is composed, texel by texel.
+    fn plainly(painted: &PaintedFacade, pictures: &[Pixels]) -> Vec<Pixels> {
+        let (walls, atlas) = pictures.split_at(painted.sections.into());
+        let (places, shown) = (layout(painted), shown(painted, PICTURE_SIDE, repeats));
+        let mut sections = walls.to_vec();
+        for (texel, shown_here) in sections.iter_mut().zip(&shown.of).flat_map(|(section, of)| section.texels.iter_mut().zip(of)) {
+            let Some((n, at)) = shown_here else { continue };
+            let mut mean = Vec3A::ZERO;
+            footprint(&places[usize::from(*n)], *at, shown.texels[usize::from(*n)], |i, share| {
+                mean += share * Vec3A::from_array(atlas[0].texels[i].to_linear());
+            });
+            *texel = Rgb::from_linear(mean.into());
+        }
+        sections
+    }
+
+    #[test]
+    fn facades_of_all_kinds_are_composed_as_texel_by_texel() {
+        for seed in 0..6 {
+            let draw = Draw::new(seed, Id(7), "facade");
+            let below = |name: &str, n: u64, end: usize| draw.part(n).below(name, end) as i32;
+            let sections = 1 + (seed % 3) as u8;
+            let size = (200_000, 60_000);
+            // From less than a texel to a third of the wall, one over the other.
+            let object = |n: u64| PaintedObject {
+                kind: FacadeObjectKind::Painting,
+                texture: 0,
+                low: (below("x", n, 60_000), below("y", n, 12_000)),
+                size: [("w", 40_000), ("h", 12_000)]
+                    .map(|(name, most)| 100 + below(name, n, if n % 4 == 3 { 9 } else { most }))
+                    .into(),
+                head: ObjectHead::Flat,
+                depth: 0,
+                columns: 1 + (n % 3 > 0) as u8,
+                rows: 1 + (n % 3 > 0) as u8,
+                step: (below("dx", n, 90_000), below("dy", n, 30_000)),
+            };
+            let texture = SmallTexture { width: 1, palette: vec![Rgb(9, 9, 9)], texels: vec![0] };
+            let painted = PaintedFacade {
+                size,
+                sections,
+                objects: (0..12).map(object).collect(),
+                textures: vec![texture],
+                ..PaintedFacade::default()
+            };
+            assert_eq!(painted.check(), Ok(()));
+            let noise = |n: u64| Pixels {
+                width: PICTURE_SIDE,
+                texels: (0..PICTURE_SIDE * PICTURE_SIDE)
+                    .map(|i| {
+                        let bits = (i as u64 + 1).wrapping_mul(n + 3).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40;
+                        Rgb(bits as u8, (bits >> 8) as u8, (bits >> 16) as u8)
+                    })
+                    .collect(),
+            };
+            let pictures: Vec<Pixels> = (0..painted.pictures() as u64).map(noise).collect();
+            let (ours, plain) = (compose(&painted, &pictures).expect("it can be drawn"), plainly(&painted, &pictures));
+            let off = |a: Rgb, b: Rgb| a.0.abs_diff(b.0).max(a.1.abs_diff(b.1)).max(a.2.abs_diff(b.2));
+            let texels = ours.iter().zip(&plain).flat_map(|(ours, plain)| ours.texels.iter().zip(&plain.texels));
+            let most = texels.map(|(&a, &b)| off(a, b)).max();
+            assert!(most <= Some(1), "{most:?} of 255 off, seed {seed}");
+            assert!(ours.iter().zip(&pictures).any(|(section, wall)| section != wall), "something is painted");
+        }
+    }
 }
