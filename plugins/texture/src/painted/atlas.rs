@@ -434,8 +434,8 @@ mod tests {
                     .into(),
                 head: ObjectHead::Flat,
                 depth: 0,
-                columns: 1 + (n % 3 > 0) as u8,
-                rows: 1 + (n % 3 > 0) as u8,
+                columns: 1 + u8::from(!n.is_multiple_of(3)),
+                rows: 1 + u8::from(!n.is_multiple_of(3)),
                 step: (below("dx", n, 90_000), below("dy", n, 30_000)),
             };
             let texture = SmallTexture { width: 1, palette: vec![Rgb(9, 9, 9)], texels: vec![0] };
