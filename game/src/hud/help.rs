@@ -59,7 +59,9 @@ pub(super) fn draw(
     let context = contexts.ctx_mut()?;
     let look = Look::of(&interface, context);
     let area = Area::new(Id::new("veduta help")).anchor(Align2::CENTER_CENTER, above_the_bar(context)).order(Order::Foreground);
-    let press = area.show(context, |ui| look.frame(Surface::Dusk).show(ui, |ui| show(ui, &look, &words, &keys)).inner).inner;
+    // Opaque: a map may lie beneath it.
+    let frame = look.frame(Surface::Dusk).fill(look.ground(Surface::Dusk).to_opaque());
+    let press = area.show(context, |ui| frame.show(ui, |ui| show(ui, &look, &words, &keys)).inner).inner;
     if press.is_some() {
         open.help = false;
     }
