@@ -49,12 +49,13 @@ impl Scale {
 
 /// The most that can be shown larger.
 const MOST_ZOOM: f32 = 200.0;
-/// Rows, in heights of running text: chapters, movements, captions, all else.
-const ROWS: [f32; 4] = [1.3, 2.0, 1.2, 1.2];
+/// Rows, in heights of running text: chapters, movements, captions, what changes in the city, all else. Hours and fields of view often
+/// change at a time.
+const ROWS: [f32; 5] = [1.3, 2.0, 1.2, 1.2, 1.2];
 const GAP: f32 = 0.2;
 
 /// Height of the line in heights of running text.
-pub(super) const HEIGHT: f32 = ROWS[0] + ROWS[1] + ROWS[2] + ROWS[3] + 3.0 * GAP;
+pub(super) const HEIGHT: f32 = ROWS[0] + ROWS[1] + ROWS[2] + ROWS[3] + ROWS[4] + 4.0 * GAP;
 
 /// Draws the line.
 pub(super) fn show(ui: &mut Ui, bench: &Bench<'_>, view: &mut TimeView, acts: &mut Acts) {
@@ -118,7 +119,8 @@ fn block_rect(bench: &Bench<'_>, scale: &Scale, index: usize, step: &Step) -> Op
     let row = match StepKind::of(step) {
         StepKind::Chapter => 0,
         StepKind::Say | StepKind::Narrate | StepKind::Picture => 2,
-        _ if is_aside(step) => 3,
+        StepKind::Time | StepKind::Rain | StepKind::Sound => 3,
+        _ if is_aside(step) => 4,
         _ => 1,
     };
     let top = scale.rect.top() + text * (ROWS[..row].iter().sum::<f32>() + GAP * row as f32);
