@@ -6,8 +6,8 @@ use glam::Vec4;
 
 /// Texels of a block.
 const TEXELS: usize = 16;
-/// Blocks whose squares of errors sum up to less are good enough: channels are off by three of 255, little more than what five bits leave.
-const CLOSE: f32 = (3 * TEXELS * 3 * 3) as f32;
+/// Blocks whose squares of errors sum up to less are good enough: channels are off by five of 255, twice what five bits leave.
+const CLOSE: f32 = (3 * TEXELS * 5 * 5) as f32;
 /// A value of each texel, row by row.
 type Texels = [Vec4; 4];
 /// A block's channels, 0 to 255.
