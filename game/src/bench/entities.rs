@@ -15,8 +15,9 @@ use cpu_time::ThreadTime;
 use veduta::city::{FacadeSheet, GridPos, Opening, Rgb, VolumeShell, metres};
 use veduta::ecs::{CellContent, CellMesh};
 use veduta::prelude::*;
+use veduta_bake::{BakeSettings, bake};
 
-use super::{large, line, median, workplace};
+use super::{line, median, workplace};
 use crate::Failure;
 use crate::camera::camera;
 use crate::profile::Profile;
@@ -29,8 +30,6 @@ const WARM_UP: usize = 12;
 /// Frames measured at a time, and how often each city has its turn.
 const FRAMES: usize = 30;
 const TURNS: usize = 3;
-/// The sample city in the middle of as many copies of it: as far as one sees there are houses.
-const SURROUNDED: (u32, u32) = (3, 3);
 /// The camera turns so far from frame to frame, degrees.
 const STEP_DEG: f64 = 4.0;
 
@@ -46,12 +45,10 @@ pub(super) fn entities(scene: &Path) -> Result<(), Failure> {
     };
     ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(1).on_thread_spawn(idle).build());
     let dir = workplace("entities")?;
-    for (times, names) in [((1, 1), ["street", "aerial"]), (SURROUNDED, ["surrounded_street", "surrounded_aerial"])] {
-        let (city, _) = large(scene, &dir, times, names[0])?;
-        let aerial = Eye { eye_m: 120.0, pitch_deg: -20.0, ..Eye::default() };
-        for (name, eye) in names.into_iter().zip([Eye::default(), aerial]) {
-            compare(name, &city, eye)?;
-        }
+    let city = dir.join("sample.city");
+    bake(scene, &city, &BakeSettings::default(), &mut |_| ())?;
+    for (name, eye) in [("street", Eye::default()), ("aerial", Eye { eye_m: 120.0, pitch_deg: -20.0, ..Eye::default() })] {
+        compare(name, &city, eye)?;
     }
     std::fs::remove_dir_all(&dir)?;
     Ok(())
