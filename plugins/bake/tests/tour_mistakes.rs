@@ -220,6 +220,8 @@ fn all_that_is_wrong_or_odd_is_told_once_at_its_place() {
     folder.write("a.png", "no picture at all");
     let cart = "(name: \"Hay cart\", at: At(0, 9), kind: Flock(radius_m: 4, count: 3))";
     folder.write("t.life.ron", &format!("(things: [{cart}])"));
+    // What lives in another city does not live here.
+    folder.write("other.life.ron", &format!("(things: [{}])", cart.replace("cart", "carts")));
     let mut wrong = Vec::new();
     for (good, bad, may_be_played, all) in TOLD {
         assert_eq!(GOOD.matches(good).count(), 1, "{good:?} stands once in the tour");

@@ -37,11 +37,6 @@ impl CompiledTour {
         let (step, share) = self.timeline.followed(t_s.clamp(0.0, self.duration_s()))?;
         Some(Followed { name: self.subjects.get(&step)?, share })
     }
-
-    /// The names of all that it follows.
-    pub fn subjects(&self) -> impl Iterator<Item = &str> {
-        self.subjects.values().map(String::as_str)
-    }
 }
 
 /// What steps follow, by their index.
@@ -199,6 +194,5 @@ mod tests {
         assert_eq!(tour.followed(when(3).end_s), None);
         assert_eq!(tour.followed(when(6).start_s + 0.1), Some(Followed { name: "tram", share: 1.0 }));
         assert_eq!(tour.followed(when(7).end_s - 0.1), None, "a track says itself where it looks");
-        assert_eq!(tour.subjects().collect::<Vec<_>>(), ["cart", "tram"]);
     }
 }

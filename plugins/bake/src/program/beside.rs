@@ -34,24 +34,31 @@ pub(super) struct Living {
     pub names: Vec<String>,
 }
 
-/// What lives in a city by the files that lie beside its map, or within what was baked of it. Files that cannot be read are left out: who
-/// checks them is told.
-pub(super) fn living_beside(city: &Path) -> Vec<Living> {
-    let folder = if city.is_dir() { city } else { city.parent().filter(|at| !at.as_os_str().is_empty()).unwrap_or(Path::new(".")) };
-    let mut living: Vec<Living> = std::fs::read_dir(folder)
-        .into_iter()
-        .flatten()
-        .flatten()
-        .filter_map(|entry| {
-            let file = entry.file_name().to_string_lossy().into_owned();
-            let life: Life = file.ends_with(".life.ron").then(|| veduta_city::file::read(&entry.path()).ok()).flatten()?;
-            let seen =
-                life.things.into_iter().filter(|thing| !matches!(thing.kind, LifeKind::Smoke { .. } | LifeKind::Bell { .. }));
-            Some(Living { file, names: seen.map(|thing| thing.name).collect() })
-        })
-        .collect();
-    living.sort_by(|a, b| a.file.cmp(&b.file));
-    living
+/// What lives in a city by what is told of it. Files that cannot be read are left out: who checks them is told.
+pub(super) fn living_in(city: &Path) -> Vec<Living> {
+    let read = |path: PathBuf| {
+        let life: Life = veduta_city::file::read(&path).ok()?;
+        let seen = life.things.into_iter().filter(|thing| !matches!(thing.kind, LifeKind::Smoke { .. } | LifeKind::Bell { .. }));
+        let file = path.file_name()?.to_string_lossy().into_owned();
+        Some(Living { file, names: seen.map(|thing| thing.name).collect() })
+    };
+    told_of(city, ".life.ron").into_iter().filter_map(read).collect()
+}
+
+/// The files of a kind that tell of a city: those that lie in its folder, or beside its map and begin as it does.
+pub(super) fn told_of(city: &Path, ending: &str) -> Vec<PathBuf> {
+    let is_folder = city.is_dir();
+    let folder = if is_folder { city } else { city.parent().unwrap_or(Path::new("")) };
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let name = city.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let is_of_city = |path: &PathBuf| {
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        file.strip_suffix(ending).is_some_and(|stem| is_folder || name.starts_with(&format!("{stem}.")))
+    };
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(is_of_city).collect();
+    files.sort();
+    files
 }
 
 /// Whether a picture beside a file is there, is one, and is small enough to be shown.

@@ -1,13 +1,13 @@
 //! The places of a city by their names: as its map has them, and as its guide tells them in other languages.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anstream::println;
 use veduta_city::{Guide, file};
 use veduta_route::fold;
 
-use super::{Failure, town::open};
+use super::{Failure, beside::told_of, town::open};
 
 /// Prints the places of a city, one a line: name, where it lies in plan metres, and what else it is called.
 pub(crate) fn list(city: &Path) -> Result<(), Failure> {
@@ -26,7 +26,7 @@ pub(crate) fn list(city: &Path) -> Result<(), Failure> {
 
 /// Names of the guides beside a city by their letters alone: each with how it is written and the place's name in the map.
 pub(super) fn known_as(city: &Path) -> BTreeMap<String, (String, String)> {
-    let guides = guides_of(city).into_iter().filter_map(|path| file::read::<Guide>(&path).ok());
+    let guides = told_of(city, ".guide.ron").into_iter().filter_map(|path| file::read::<Guide>(&path).ok());
     let mut names = BTreeMap::new();
     for place in guides.flat_map(|guide| guide.places) {
         for other in place.names.values().chain(&place.other_names).filter(|other| **other != place.name) {
@@ -34,20 +34,4 @@ pub(super) fn known_as(city: &Path) -> BTreeMap<String, (String, String)> {
         }
     }
     names
-}
-
-/// The guides that lie in a city's folder, or beside its map.
-fn guides_of(city: &Path) -> Vec<PathBuf> {
-    let is_folder = city.is_dir();
-    let folder = if is_folder { city } else { city.parent().unwrap_or(Path::new("")) };
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let name = city.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let is_of_city = |path: &PathBuf| {
-        let guide = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        guide.strip_suffix(".guide.ron").is_some_and(|stem| is_folder || name.starts_with(&format!("{stem}.")))
-    };
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut guides: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(is_of_city).collect();
-    guides.sort();
-    guides
 }

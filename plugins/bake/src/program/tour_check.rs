@@ -6,7 +6,7 @@ use std::path::Path;
 use veduta_city::{Step, TourText, file::FileError, file::SyntaxError, language_mistake};
 use veduta_route::{CompiledTour, Gazetteer, StepKind, StepProblem, StreetNet, TourError, TourMistake, mistakes};
 
-use super::beside::{living_beside, picture_beside, recording_beside};
+use super::beside::{living_in, picture_beside, recording_beside};
 use super::city_named::{Named, named_city};
 use super::tour_notes::notes;
 use super::town::{Town, Towns};
@@ -77,7 +77,7 @@ impl Check<'_> {
             None if town.is_none() => report.words.push_str("; places and ways were not looked at, for the city lies on the web"),
             None => {}
         }
-        let living = if let Named::Here(city) = &named { living_beside(city) } else { Vec::new() };
+        let living = if let Named::Here(city) = &named { living_in(city) } else { Vec::new() };
         let noted = notes(self.text, town, compiled.as_ref(), &living);
         let noted = noted
             .into_iter()
