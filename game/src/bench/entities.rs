@@ -1,6 +1,8 @@
-//! `veduta bench entities`: a cell's level as one mesh, beside an entity for each wall, opening, roof and object of the same houses.
+//! `veduta bench entities`: a cell's level as one mesh, beside the same houses with an entity for each of their parts: walls, openings,
+//! roofs, chimneys, dormers, eaves, mouldings, objects. Such a city has no levels: what ours shows of a house from near is there from afar
+//! too.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::FRAC_PI_2;
 use std::path::Path;
 
@@ -16,6 +18,7 @@ use veduta::city::{FacadeSheet, GridPos, Opening, Rgb, VolumeShell, metres};
 use veduta::ecs::{CellContent, CellMesh};
 use veduta::prelude::*;
 use veduta_bake::{BakeSettings, bake};
+use veduta_growth::mesh::{MeshData, mouldings, roof_details};
 
 use super::{line, median, workplace};
 use crate::Failure;
@@ -30,6 +33,8 @@ const WARM_UP: usize = 12;
 /// Frames measured at a time, and how often each city has its turn.
 const FRAMES: usize = 30;
 const TURNS: usize = 3;
+/// Farther than any cell that stands, metres.
+const FAR_M: f32 = 1e5;
 /// The camera turns so far from frame to frame, degrees.
 const STEP_DEG: f64 = 4.0;
 
@@ -65,7 +70,8 @@ fn compare(name: &str, city: &Path, eye: Eye) -> Result<(), Failure> {
         return Err(format!("{}: not all of the city came: {missing}", city.display()).into());
     }
     let ground_m = studio.eye().ground_m;
-    let parts = Parts::of(studio.world(), start);
+    let shown: BTreeSet<GridPos> = standing(studio.world()).map(|content| content.shell.origin).collect();
+    let parts = whole(city, eye, &shown)?;
     let eye_m = ground_m + eye.eye_m;
     let mut naive = Naive::new(&parts, eye_m, eye.pitch_deg);
     let mut empty = Naive::new(&Parts { all: Vec::new(), houses: 0 }, eye_m, eye.pitch_deg);
@@ -85,8 +91,8 @@ fn compare(name: &str, city: &Path, eye: Eye) -> Result<(), Failure> {
         }
     }
     let world = studio.world();
+    let cells = standing(world).count();
     let meshes = world.query_filtered::<(), With<CellMesh>>().iter(world).count();
-    let cells = world.query_filtered::<(), With<CellContent>>().iter(world).count();
     eprintln!("{name}: {} houses in {cells} cells, {} parts", parts.houses, parts.all.len());
     let (entities, peers) = ((meshes + cells) as f64, parts.all.len() as f64);
     line(&format!("{name}_houses"), parts.houses as f64, "1");
@@ -101,6 +107,31 @@ fn compare(name: &str, city: &Path, eye: Eye) -> Result<(), Failure> {
     // What the engine takes without any city, taken from both.
     line(&format!("{name}_city_cpu_ratio"), (ours - engine) / (peer - engine), "1");
     Ok(())
+}
+
+fn standing(world: &mut World) -> impl Iterator<Item = &CellContent> {
+    let mut cells = world.query::<&CellContent>();
+    cells.iter(world).collect::<Vec<_>>().into_iter()
+}
+
+/// The parts of all that stands in these cells, as from near.
+fn whole(city: &Path, eye: Eye, cells: &BTreeSet<GridPos>) -> Result<Parts, Failure> {
+    let mut studio = Studio::open_with(&city.display().to_string(), SIZE, Profile::Low, |app| {
+        on_one_thread(app);
+        let mut distances = app.world_mut().resource_mut::<LevelDistances>();
+        distances.near[0] = FAR_M;
+        distances.far[0] = FAR_M;
+    })?;
+    studio.set_eye(eye);
+    let missing = studio.settle();
+    if !missing.is_empty() {
+        return Err(format!("{}: not all of the city came: {missing}", city.display()).into());
+    }
+    let mut parts = Parts { all: Vec::new(), houses: 0 };
+    for content in standing(studio.world()).filter(|content| cells.contains(&content.shell.origin)) {
+        parts.add_cell(content, eye.plan_pos)?;
+    }
+    Ok(parts)
 }
 
 /// Has systems run one after the other, where they are called.
@@ -136,6 +167,7 @@ enum Look {
     Opening(Opening),
     Ground,
     Object,
+    Piece(Rgb),
 }
 
 /// The parts of all houses that stand, each where it is.
@@ -145,39 +177,48 @@ struct Parts {
 }
 
 impl Parts {
-    fn of(world: &mut World, start: DVec2) -> Self {
-        let mut parts = Self { all: Vec::new(), houses: 0 };
-        let mut cells = world.query::<&CellContent>();
-        for content in cells.iter(world) {
-            let shell = &content.shell;
-            let at = |pos: GridPos| (shell.origin + pos).to_metres() - start;
-            let told = content.sheet.as_deref();
-            let mut wall = 0;
-            for house in &shell.houses {
-                parts.houses += usize::from(house.volumes.iter().any(|volume| volume.has_roof));
-                for volume in &house.volumes {
-                    let first = wall;
-                    wall += volume.walls.len();
-                    if !house.is_monument {
-                        parts.add(volume, told.map(|sheet| (sheet, first)), at);
-                    }
+    fn add_cell(&mut self, content: &CellContent, start: DVec2) -> Result<(), Failure> {
+        let shell = &content.shell;
+        let at = |pos: GridPos| (shell.origin + pos).to_metres() - start;
+        let told = content.sheet.as_deref();
+        let mut wall = 0;
+        for house in &shell.houses {
+            self.houses += usize::from(house.volumes.iter().any(|volume| volume.has_roof));
+            for volume in &house.volumes {
+                let first = wall;
+                wall += volume.walls.len();
+                if !house.is_monument {
+                    self.add(volume, told.map(|sheet| (sheet, first)), at);
                 }
             }
-            for object in &shell.objects {
-                let [x, y, z] = engine(at(object.pos), metres(object.z)).to_array();
-                let height = metres(object.height) as f32;
-                let place = Transform::from_xyz(x, y + height / 2.0, z).with_scale(Vec3::new(height / 4.0, height, height / 4.0));
-                parts.all.push((Look::Object, place));
-            }
-            for patch in &shell.ground {
-                let Some((low, high)) = patch.outline.bounds() else { continue };
-                let (low, high) = (at(low), at(high));
-                let [x, _, z] = engine((low + high) / 2.0, 0.0).to_array();
-                let size = (high - low).as_vec2();
-                parts.all.push((Look::Ground, Transform::from_xyz(x, 0.0, z).with_scale(Vec3::new(size.x, 1.0, size.y))));
-            }
         }
-        parts
+        let origin = engine(at(GridPos::default()), 0.0);
+        self.add_pieces(&roof_details(shell), origin);
+        if let Some(sheet) = told {
+            self.add_pieces(&mouldings(shell, sheet)?, origin);
+        }
+        for object in &shell.objects {
+            let [x, y, z] = engine(at(object.pos), metres(object.z)).to_array();
+            let height = metres(object.height) as f32;
+            let place = Transform::from_xyz(x, y + height / 2.0, z).with_scale(Vec3::new(height / 4.0, height, height / 4.0));
+            self.all.push((Look::Object, place));
+        }
+        for patch in &shell.ground {
+            let Some((low, high)) = patch.outline.bounds() else { continue };
+            let (low, high) = (at(low), at(high));
+            let [x, _, z] = engine((low + high) / 2.0, 0.0).to_array();
+            let size = (high - low).as_vec2();
+            self.all.push((Look::Ground, Transform::from_xyz(x, 0.0, z).with_scale(Vec3::new(size.x, 1.0, size.y))));
+        }
+        Ok(())
+    }
+
+    /// A block for each piece of a mesh that hangs together.
+    fn add_pieces(&mut self, mesh: &MeshData, origin: Vec3) {
+        for ([low, high], colour) in pieces(mesh) {
+            let place = Transform::from_translation(origin + (low + high) / 2.0).with_scale(high - low);
+            self.all.push((Look::Piece(colour), place));
+        }
     }
 
     /// A volume's walls, openings and roof.
@@ -224,6 +265,36 @@ impl Parts {
     }
 }
 
+/// Bounds and colour of each part of a mesh whose triangles share corners, to the centimetre.
+fn pieces(mesh: &MeshData) -> Vec<([Vec3; 2], Rgb)> {
+    let mut known = BTreeMap::new();
+    let corners: Vec<usize> = mesh
+        .positions
+        .iter()
+        .map(|p| {
+            let next = known.len();
+            *known.entry(p.map(|x| (x * 100.0).round() as i32)).or_insert(next)
+        })
+        .collect();
+    // Each corner points to one of the same piece; the last of them to itself.
+    let mut next: Vec<usize> = (0..known.len()).collect();
+    let last = |next: &[usize], from: usize| {
+        core::iter::successors(Some(from), |&i| (next[i] != i).then(|| next[i])).last().unwrap_or(from)
+    };
+    for triangle in mesh.indices.chunks_exact(3) {
+        let [a, b, c] = [0, 1, 2].map(|i| last(&next, corners[triangle[i] as usize]));
+        let to = a.min(b).min(c);
+        [a, b, c].into_iter().for_each(|end| next[end] = to);
+    }
+    let mut bounds: BTreeMap<usize, ([Vec3; 2], Rgb)> = BTreeMap::new();
+    for ((&corner, &p), &[red, green, blue, _]) in corners.iter().zip(&mesh.positions).zip(&mesh.colours) {
+        let p = Vec3::from(p);
+        let ([low, high], _) = bounds.entry(last(&next, corner)).or_insert(([p, p], Rgb::from_linear([red, green, blue])));
+        (*low, *high) = (low.min(p), high.max(p));
+    }
+    bounds.into_values().collect()
+}
+
 /// The city of one entity a part.
 struct Naive {
     app: App,
@@ -247,7 +318,7 @@ impl Naive {
         for (look, _) in &parts.all {
             known.entry(*look).or_insert_with(|| {
                 let Rgb(r, g, b) = match *look {
-                    Look::Wall(colour) | Look::Roof(colour) => colour,
+                    Look::Wall(colour) | Look::Roof(colour) | Look::Piece(colour) => colour,
                     Look::Opening(_) => Rgb(40, 44, 52),
                     Look::Ground | Look::Object => Rgb(120, 120, 120),
                 };
@@ -257,7 +328,7 @@ impl Naive {
         let spawned = parts.all.iter().map(|&(look, place)| {
             let mesh = match look {
                 Look::Wall(_) | Look::Opening(_) => &square,
-                Look::Roof(_) | Look::Object => &block,
+                Look::Roof(_) | Look::Object | Look::Piece(_) => &block,
                 Look::Ground => &ground,
             };
             (Mesh3d(mesh.clone()), MeshMaterial3d(known[&look].clone()), place)
