@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use glam::Vec4;
+use glam::{IVec4, Vec4};
 
 /// Texels of a block.
 const TEXELS: usize = 16;
@@ -21,7 +21,8 @@ pub(crate) fn block(texels: &[[u8; 4]; TEXELS]) -> [u8; 8] {
     if bits.iter().all(|texel| texel << 8 == bits[0] << 8) {
         return plain([texels[0][0], texels[0][1], texels[0][2]]);
     }
-    let row = |c: usize, y: usize| Vec4::from_array(core::array::from_fn(|x| f32::from(texels[4 * y + x][c])));
+    let rows: [IVec4; 4] = core::array::from_fn(|y| IVec4::from_array(core::array::from_fn(|x| bits[4 * y + x] as i32)));
+    let row = |c: usize, y: usize| (rows[y] >> (8 * c as i32) & 255).as_vec4();
     let channels: Channels = core::array::from_fn(|c| core::array::from_fn(|y| row(c, y)));
     // The diagonal of the colours' bounds along which they lie, a little within them; then the line that fits best.
     let (first, last) = diagonal(&channels);

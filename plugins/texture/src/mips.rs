@@ -67,6 +67,11 @@ impl Light {
         [r, g, b].map(|c| self.linear[usize::from(c)])
     }
 
+    /// From 0 to 1.
+    pub(crate) fn linear_of(&self, colour: Rgb) -> Vec3A {
+        Vec3A::from_array(self.linear(colour).map(f32::from)) / 65_535.0
+    }
+
     pub(crate) fn srgb(&self, light: [u16; 3]) -> Rgb {
         let [r, g, b] = light.map(|c| self.srgb[usize::from(c)]);
         Rgb(r, g, b)

@@ -129,12 +129,6 @@ impl Stamp {
         covered(self.top, self.bottom, end)
     }
 
-    /// All of them, row by row.
-    fn texels(&self, end: usize) -> impl Iterator<Item = (usize, usize)> {
-        let columns = self.columns(end);
-        self.rows(PICTURE_SIDE).flat_map(move |y| columns.clone().map(move |x| (x, y)))
-    }
-
     /// Where the middle of a texel lies in it.
     fn share(&self, x: usize, y: usize) -> DVec2 {
         let within = |at: usize, from: f64, to: f64| (at as f64 + 0.5 - from) / (to - from);
@@ -159,37 +153,38 @@ pub fn compose(painted: &PaintedFacade, pictures: &[Pixels]) -> Option<Vec<Pixel
     let mut sections = walls.to_vec();
     let Some(atlas) = atlas.first() else { return Some(sections) };
     let (places, mut painter) = (layout(painted), Painter::default());
+    // What lies before others is painted first, and these where it leaves them to be seen.
+    let end = PICTURE_SIDE * walls.len();
+    let mut is_free = vec![true; PICTURE_SIDE * end];
     let stamps: Vec<Stamp> = stamps(painted, PICTURE_SIDE).collect();
-    for stamps in stamps.chunk_by(|a, b| a.object == b.object) {
+    for stamps in stamps.chunk_by(|a, b| a.object == b.object).rev() {
         let object = stamps.first().map_or(0, |stamp| usize::from(stamp.object));
         if repeats(&painted.objects[object]) {
-            painter.paint(&mut sections, stamps, &places[object], atlas);
+            painter.paint(&mut sections, &mut is_free, stamps, (&places[object], atlas));
             continue;
         }
-        // It hides what it lies on, as the wall has it.
-        for (x, y) in stamps.iter().flat_map(|stamp| stamp.texels(PICTURE_SIDE * walls.len())) {
-            let (section, at) = (x / PICTURE_SIDE, y * PICTURE_SIDE + x % PICTURE_SIDE);
-            sections[section].texels[at] = walls[section].texels[at];
+        // The wall shows it.
+        for stamp in stamps {
+            let columns = stamp.columns(end);
+            stamp.rows(PICTURE_SIDE).for_each(|y| is_free[y * end..][columns.clone()].fill(false));
         }
     }
     Some(sections)
 }
 
-/// Paints objects of the atlas on sections, first along their rows, then along their columns.
+/// Paints objects of the atlas on sections, first along their columns, then along their rows.
 #[derive(Default)]
 struct Painter {
     /// The part of the atlas that is shown of an object anywhere, in linear light.
     linear: Vec<Vec3A>,
-    /// Its rows as wide as they are shown.
-    lines: Vec<Vec3A>,
-    /// A row of what is shown.
-    row: Vec<Vec3A>,
+    /// Part of a row of what is shown, as wide as it is in the atlas.
+    line: Vec<Vec3A>,
 }
 
 impl Painter {
-    /// Paints an object in some places.
-    fn paint(&mut self, sections: &mut [Pixels], stamps: &[Stamp], place: &Place, atlas: &Pixels) {
-        let end = PICTURE_SIDE * sections.len();
+    /// Paints an object of the atlas in some places, where these are free yet.
+    fn paint(&mut self, sections: &mut [Pixels], is_free: &mut [bool], stamps: &[Stamp], (place, atlas): (&Place, &Pixels)) {
+        let (light, end) = (Light::tables(), PICTURE_SIDE * sections.len());
         let placed = |stamp: &Stamp| {
             let (columns, rows) = (stamp.columns(end), stamp.rows(PICTURE_SIDE));
             // What is smaller than a texel may be shown nowhere.
@@ -204,80 +199,85 @@ impl Painter {
         let (top, bottom) = Taps::bounds(placed.iter().map(|(.., down)| down));
         self.linear.clear();
         for row in atlas.texels.chunks_exact(PICTURE_SIDE).take(bottom).skip(top) {
-            self.linear.extend(row[left..right].iter().map(|texel| Vec3A::from_array(texel.to_linear())));
+            self.linear.extend(row[left..right].iter().map(|&texel| light.linear_of(texel)));
         }
-        for (columns, rows, across, down) in placed {
-            let (first, last) = Taps::bounds([&down]);
-            self.lines.clear();
-            for line in self.linear.chunks_exact(right - left).take(last - top).skip(first - top) {
-                self.lines.extend(across.each().map(|(from, shares)| mixed(&line[from - left..], shares)));
-            }
+        for (columns, rows, across, down) in placed.into_iter().rev() {
             for (y, (from, shares)) in rows.zip(down.each()) {
-                self.row.clear();
-                self.row.resize(columns.len(), Vec3A::ZERO);
-                for (line, &share) in self.lines[(from - first) * columns.len()..].chunks_exact(columns.len()).zip(shares) {
-                    self.row.iter_mut().zip(line).for_each(|(mean, &colour)| *mean += colour * share);
+                let is_free = &mut is_free[y * end..][columns.clone()];
+                let mut begin = 0;
+                for span in is_free.chunk_by(|a, b| a == b) {
+                    let part = begin..begin + span.len();
+                    begin = part.end;
+                    if !span[0] {
+                        continue;
+                    }
+                    let seen = across.reach(&part);
+                    self.line.clear();
+                    self.line.resize(seen.len(), Vec3A::ZERO);
+                    for (line, &share) in self.linear.chunks_exact(right - left).skip(from - top).zip(shares) {
+                        let line = &line[seen.start - left..seen.end - left];
+                        self.line.iter_mut().zip(line).for_each(|(mean, &colour)| *mean += colour * share);
+                    }
+                    for (x, (from, shares)) in (columns.start + part.start..).zip(across.each().skip(part.start).take(part.len())) {
+                        let texel = &mut sections[x / PICTURE_SIDE].texels[y * PICTURE_SIDE + x % PICTURE_SIDE];
+                        *texel = light.srgb_of(mixed(&self.line[from - seen.start..], shares));
+                    }
                 }
-                write(sections, &columns, y, &self.row);
+                is_free.fill(false);
             }
         }
     }
-}
-
-/// Writes colours in linear light to some texels of a row of all sections.
-fn write(sections: &mut [Pixels], columns: &Range<usize>, y: usize, mut colours: &[Vec3A]) {
-    let light = Light::tables();
-    for (n, section) in sections.iter_mut().enumerate() {
-        let part = within(columns, n);
-        let (here, further) = colours.split_at(part.len());
-        let texels = &mut section.texels[y * PICTURE_SIDE..][part];
-        texels.iter_mut().zip(here).for_each(|(texel, &colour)| *texel = light.srgb_of(colour));
-        colours = further;
-    }
-}
-
-/// Those of some texels of the whole row of sections that lie in one, as its own.
-fn within(columns: &Range<usize>, section: usize) -> Range<usize> {
-    let own = |x: usize| x.saturating_sub(section * PICTURE_SIDE).min(PICTURE_SIDE);
-    own(columns.start)..own(columns.end)
 }
 
 /// The sum of some colours, each times its share.
 fn mixed(colours: &[Vec3A], shares: &[f32]) -> Vec3A {
-    colours.iter().zip(shares).map(|(&colour, &share)| colour * share).sum()
+    match (colours, shares) {
+        // As many as almost all have.
+        (&[a, b, c, ..], &[of_a, of_b, of_c]) => a * of_a + b * of_b + c * of_c,
+        _ => colours.iter().zip(shares).map(|(&colour, &share)| colour * share).sum(),
+    }
 }
 
 /// What texels of a section show of an object in the atlas along one axis: texels there, and their shares.
 struct Taps {
-    /// Of each texel, the first one and where its shares begin.
-    firsts: Vec<(usize, usize)>,
+    /// Of each texel, the first one.
+    firsts: Vec<usize>,
+    /// Of each, equally many.
     shares: Vec<f32>,
+    /// So many.
+    count: usize,
 }
 
 impl Taps {
     /// Of some texels of sections, of an object that reaches from one place to another, and lies in the atlas from a texel on, so many long.
     fn new(texels: Range<usize>, from: f64, to: f64, (corner, length): (usize, usize)) -> Self {
         let (step, length) = (1.0 / (to - from), length as f64);
-        let mut taps = Self { firsts: Vec::with_capacity(texels.len() + 1), shares: Vec::with_capacity(4 * texels.len()) };
+        // However it lies to the texels.
+        let count = (((step * length).max(1.0) + 1.0).ceil() as usize).min(PICTURE_SIDE);
+        let mut taps = Self { firsts: Vec::with_capacity(texels.len()), shares: Vec::with_capacity(count * texels.len()), count };
         for texel in texels {
             let (low, high) = reach(corner as f64, length, (texel as f64 + 0.5 - from) * step, step);
-            let (first, last) = (low as usize, last(high));
-            taps.firsts.push((first, taps.shares.len()));
-            taps.shares.extend((first..last).map(|n| (overlap(n, low, high) / (high - low)) as f32));
+            let (first, whole) = ((low as usize).min(PICTURE_SIDE - count), 1.0 / (high - low));
+            taps.firsts.push(first);
+            taps.shares.extend((first..first + count).map(|n| (overlap(n, low, high) * whole).max(0.0) as f32));
         }
-        taps.firsts.push((0, taps.shares.len()));
         taps
     }
 
     /// Of each texel the first one, and the shares from there on.
     fn each(&self) -> impl Iterator<Item = (usize, &[f32])> {
-        self.firsts.windows(2).map(|of| (of[0].0, &self.shares[of[0].1..of[1].1]))
+        self.firsts.iter().copied().zip(self.shares.chunks_exact(self.count))
     }
 
-    /// The first texel of some, and the one after the last.
-    fn bounds<'a>(taps: impl IntoIterator<Item = &'a Self>) -> (usize, usize) {
-        let ends = taps.into_iter().flat_map(Self::each).map(|(first, shares)| (first, first + shares.len()));
-        ends.reduce(|(from, to), (first, end)| (from.min(first), to.max(end))).unwrap_or_default()
+    /// Texels of the atlas that some following ones show.
+    fn reach(&self, of: &Range<usize>) -> Range<usize> {
+        self.firsts[of.start]..self.firsts[of.end - 1] + self.count
+    }
+
+    /// The first texel of all, and the one after the last.
+    fn bounds<'a>(taps: impl Iterator<Item = &'a Self>) -> (usize, usize) {
+        let ends = taps.map(|taps| taps.reach(&(0..taps.firsts.len())));
+        ends.fold((PICTURE_SIDE, 0), |(from, to), reach| (from.min(reach.start), to.max(reach.end)))
     }
 }
 
