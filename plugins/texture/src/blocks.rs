@@ -29,9 +29,16 @@ pub(crate) fn opaque(chain: &[u8], size: u32) -> Vec<u8> {
     let mut blocks = Vec::with_capacity(chain.len() / 8 + 32);
     for_each_mip(chain, size, |mip, side| {
         let texels = mip.as_chunks::<4>().0;
-        for corner in (0..side).step_by(SIDE).flat_map(|y| (0..side).step_by(SIDE).map(move |x| y * side + x)) {
-            let texels = core::array::from_fn(|i| texels[corner + i / SIDE * side + i % SIDE]);
-            blocks.extend(bc1::block(&texels));
+        let count = side * side / (SIDE * SIDE);
+        for first in (0..count).step_by(bc1::AT_ONCE) {
+            let mut four = [[0; SIDE * SIDE]; bc1::AT_ONCE];
+            for (n, block) in (first..count).zip(&mut four) {
+                let corner = n / (side / SIDE) * SIDE * side + n % (side / SIDE) * SIDE;
+                for (row, line) in block.chunks_exact_mut(SIDE).zip(texels[corner..].chunks(side)) {
+                    row.iter_mut().zip(line).for_each(|(bits, &texel)| *bits = u32::from_le_bytes(texel));
+                }
+            }
+            blocks.extend(bc1::blocks(&four).iter().take(count - first).flatten());
         }
     });
     blocks

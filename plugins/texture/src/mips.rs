@@ -64,7 +64,8 @@ impl Light {
     }
 
     pub(crate) fn linear(&self, Rgb(r, g, b): Rgb) -> [u16; 3] {
-        [r, g, b].map(|c| self.linear[usize::from(c)])
+        let of = |c: u8| self.linear[usize::from(c)];
+        [of(r), of(g), of(b)]
     }
 
     /// From 0 to 1.
@@ -72,9 +73,9 @@ impl Light {
         Vec3A::from_array(self.linear(colour).map(f32::from)) / 65_535.0
     }
 
-    pub(crate) fn srgb(&self, light: [u16; 3]) -> Rgb {
-        let [r, g, b] = light.map(|c| self.srgb[usize::from(c)]);
-        Rgb(r, g, b)
+    pub(crate) fn srgb(&self, [r, g, b]: [u16; 3]) -> Rgb {
+        let of = |c: u16| self.srgb[usize::from(c)];
+        Rgb(of(r), of(g), of(b))
     }
 
     /// Of light from 0 to 1; what is beyond is bounded.
@@ -85,8 +86,9 @@ impl Light {
 
 /// The mean of four colours in linear light.
 pub(crate) fn mean_light(four: [[u16; 3]; 4]) -> [u16; 3] {
-    let sum = |c: usize| four.iter().map(|light| u32::from(light[c])).sum::<u32>();
-    [0, 1, 2].map(|c| ((sum(c) + 2) / 4) as u16)
+    let [p, q, r, s] = four;
+    let mean = |c: usize| ((u32::from(p[c]) + u32::from(q[c]) + u32::from(r[c]) + u32::from(s[c]) + 2) / 4) as u16;
+    [mean(0), mean(1), mean(2)]
 }
 
 fn luminance(c: Vec3) -> f32 {

@@ -76,23 +76,23 @@ impl PictureLayer {
         if !size.is_power_of_two() || picture.height() != size {
             return None;
         }
-        let mut texels = vec![255; (4 * size * size - 1) / 3 * 4];
-        let (whole, mut smaller) = texels.split_at_mut(4 * size * size);
-        fill(whole, picture.texels.iter().copied());
+        let mut texels: Vec<[u8; 4]> = Vec::with_capacity((4 * size * size - 1) / 3);
+        let opaque = |Rgb(r, g, b): Rgb| [r, g, b, 255];
+        texels.extend(picture.texels.iter().map(|&texel| opaque(texel)));
         let light = Light::tables();
         let (mut side, mut mip) = (size, Vec::<[u16; 3]>::new());
         while side > 1 {
             mip = if side == size {
-                halve(side, &picture.texels, |four| mean_light(four.map(|texel| light.linear(texel))))
+                halve(side, &picture.texels, |[a, b, c, d]| {
+                    mean_light([light.linear(a), light.linear(b), light.linear(c), light.linear(d)])
+                })
             } else {
                 halve(side, &mip, mean_light)
             };
             side /= 2;
-            let (here, rest) = smaller.split_at_mut(4 * side * side);
-            fill(here, mip.iter().map(|&texel| light.srgb(texel)));
-            smaller = rest;
+            texels.extend(mip.iter().map(|&texel| opaque(light.srgb(texel))));
         }
-        Some(Self { size: size as u32, texels })
+        Some(Self { size: size as u32, texels: texels.into_flattened() })
     }
 
     /// Number of mip levels, down to one texel.
@@ -105,13 +105,6 @@ impl PictureLayer {
     #[must_use]
     pub fn in_blocks(&self) -> Vec<u8> {
         blocks::opaque(&self.texels, self.size)
-    }
-}
-
-/// Writes colours into RGBA8, whose alpha stays.
-fn fill(rgba: &mut [u8], colours: impl Iterator<Item = Rgb>) {
-    for ([r, g, b, _], colour) in rgba.as_chunks_mut::<4>().0.iter_mut().zip(colours) {
-        (*r, *g, *b) = (colour.0, colour.1, colour.2);
     }
 }
 
