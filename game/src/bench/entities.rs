@@ -33,8 +33,6 @@ const WARM_UP: usize = 12;
 /// Frames measured at a time, and how often each city has its turn.
 const FRAMES: usize = 30;
 const TURNS: usize = 3;
-/// Farther than any cell that stands, metres.
-const FAR_M: f32 = 1e5;
 /// The camera turns so far from frame to frame, degrees.
 const STEP_DEG: f64 = 4.0;
 
@@ -64,13 +62,9 @@ fn compare(name: &str, city: &Path, eye: Eye) -> Result<(), Failure> {
     let mut studio = Studio::open_with(&city.display().to_string(), SIZE, Profile::Low, on_one_thread)?;
     let start = studio.world().get_resource::<City>().map_or(DVec2::ZERO, |city| Eye::at(city.start).plan_pos);
     let eye = Eye { plan_pos: start, ..eye };
-    studio.set_eye(eye);
-    let missing = studio.settle();
-    if !missing.is_empty() {
-        return Err(format!("{}: not all of the city came: {missing}", city.display()).into());
-    }
+    settle(&mut studio, eye, city)?;
     let ground_m = studio.eye().ground_m;
-    let shown: BTreeSet<GridPos> = standing(studio.world()).map(|content| content.shell.origin).collect();
+    let shown: BTreeSet<GridPos> = standing(studio.world()).iter().map(|content| content.shell.origin).collect();
     let parts = whole(city, eye, &shown)?;
     let eye_m = ground_m + eye.eye_m;
     let mut naive = Naive::new(&parts, eye_m, eye.pitch_deg);
@@ -91,7 +85,7 @@ fn compare(name: &str, city: &Path, eye: Eye) -> Result<(), Failure> {
         }
     }
     let world = studio.world();
-    let cells = standing(world).count();
+    let cells = standing(world).len();
     let meshes = world.query_filtered::<(), With<CellMesh>>().iter(world).count();
     eprintln!("{name}: {} houses in {cells} cells, {} parts", parts.houses, parts.all.len());
     let (entities, peers) = ((meshes + cells) as f64, parts.all.len() as f64);
@@ -109,26 +103,26 @@ fn compare(name: &str, city: &Path, eye: Eye) -> Result<(), Failure> {
     Ok(())
 }
 
-fn standing(world: &mut World) -> impl Iterator<Item = &CellContent> {
-    let mut cells = world.query::<&CellContent>();
-    cells.iter(world).collect::<Vec<_>>().into_iter()
+/// Waits until all stands that is to be seen from an eye.
+fn settle(studio: &mut Studio, eye: Eye, city: &Path) -> Result<(), Failure> {
+    studio.set_eye(eye);
+    let missing = studio.settle();
+    if missing.is_empty() { Ok(()) } else { Err(format!("{}: not all of the city came: {missing}", city.display()).into()) }
 }
 
-/// The parts of all that stands in these cells, as from near.
+fn standing(world: &mut World) -> Vec<&CellContent> {
+    world.query::<&CellContent>().iter(world).collect()
+}
+
+/// The parts of all that stands in these cells, with openings and mouldings however far off it is.
 fn whole(city: &Path, eye: Eye, cells: &BTreeSet<GridPos>) -> Result<Parts, Failure> {
     let mut studio = Studio::open_with(&city.display().to_string(), SIZE, Profile::Low, |app| {
         on_one_thread(app);
-        let mut distances = app.world_mut().resource_mut::<LevelDistances>();
-        distances.near[0] = FAR_M;
-        distances.far[0] = FAR_M;
+        app.world_mut().resource_mut::<StreamingSettings>().level_2_m = f64::INFINITY;
     })?;
-    studio.set_eye(eye);
-    let missing = studio.settle();
-    if !missing.is_empty() {
-        return Err(format!("{}: not all of the city came: {missing}", city.display()).into());
-    }
+    settle(&mut studio, eye, city)?;
     let mut parts = Parts { all: Vec::new(), houses: 0 };
-    for content in standing(studio.world()).filter(|content| cells.contains(&content.shell.origin)) {
+    for content in standing(studio.world()).into_iter().filter(|content| cells.contains(&content.shell.origin)) {
         parts.add_cell(content, eye.plan_pos)?;
     }
     Ok(parts)
