@@ -351,7 +351,7 @@ fn quiet_app(city: &Path, way: Way) -> App {
     }
     if let Way::Naive { around_m } = way {
         let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
-        (settings.flying_from_m, settings.flying_m, settings.level_2_m) = (0.0, around_m, around_m);
+        (settings.flying_from_m, settings.level_2_m) = (0.0, around_m);
         settings.overview_flying_m = settings.overview_m;
         (settings.packets_a_frame, settings.bytes_a_frame) = (usize::MAX, u64::MAX);
         app.insert_resource(BuildSettings {

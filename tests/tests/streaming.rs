@@ -168,6 +168,40 @@ fn what_lies_on_an_itinerary_stands_before_one_is_there() {
 }
 
 #[test]
+fn who_flies_wants_what_shows_level_2_and_no_more() {
+    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+    let viewer = stand(&mut app);
+    let settings = *app.world().resource::<StreamingSettings>();
+    let mut eye = app.world_mut().get_mut::<Eye>(viewer).expect("spawned");
+    eye.eye_m = settings.flying_from_m + 30.0;
+    let here = eye.plan_pos;
+    (0..4).for_each(|_| app.update());
+    let index = read_index(&DirReader::new(sample_city()).expect("a city")).expect("whole");
+    let wanted = app.world().resource::<Wanted>();
+    let (mut near, mut far) = (0, 0);
+    for (cell, entry) in index.cells() {
+        let (low, high) = (entry.bounds.0.to_metres(), entry.bounds.1.to_metres());
+        let is_near = here.distance(here.clamp(low, high)) <= settings.level_2_m;
+        let why = wanted.why(cell);
+        assert_eq!(is_near, why == Some(Why::Near), "cell {cell}: {why:?}");
+        assert!(is_near || matches!(why, None | Some(Why::Skyline)), "cell {cell}: {why:?}");
+        let has_windows = entry.packet(Level::Two).is_some();
+        assert_eq!(wanted.wants_level(cell, Level::Two), has_windows && is_near, "cell {cell}");
+        *(if is_near { &mut near } else { &mut far }) += 1;
+    }
+    assert!(near > 20 && far > 20, "{near} cells are near and {far} far");
+}
+
+#[test]
+fn what_is_loaded_by_default_reaches_as_far_as_it_shows_by_default() {
+    let (loaded, shown) = (StreamingSettings::default(), LevelDistances::default());
+    for (loaded_m, shown_m) in [(loaded.level_2_m, shown.far[0]), (loaded.level_3_m, shown.far[1])] {
+        let lead_m = loaded_m - f64::from(shown_m);
+        assert!((20.0..=60.0).contains(&lead_m), "{loaded_m} m are loaded, and {shown_m} m show it");
+    }
+}
+
+#[test]
 fn two_viewers_are_served_under_one_cap() {
     let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
     let first = stand(&mut app);

@@ -10,7 +10,7 @@
 //! and what plugins ask for ([`OverviewWants`](veduta_ecs::OverviewWants)). Wanted are the cells of its visible set at level 1, nearest
 //! first, then level 2 within [`StreamingSettings::level_2_m`] and finer ones within [`StreamingSettings::level_3_m`], then level 1 of all
 //! that is seen from the cells next to it and from where an [`Itinerary`](veduta_ecs::Itinerary) leads: a cell opens ([`OpenCells`](veduta_ecs::OpenCells)) when nothing would be
-//! missing from there. A viewer above the roofs wants everything within [`StreamingSettings::flying_m`], and the overview beyond. Levels of
+//! missing from there. A viewer above the roofs wants everything within [`StreamingSettings::level_2_m`], and the overview beyond. Levels of
 //! a cell arrive strictly in order. Of finer levels no more is asked for than the line brings in a while: its [`Pace`] is measured. Nothing
 //! is read or decoded on the main thread.
 //!
@@ -83,12 +83,11 @@ pub enum StreamingSystems {
 #[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq)]
 #[reflect(Resource)]
 pub struct StreamingSettings {
-    /// Level 2 is wanted within this distance of a viewer, metres.
+    /// Level 2 is wanted within this distance of a viewer, metres; of one above the roofs level 1 as well, since beyond it the overview's
+    /// districts are to be seen.
     pub level_2_m: f64,
     /// Level 3, the pictures of painted façades, is wanted within this distance of a viewer, metres.
     pub level_3_m: f64,
-    /// A viewer above the roofs wants level 1 within this distance, metres; beyond it the overview's districts are to be seen.
-    pub flying_m: f64,
     /// Height above the ground from which a viewer counts as flying, metres.
     pub flying_from_m: f64,
     /// Skyline cells are wanted within this distance, metres.
@@ -120,9 +119,9 @@ pub struct StreamingSettings {
 impl Default for StreamingSettings {
     fn default() -> Self {
         Self {
-            level_2_m: 220.0,
-            level_3_m: 90.0,
-            flying_m: 250.0,
+            // Where they show at all by default, and 40 m on: two seconds of a quick flight.
+            level_2_m: 190.0,
+            level_3_m: 95.0,
             flying_from_m: 6.0,
             skyline_m: 2_000.0,
             skyline_cells: 48,

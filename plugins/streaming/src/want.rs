@@ -215,13 +215,8 @@ impl Needs<'_> {
             }
         }
         // Above the roofs, or in a place that no cell covers: what is near, whatever stands between.
-        let around_m = match cell {
-            _ if is_flying => settings.flying_m,
-            None => settings.level_2_m,
-            Some(_) => 0.0,
-        };
-        if around_m > 0.0 {
-            self.near(eye.plan_pos, around_m, Why::Near, 0.0, eye);
+        if is_flying || cell.is_none() {
+            self.near(eye.plan_pos, Why::Near, 0.0, eye);
         }
         self.add_skyline(eye);
     }
@@ -265,22 +260,19 @@ impl Needs<'_> {
         if index.regions_at(pos).filter(|&region| !self.has(region, 1)).count() > 0 {
             return;
         }
-        let around_m = match index.locate(pos) {
-            _ if stop.eye_m >= settings.flying_from_m => settings.flying_m,
-            None => settings.level_2_m,
+        match index.locate(pos).filter(|_| stop.eye_m < settings.flying_from_m) {
             Some(from) => {
                 for &seen in visible(index, from) {
                     self.need(seen, Why::Ahead { from }, way_m, eye);
                 }
-                return;
             }
-        };
-        self.near(stop.plan_pos, around_m, Why::OnTheWay, way_m, eye);
+            None => self.near(stop.plan_pos, Why::OnTheWay, way_m, eye),
+        }
     }
 
-    /// Adds all that is so near to a place, whatever stands between.
-    fn near(&mut self, plan_pos: DVec2, around_m: f64, why: Why, way_m: f64, eye: &Eye) {
-        let index = self.index;
+    /// Adds all that shows level 2 about a place, whatever stands between: beyond, the overview's districts tell as much.
+    fn near(&mut self, plan_pos: DVec2, why: Why, way_m: f64, eye: &Eye) {
+        let (index, around_m) = (self.index, self.settings.level_2_m);
         for (number, region) in (0..).zip(&*index.regions) {
             if distance_to(region.bounds, plan_pos) > around_m || !self.has(number, rank(why)) {
                 continue;
