@@ -2,7 +2,7 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Area, Id, Order, ProgressBar, Ui, Vec2};
-use veduta::controls::{Device, KeyNames};
+use veduta::controls::{Device, KeyNames, Layers};
 use veduta::ecs::{Interface, Words, WordsValue};
 use veduta::guide::SearchBox;
 use veduta::guide::controls::SearchOpen;
@@ -16,7 +16,6 @@ use veduta::walker::Intent;
 use veduta::walker::controls::{LookHold, WalkForward};
 use veduta_route::turn_deg;
 
-use super::Open;
 use super::controls::HelpOpen;
 use crate::settings::Settings;
 use crate::walk::FirstTour;
@@ -113,14 +112,14 @@ pub(super) fn watch(
 
 pub(super) fn draw(
     mut contexts: EguiContexts,
-    (words, interface, keys, open): (Res<Words>, Res<Interface>, Res<KeyNames>, Res<Open>),
-    (search, map, player, steering): (Res<SearchBox>, Res<MapView>, Res<TourPlayer>, Res<Steering>),
+    (words, interface, keys, layers): (Res<Words>, Res<Interface>, Res<KeyNames>, Res<Layers>),
+    (player, steering): (Res<TourPlayer>, Res<Steering>),
     (first, editor): (Res<FirstMinute>, Res<TourEditor>),
     mut settings: ResMut<Settings>,
 ) -> Result {
     // Who is led does not learn, and what a tour shows lies where the card does.
     let is_led = *steering == Steering::Led || is_busy(&player) || editor.is_open();
-    if settings.knows_the_way || is_led || open.help || open.settings || search.open || map.open {
+    if settings.knows_the_way || is_led || layers.has_page() {
         return Ok(());
     }
     let context = contexts.ctx_mut()?;

@@ -53,6 +53,12 @@ impl Layers {
         !self.pages.is_empty()
     }
 
+    /// The page that is read: the one that was opened last.
+    #[must_use]
+    pub fn page(&self) -> Option<&'static str> {
+        self.pages.last().copied()
+    }
+
     /// What lies on top.
     #[must_use]
     pub fn top(&self) -> Option<&'static str> {
@@ -97,6 +103,7 @@ mod tests {
             app.update();
         }
         let has_page = |app: &App| app.world().resource::<Layers>().has_page();
+        assert_eq!(app.world().resource::<Layers>().page(), Some("search"), "the last of the pages");
         assert_eq!(escape(&mut app), [false, true, true], "the map was opened last");
         assert_eq!((escape(&mut app), has_page(&app)), ([false, true, false], true));
         app.world_mut().resource_mut::<Open>().0[1] = false;

@@ -25,6 +25,9 @@ pub fn add_controls(app: &mut App) {
     app.add_control::<MapOpen>().add_control::<MapNorth>().add_control::<MapNearer>().add_control::<MapWider>();
 }
 
+/// The large map among what is open.
+pub(crate) const PAGE: &str = "map";
+
 pub(crate) fn read_keys(
     presses: Presses<'_, '_>,
     mut layers: ResMut<Layers>,
@@ -38,7 +41,7 @@ pub(crate) fn read_keys(
             view.radius_m = 320.0;
         }
     }
-    if layers.closes_page("map", view.open) {
+    if layers.closes_page(PAGE, view.open) {
         view.open = false;
     }
     if presses.begins::<MapNorth>() {

@@ -7,11 +7,11 @@ use bevy_egui::egui::{
 };
 use veduta_cartography::{Colours, Inks};
 use veduta_city::Viewpoint;
-use veduta_controls::KeyNames;
+use veduta_controls::{KeyNames, Layers};
 use veduta_ecs::{City, Docks, Eye, Interface, JumpTo, Route, TourPath, Viewer, WalkTo, Words};
 use veduta_ui::Look;
 
-use crate::controls::MapOpen;
+use crate::controls::{MapOpen, PAGE};
 use crate::panel::map_panel;
 use crate::tiles::{Fill, MapTiles, colour};
 use crate::view::{MapView, Projection, zoomed};
@@ -45,7 +45,7 @@ pub(crate) fn draw_map(
     tiles: Res<MapTiles>,
     viewers: Query<&Eye, With<Viewer>>,
     (route, words, interface): (Res<Route>, Res<Words>, Res<Interface>),
-    (trail, tour, keys, docks): (Res<Trail>, Res<TourPath>, Res<KeyNames>, Res<Docks>),
+    (trail, tour, keys, docks, layers): (Res<Trail>, Res<TourPath>, Res<KeyNames>, Res<Docks>, Res<Layers>),
     mut settings: ResMut<MinimapSettings>,
     mut view: ResMut<MapView>,
     mut names: ResMut<MapNames>,
@@ -76,7 +76,9 @@ pub(crate) fn draw_map(
     if view.open {
         let click = large_map(context, &look, &shown, &mut view, names);
         let mut next = *settings;
-        if let Some(format) = map_panel(context, &look, &words, &mut next) {
+        // What lies over the map lies over its panel.
+        let is_read = layers.page() == Some(PAGE);
+        if let Some(format) = is_read.then(|| map_panel(context, &look, &words, &mut next)).flatten() {
             let map = Projection::new(context.content_rect(), view.middle.unwrap_or(eye.plan_pos), view.radius_m, 0.0);
             let size = map.rect.size() / map.scale;
             exports.write(ExportMap {

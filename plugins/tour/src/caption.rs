@@ -32,10 +32,12 @@ pub(crate) fn draw_caption(
     (interface, docks, layers): (Res<Interface>, Res<Docks>, Res<Layers>),
     editor: Res<TourEditor>,
 ) -> Result {
-    if !settings.visible || layers.has_page() {
+    // What has gone wrong is told whoever reads what, captions or not.
+    let error = player.error();
+    if error.is_none() && (!settings.visible || layers.has_page()) {
         return Ok(());
     }
-    let text = match (player.error(), player.caption(words.language()), player.state()) {
+    let text = match (error, player.caption(words.language()), player.state()) {
         (Some(error), ..) => error.to_owned(),
         (None, Some(caption), _) => caption.to_owned(),
         // Who edits a tour comes and goes.
@@ -50,7 +52,8 @@ pub(crate) fn draw_caption(
     // Above whatever lies along the lower edge.
     let offset = Vec2::new(0.0, -screen.height() * 0.03 - look.text * 3.4);
     let area = Area::new(Id::new("veduta caption")).constrain_to(screen).anchor(Align2::CENTER_BOTTOM, offset);
-    area.order(Order::Middle).interactable(false).show(context, |ui| {
+    let order = if error.is_some() { Order::Foreground } else { Order::Middle };
+    area.order(order).interactable(false).show(context, |ui| {
         ui.set_max_width(screen.width() * 0.55);
         look.frame(Surface::Dusk).show(ui, |ui| {
             let words = look.words(text, settings.size, look.ink(Surface::Dusk));
