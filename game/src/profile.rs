@@ -66,7 +66,7 @@ impl Profile {
     #[must_use]
     pub fn levels(self) -> LevelDistances {
         let mut distances = LevelDistances::uniform(match self {
-            Self::Low => 90.0,
+            Self::Low => 160.0,
             Self::Medium => 240.0,
             Self::High => 360.0,
             Self::Ultra => 500.0,
