@@ -88,7 +88,7 @@ impl Profile {
     /// What is loaded.
     #[must_use]
     pub fn streaming(self) -> StreamingSettings {
-        let [level_2_m, level_3_m] = [0, 1].map(|band| f64::from(self.levels().far[band]) + 40.0);
+        let [level_2_m, level_3_m] = [0, 1].map(|band| f64::from(self.levels().far[band]) + StreamingSettings::LEAD_M);
         // Where level 3 is forbidden its pictures are not asked for.
         let finest = if self.levels().far[1] > 0.0 { 4 } else { 2 };
         StreamingSettings { level_2_m, level_3_m, finest, ..default() }

@@ -195,10 +195,8 @@ fn who_flies_wants_what_shows_level_2_and_no_more() {
 #[test]
 fn what_is_loaded_by_default_reaches_as_far_as_it_shows_by_default() {
     let (loaded, shown) = (StreamingSettings::default(), LevelDistances::default());
-    for (loaded_m, shown_m) in [(loaded.level_2_m, shown.far[0]), (loaded.level_3_m, shown.far[1])] {
-        let lead_m = loaded_m - f64::from(shown_m);
-        assert!((20.0..=60.0).contains(&lead_m), "{loaded_m} m are loaded, and {shown_m} m show it");
-    }
+    let reach = [0, 1].map(|band| f64::from(shown.far[band]) + StreamingSettings::LEAD_M);
+    assert_eq!([loaded.level_2_m, loaded.level_3_m], reach);
 }
 
 #[test]

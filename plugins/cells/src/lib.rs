@@ -59,8 +59,8 @@
 //!   random and makes portals that hide nothing.
 //! * *Rays from sample points* for visible sets: fast, but they miss cells seen through a slit, and a missed cell is a hole.
 //! * *Rays over a field of heights* (squares of 4 m, a horizon kept along each line from where it enters a cell) for what rises behind the
-//!   roofs: 125,000 of them take twice as long as all the rest in the sample city, add a quarter to the sets, and still miss one in
-//!   fifteen of the pairs that 40 million random rays find. Districts of the overview stand there instead.
+//!   roofs: 125,000 of them take more than twice as long as all the rest in the sample city, add a quarter to the sets, and still miss
+//!   one in sixteen of the pairs that 40 million random rays find. Districts of the overview stand there instead, as far as it reaches.
 //! * *Enumerating portal sequences*: exact, but exponential on open ground; sets of lines are merged instead, which may add a
 //!   cell that cannot quite be seen and never loses one.
 //! * *Boolean operations on floats* (geo's front of the same engine): rounding back to the grid would open cracks.

@@ -77,8 +77,9 @@ pub(crate) fn draw_map(
         let click = large_map(context, &look, &shown, &mut view, names);
         let mut next = *settings;
         // What lies over the map lies over its panel.
-        let is_read = layers.page() == Some(PAGE);
-        if let Some(format) = is_read.then(|| map_panel(context, &look, &words, &mut next)).flatten() {
+        if layers.page() == Some(PAGE)
+            && let Some(format) = map_panel(context, &look, &words, &mut next)
+        {
             let map = Projection::new(context.content_rect(), view.middle.unwrap_or(eye.plan_pos), view.radius_m, 0.0);
             let size = map.rect.size() / map.scale;
             exports.write(ExportMap {

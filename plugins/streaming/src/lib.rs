@@ -83,8 +83,8 @@ pub enum StreamingSystems {
 #[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq)]
 #[reflect(Resource)]
 pub struct StreamingSettings {
-    /// Level 2 is wanted within this distance of a viewer, metres; of one above the roofs level 1 as well, since beyond it the overview's
-    /// districts are to be seen.
+    /// Level 2 is wanted within this distance of a viewer, metres; of one above the roofs or outside of every cell level 1 as well, since
+    /// beyond it the overview's districts are to be seen.
     pub level_2_m: f64,
     /// Level 3, the pictures of painted façades, is wanted within this distance of a viewer, metres.
     pub level_3_m: f64,
@@ -116,12 +116,16 @@ pub struct StreamingSettings {
     pub finer_within_s: f64,
 }
 
+impl StreamingSettings {
+    /// Levels are wanted so much farther off than they begin to show, metres: two seconds of a quick flight.
+    pub const LEAD_M: f64 = 40.0;
+}
+
 impl Default for StreamingSettings {
     fn default() -> Self {
         Self {
-            // Where they show at all by default, and 40 m on: two seconds of a quick flight.
-            level_2_m: 190.0,
-            level_3_m: 95.0,
+            level_2_m: 150.0 + Self::LEAD_M,
+            level_3_m: 55.0 + Self::LEAD_M,
             flying_from_m: 6.0,
             skyline_m: 2_000.0,
             skyline_cells: 48,

@@ -32,9 +32,9 @@ pub(crate) fn draw_caption(
     (interface, docks, layers): (Res<Interface>, Res<Docks>, Res<Layers>),
     editor: Res<TourEditor>,
 ) -> Result {
-    // What has gone wrong is told whoever reads what, captions or not.
+    // What has gone wrong is told without captions, too. It stays: whoever reads a page sees it afterwards.
     let error = player.error();
-    if error.is_none() && (!settings.visible || layers.has_page()) {
+    if layers.has_page() || (!settings.visible && error.is_none()) {
         return Ok(());
     }
     let text = match (error, player.caption(words.language()), player.state()) {
@@ -52,8 +52,7 @@ pub(crate) fn draw_caption(
     // Above whatever lies along the lower edge.
     let offset = Vec2::new(0.0, -screen.height() * 0.03 - look.text * 3.4);
     let area = Area::new(Id::new("veduta caption")).constrain_to(screen).anchor(Align2::CENTER_BOTTOM, offset);
-    let order = if error.is_some() { Order::Foreground } else { Order::Middle };
-    area.order(order).interactable(false).show(context, |ui| {
+    area.order(Order::Middle).interactable(false).show(context, |ui| {
         ui.set_max_width(screen.width() * 0.55);
         look.frame(Surface::Dusk).show(ui, |ui| {
             let words = look.words(text, settings.size, look.ink(Surface::Dusk));
