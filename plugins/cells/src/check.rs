@@ -1,6 +1,6 @@
 use std::collections::HashSet;
 
-use veduta_city::{Cell, Cells, CityPlan, GridPolygon, GridPos, Id, PortalSide};
+use veduta_city::{Cell, Cells, CityPlan, GRID_PER_METRE, GridPolygon, GridPos, Id, PLAN_STEP, PortalSide};
 
 use crate::free::free_space;
 use crate::overlay::{Keep, combine, edges, ring_area_2, total_m2, turned_rings};
@@ -139,10 +139,10 @@ fn check_outlines(cells: &Cells, errors: &mut Vec<CellsError>) {
     }
 }
 
-/// Mean width up to which a piece is a leaving of the grid, metres.
-const SLIVER_M: f64 = 0.005;
+/// Mean width up to which a piece is a leaving of the plan's steps, metres.
+const SLIVER_M: f64 = PLAN_STEP as f64 / GRID_PER_METRE as f64;
 
-/// Cells may reach under long walls by a grid step, where these were cut.
+/// Cells may reach under long walls by a step of the plan, where these were cut.
 fn check_free(plan: &CityPlan, cells: &Cells, errors: &mut Vec<CellsError>) {
     let free = free_space(plan, &Patches::new(plan), &PartitionSettings::default(), &mut Vec::new());
     let rings = cells.cells.iter().flat_map(|cell| turned_rings(&cell.outline));

@@ -32,7 +32,8 @@
 //! ```
 //!
 //! # Method
-//! * Free space is the extent less the footprints of all volumes that stand on the ground, on the integer grid.
+//! * Free space is the extent less the footprints of all volumes that stand on the ground, in integers: in steps of the plan, where all
+//!   of it lies on them.
 //! * It is triangulated (constrained Delaunay; a sparse lattice of points keeps triangles in the open small) and the triangles
 //!   are joined across their longest edges first while the union stays small and nearly convex, so that the short edges, the
 //!   narrow places, are left as portals. Pieces without public ground that is wide enough to walk to (courtyards behind a slit
@@ -89,7 +90,7 @@ mod tunnels;
 mod visible;
 
 /// Version of the partition: the same plan gives the same cells, portals and visible sets by one version; another may differ.
-pub const PARTITION_VERSION: u32 = 3;
+pub const PARTITION_VERSION: u32 = 4;
 
 pub use afar::ground_from_afar;
 pub use check::{CellsError, check};

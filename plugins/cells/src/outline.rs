@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use veduta_city::{GridPolygon, GridPos, GridRing, Portal, PortalSide};
+use veduta_city::{GridPolygon, GridPos, GridRing, PLAN_STEP, Portal, PortalSide};
 
 use crate::overlay::{edges, ring_area_2};
 use crate::triangulate::Triangle;
@@ -70,19 +70,22 @@ fn trace(
     ring
 }
 
-/// Whether a piece of border runs along the extent: both ends within two grid steps (crossings are snapped) of one edge of it.
+/// Crossings are snapped: so far off lines they may lie, grid steps.
+const NEAR: i32 = 2 * PLAN_STEP;
+
+/// Whether a piece of border runs along the extent: both ends near one edge of it.
 fn lies_on(extent: &GridPolygon, a: GridPos, b: GridPos) -> bool {
     extent.rings().any(|ring| edges(ring).any(|(p, q)| [a, b].iter().all(|&v| is_near_segment(v, p, q))))
 }
 
 fn is_near_segment(v: GridPos, p: GridPos, q: GridPos) -> bool {
-    let within = |v: i32, a: i32, b: i32| v >= a.min(b) - 2 && v <= a.max(b) + 2;
+    let within = |v: i32, a: i32, b: i32| v >= a.min(b) - NEAR && v <= a.max(b) + NEAR;
     if !within(v.0, p.0, q.0) || !within(v.1, p.1, q.1) {
         return false;
     }
     let length_2 = i128::from(crate::hull::distance_2(p, q));
     let off = i128::from(p.cross(q, v));
-    off * off <= 4 * length_2
+    off * off <= i128::from(NEAR * NEAR) * length_2
 }
 
 /// Cuts a ring that passes through a vertex twice into rings that do not.

@@ -5,7 +5,7 @@ use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
 use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::vector::edge::{CLIP_LEFT, CLIP_RIGHT, SUBJ_LEFT, SUBJ_RIGHT, VectorEdge};
 pub(crate) use veduta_city::ring_edges as edges;
-use veduta_city::{BorderEdge, GridPolygon, GridPos, GridRing, connected_faces};
+use veduta_city::{BorderEdge, GridPolygon, GridPos, GridRing, PLAN_STEP, connected_faces};
 
 /// Least and greatest corner.
 pub(crate) type Bounds = (GridPos, GridPos);
@@ -76,6 +76,11 @@ pub(crate) fn combine(
 ) -> Vec<GridPolygon> {
     // Only the engine's arrangement of edges is used: its ways of tracing shapes may go in circles for ever where many rings touch.
     let mut overlay = Overlay::new_custom(64, IntOverlayOptions::keep_all_points(), Default::default());
+    let (first, second): (Vec<GridRing>, Vec<GridRing>) = (first.into_iter().collect(), second.into_iter().collect());
+    // What is on the plan stays on it.
+    let is_on_plan = first.iter().chain(&second).flatten().all(|p| p.is_on_plan());
+    let step = if is_on_plan { PLAN_STEP } else { 1 };
+    let to_int = |p: GridPos| IntPoint::new(p.0 / step, p.1 / step);
     for ring in first {
         overlay.add_path_iter(ring.into_iter().map(to_int), ShapeType::Subject);
     }
@@ -83,13 +88,10 @@ pub(crate) fn combine(
         overlay.add_path_iter(ring.into_iter().map(to_int), ShapeType::Clip);
     }
     let edges = overlay.build_separate_vectors(FillRule::NonZero);
-    let borders = edges.iter().filter_map(|edge| keep.border(edge)).collect();
+    let out = |p: GridPos| GridPos(p.0.saturating_mul(step), p.1.saturating_mul(step));
+    let borders = edges.iter().filter_map(|edge| keep.border(edge)).map(|(a, b)| (out(a), out(b))).collect();
     drop((overlay, edges));
     connected_faces(borders, keep_collinear)
-}
-
-fn to_int(p: GridPos) -> IntPoint {
-    IntPoint::new(p.0, p.1)
 }
 
 /// The part of `patch` within `window`, whose bounds are given. Exact up to the snapping of crossings to the grid, and cheap

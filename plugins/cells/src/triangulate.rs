@@ -3,7 +3,7 @@
 use rstar::{PointDistance, RTree, primitives::Line};
 use spade::handles::{FixedDirectedEdgeHandle, FixedVertexHandle};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
-use veduta_city::{Finding, GRID_PER_METRE, GridPolygon, GridPos, Id, Severity};
+use veduta_city::{Finding, GRID_PER_METRE, GridPolygon, GridPos, Id, PLAN_STEP, Severity};
 
 use crate::overlay::edges;
 use crate::partition::PartitionSettings;
@@ -63,14 +63,18 @@ fn pieces(a: GridPos, b: GridPos, max_diameter_m: f64) -> i64 {
     if length_m > 1.5 * step_m { libm::ceil(length_m / step_m).min(10_000.0) as i64 } else { 1 }
 }
 
-/// The ends of an edge's pieces. Cuts lie on the grid, less than a step off the line and on its right, the solid side: ground
-/// reaches under the wall rather than stopping short.
+/// The ends of an edge's pieces. Cuts lie less than a step of the plan (of the grid, if an end is not on the plan) off the line and on its
+/// right, the solid side: ground reaches under the wall rather than stopping short.
 fn cut_up(a: GridPos, b: GridPos, max_diameter_m: f64) -> impl Iterator<Item = GridPos> + Clone {
     let pieces = pieces(a, b, max_diameter_m);
+    let step = if a.is_on_plan() && b.is_on_plan() { PLAN_STEP } else { 1 };
     let cut = move |i: i64| {
-        let floor = |from: i32, to: i32| from + ((i64::from(to) - i64::from(from)) * i).div_euclid(pieces) as i32;
+        let floor = |from: i32, to: i32| {
+            let at = i64::from(from) + ((i64::from(to) - i64::from(from)) * i).div_euclid(pieces);
+            (at.div_euclid(i64::from(step)) * i64::from(step)) as i32
+        };
         let (x, y) = (floor(a.0, b.0), floor(a.1, b.1));
-        let around = [GridPos(x, y), GridPos(x + 1, y), GridPos(x, y + 1), GridPos(x + 1, y + 1)];
+        let around = [GridPos(x, y), GridPos(x + step, y), GridPos(x, y + step), GridPos(x + step, y + step)];
         around.into_iter().filter(|&p| a.cross(b, p) <= 0).max_by_key(|&p| (a.cross(b, p), p)).unwrap_or(a)
     };
     core::iter::once(a).chain((1..pieces).map(cut)).chain([b])
@@ -135,7 +139,7 @@ fn inside_faces(cdt: &Cdt, borders: &[FixedDirectedEdgeHandle]) -> Vec<bool> {
 /// borders.
 fn lattice(shapes: &[GridPolygon], borders: &[(GridPos, GridPos)], settings: &PartitionSettings) -> Vec<GridPos> {
     let side_m = libm::sqrt(settings.max_area_m2.max(1.0)).min(settings.max_diameter_m.max(1.0) / core::f64::consts::SQRT_2);
-    let pitch = i64::from((0.9 * side_m * f64::from(GRID_PER_METRE)) as i32);
+    let pitch = i64::from((0.9 * side_m * f64::from(GRID_PER_METRE)) as i32 / PLAN_STEP * PLAN_STEP).max(i64::from(PLAN_STEP));
     let clear = pitch as f64 / 4.0;
     let xy = |p: GridPos| [f64::from(p.0), f64::from(p.1)];
     let walls = RTree::bulk_load(borders.iter().map(|&(a, b)| Line::new(xy(a), xy(b))).collect());

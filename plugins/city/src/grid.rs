@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 /// Steps of the plan's grid in a metre.
 pub const GRID_PER_METRE: i32 = 1024;
 
+/// Grid steps that positions in the outlines of a plan are multiples of: 1/64 m. What is told of them is told in these.
+pub const PLAN_STEP: i32 = GRID_PER_METRE / 64;
+
 /// Metres of a length on the grid.
 #[must_use]
 pub fn metres(steps: i32) -> f64 {
@@ -38,6 +41,18 @@ impl GridPos {
     #[must_use]
     pub fn from_metres(plan_pos: DVec2) -> Self {
         Self(Self::steps(plan_pos.x), Self::steps(plan_pos.y))
+    }
+
+    /// The nearest position that outlines of plans may have to a plan position in metres, in multiples of [`PLAN_STEP`]; saturates.
+    #[must_use]
+    pub fn on_plan(plan_pos: DVec2) -> Self {
+        Self::from_metres(plan_pos).rounded(PLAN_STEP)
+    }
+
+    /// Whether outlines of plans may have it.
+    #[must_use]
+    pub const fn is_on_plan(self) -> bool {
+        self.0 % PLAN_STEP == 0 && self.1 % PLAN_STEP == 0
     }
 
     /// A length in metres as steps of the grid, rounded; saturates.

@@ -9,7 +9,7 @@
 //!
 //! # Spaces
 //! *Plan* coordinates are metres from the city's [`Anchor`]: x east, y north, z elevation. From the plan on they lie on a
-//! grid of 1/1024 m ([`GridPos`]), so that joints, ids and bytes are exact. *World* coordinates belong to the engine
+//! grid of 1/1024 m ([`GridPos`]; outlines on every sixteenth step, [`PLAN_STEP`]), so that joints, ids and bytes are exact. *World* coordinates belong to the engine
 //! (x east, y up, z south) and are made in `veduta-ecs` alone.
 //!
 //! # Limits
@@ -80,7 +80,7 @@ pub use graph::{
     StandIn, StreetClass, Surfacing,
 };
 pub use graph_check::GraphError;
-pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, metres, ring_edges};
+pub use grid::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, PLAN_STEP, metres, ring_edges};
 pub use guide::{Certainty, Guide, GuidePicture, GuidePlace};
 pub use id::Id;
 pub use language::{is_known_language, language_mistake};
@@ -90,7 +90,7 @@ pub use monument::{Design, Monument, MonumentError, MonumentTag, Monuments, Plac
 pub use object::{ObjectKind, StandingObject};
 pub use ornament::{Articulation, Balconies, BalconyPlaces, Niche, Oriel, Ornament, Parapet};
 pub use overrides::{FacadeFile, GraphOverride, GraphOverrides, LinkEdit, ModelFile, OverrideError, Target};
-pub use overview::{District, DistrictOf, HouseName, MAP_STEP, Massing, Overview, OverviewParts};
+pub use overview::{District, DistrictOf, HouseName, MAP_STEP, Massing, Overview, OverviewParts, on_map};
 pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, ObjectShell, VolumeShell};
 pub use painted::{PaintedFacade, PaintedObject, PaintedWall, PictureFile, PlacedFacade, PlanFacade, SmallTexture};
 pub use place::{Place, PlaceKind, Viewpoint};

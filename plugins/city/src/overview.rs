@@ -279,8 +279,9 @@ const fn rounded(steps: i32) -> i32 {
     steps.saturating_add(MAP_STEP / 2).div_euclid(MAP_STEP) * MAP_STEP
 }
 
-/// A polygon as maps show it; `None` if nothing is left of it.
-fn on_map(polygon: &GridPolygon) -> Option<GridPolygon> {
+/// A polygon as maps show it: in multiples of [`MAP_STEP`]; `None` if nothing is left of it.
+#[must_use]
+pub fn on_map(polygon: &GridPolygon) -> Option<GridPolygon> {
     let ring = |ring: &GridRing| {
         let mut coarse: GridRing = ring.iter().map(|pos| GridPos(rounded(pos.0), rounded(pos.1))).collect();
         coarse.dedup();

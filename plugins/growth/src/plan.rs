@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Every stage is a function of the graph, the styles and the seed; each draw is keyed by seed, id and question. Geometry
-//! that ends in the plan is computed on the grid of 1/1024 m, in integers.
+//! that ends in the plan is computed in integers, outlines in steps of 1/64 m.
 //!
 //! ```
 //! use veduta_city::{CityGraph, file};
@@ -94,7 +94,7 @@ pub use repetition::{Repetition, SEEN_M, TRAITS, repetition};
 pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 18;
+pub const GROWTH_VERSION: u32 = 19;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]

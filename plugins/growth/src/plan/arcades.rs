@@ -6,8 +6,8 @@
 use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::{
-    Arcade, GRID_PER_METRE, GridPolygon, GridPos, GroundFloor, House, Opening, Ornament, PlanRoof, PlanTerrain, RoofShape, Volume,
-    Wall, WallKind, metres, ring_edges,
+    Arcade, GRID_PER_METRE, GridPolygon, GridPos, GroundFloor, House, Opening, Ornament, PLAN_STEP, PlanRoof, PlanTerrain,
+    RoofShape, Volume, Wall, WallKind, metres, ring_edges,
 };
 
 use super::boolean;
@@ -143,7 +143,7 @@ impl<'a> Plot<'a> {
         let [a, b] = [self.corners[i], self.corners[after]];
         let far = |corner: usize, way: DVec2| way * (DEPTH_M / self.sine(corner).unwrap_or(1.0));
         let ring = [a, b, b + far(after, self.along(after)), a - far(i, self.along(before))];
-        GridPolygon::simple(ring.map(GridPos::from_metres).to_vec())
+        GridPolygon::simple(ring.map(GridPos::on_plan).to_vec())
     }
 
     /// Whether a walk along an edge leaves room behind it and goes to its ends.
@@ -221,9 +221,9 @@ impl<'a> Plot<'a> {
                 let within = [before, i].into_iter().filter(|&edge| self.back[edge] == 0.0).map(by).filter(|by| *by < 0.0);
                 within.fold(0.0, f64::min)
             };
-            let p = exact * f64::from(GRID_PER_METRE);
+            let p = exact * f64::from(GRID_PER_METRE / PLAN_STEP);
             let (x, y) = (libm::floor(p.x) as i32, libm::floor(p.y) as i32);
-            let near = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| GridPos(x + dx, y + dy));
+            let near = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| GridPos((x + dx) * PLAN_STEP, (y + dy) * PLAN_STEP));
             near.into_iter().max_by(|p, q| outside(*p).total_cmp(&outside(*q)))
         };
         let ring: Vec<GridPos> = (0..n).map(corner).collect::<Option<_>>()?;

@@ -1,7 +1,7 @@
 //! The arrangement of layers of shapes: a partition of the extent in which every piece of ground belongs to the highest layer
 //! that covers it, with the same vertices on both sides of every border, so that nothing overlaps and no gap is left.
 //!
-//! All edges are snapped to the grid together (`hot`), then walked around face by face (`faces`). The extent is
+//! All edges are snapped to the steps of the plan together (`hot`), then walked around face by face (`faces`). The extent is
 //! cut into square tiles, so that no piece has thousands of vertices and tiles can be worked at side by side: their sides
 //! are edges of the arrangement, and what is hot on them is hot for the tiles on both sides.
 //!
@@ -13,15 +13,15 @@ mod hot;
 
 use rayon::prelude::*;
 use rustc_hash::FxHashSet;
-use veduta_city::{GridPolygon, GridPos, ring_edges};
+use veduta_city::{GridPolygon, GridPos, PLAN_STEP, ring_edges};
 
 use super::extent::Extent;
 use super::index::{Cells, Gathering};
 use super::streets::Layer;
 use faces::{Faces, Sides};
 
-/// Side of a tile as a power of two of grid steps: 64 m.
-const TILE_SHIFT: u32 = 16;
+/// Side of a tile as a power of two of the plan's steps: 64 m.
+const TILE_SHIFT: u32 = 12;
 /// Most tiles; in larger cities tiles grow.
 const MOST_TILES: i64 = 1 << 14;
 
@@ -80,10 +80,15 @@ pub(super) struct Piece {
     pub outline: GridPolygon,
 }
 
-/// The pieces of the extent, tile by tile, south to north and west to east, in each by layer. Pieces smaller than `dust_m2`
+/// The pieces of the extent, to the steps of the plan, tile by tile, south to north and west to east, in each by layer. Pieces smaller than `dust_m2`
 /// (corners that a tile's side cuts off, leavings of the grid) join the neighbour with whom they share the longest border, one that differs by its course alone before others.
 pub(super) fn arrange(extent: &Extent, layers: &[Layer], dust_m2: f64) -> Vec<Piece> {
-    let segments = segments(extent, layers);
+    let within = |p: GridPos| {
+        let axis = |v: i32| v.saturating_add(PLAN_STEP / 2).div_euclid(PLAN_STEP);
+        GridPos(axis(p.0), axis(p.1))
+    };
+    let extent = &Extent { lo: within(extent.lo), hi: within(extent.hi) };
+    let segments = segments(extent, layers, within);
     let tiles = Tiles::new(extent);
     let bins = tiles.bins(&segments);
     let all: Vec<usize> = (0..tiles.count()).collect();
@@ -100,7 +105,9 @@ pub(super) fn arrange(extent: &Extent, layers: &[Layer], dust_m2: f64) -> Vec<Pi
     faces.par_iter_mut().zip(below).for_each(|(faces, below)| faces.label(below, &kinds, dust_m2));
     // A vertex on a side stays if a border ends there on either side of it.
     let ends: FxHashSet<GridPos> = faces.iter().flat_map(Faces::ends_on_sides).collect();
-    faces.par_iter().map(|faces| faces.pieces(&ends)).collect::<Vec<_>>().into_iter().flatten().collect()
+    let pieces = faces.par_iter().map(|faces| faces.pieces(&ends)).collect::<Vec<_>>().into_iter().flatten();
+    let out = |p: GridPos| GridPos(p.0.saturating_mul(PLAN_STEP), p.1.saturating_mul(PLAN_STEP));
+    pieces.map(|piece| Piece { outline: piece.outline.map(out), ..piece }).collect()
 }
 
 /// A number for each layer, which those have in common that differ by their course alone.
@@ -114,14 +121,16 @@ fn kinds(layers: &[Layer]) -> Vec<u32> {
     kinds
 }
 
-/// All edges within the extent.
-fn segments(extent: &Extent, layers: &[Layer]) -> Vec<Segment> {
+/// All edges within the extent, in steps of the plan.
+fn segments(extent: &Extent, layers: &[Layer], within: impl Fn(GridPos) -> GridPos) -> Vec<Segment> {
     let rings = layers
         .iter()
         .zip(0_u32..)
         .flat_map(|(layer, number)| layer.shapes.iter().flat_map(GridPolygon::rings).map(move |ring| (number, ring.as_slice())));
     let mut out = Vec::new();
     for (layer, ring) in rings {
+        let ring: Vec<GridPos> = ring.iter().map(|&p| within(p)).collect();
+        let ring = ring.as_slice();
         let clipped = if ring.iter().all(|&p| extent.holds(p)) { None } else { Some(clipped(ring, extent)) };
         let edges = ring_edges(clipped.as_deref().unwrap_or(ring)).filter(|(a, b)| a != b);
         out.extend(edges.map(|(a, b)| Segment { a, b, layer }));
@@ -251,6 +260,15 @@ mod tests {
 
     const SIDE: i32 = 1 << TILE_SHIFT;
 
+    /// In steps of the plan.
+    fn pos(x: i32, y: i32) -> GridPos {
+        GridPos(x * PLAN_STEP, y * PLAN_STEP)
+    }
+
+    fn in_steps(area: i64) -> i64 {
+        area / i64::from(PLAN_STEP * PLAN_STEP)
+    }
+
     fn twice_area(polygon: &GridPolygon) -> i64 {
         polygon.edges().map(|(a, b)| GridPos(0, 0).cross(a, b)).sum()
     }
@@ -303,7 +321,8 @@ mod tests {
         let all: Vec<GridPolygon> = layers.iter().flat_map(|layer| layer.shapes.clone()).collect();
         for (x, y) in at {
             let p = (f64::from(x) + 0.25, f64::from(y) + 0.25);
-            if !extent.holds(GridPos(x, y)) || distance(&all, p) < 3.0 {
+            let p = (p.0 * f64::from(PLAN_STEP), p.1 * f64::from(PLAN_STEP));
+            if !extent.holds(pos(x, y)) || distance(&all, p) < 3.0 * f64::from(PLAN_STEP) {
                 continue;
             }
             let want = layers.iter().position(|layer| winding(&layer.shapes, p) != 0).map(|layer| layer as u32);
@@ -315,21 +334,22 @@ mod tests {
 
     #[test]
     fn an_island_takes_what_winds_about_it() {
-        let ring = |lo: i32, hi: i32| vec![GridPos(lo, lo), GridPos(hi, lo), GridPos(hi, hi), GridPos(lo, hi)];
-        let extent = Extent { lo: GridPos(0, 0), hi: GridPos(90_000, 90_000) };
-        let layers =
-            layers(&[vec![ring(20_000, 30_000), ring(22_000, 28_000).into_iter().rev().collect()], vec![ring(10_000, 40_000)]]);
+        let ring = |lo: i32, hi: i32| vec![pos(lo, lo), pos(hi, lo), pos(hi, hi), pos(lo, hi)];
+        let extent = Extent { lo: pos(0, 0), hi: pos(9_000, 9_000) };
+        let layers = layers(&[vec![ring(2_000, 3_000), ring(2_200, 2_800).into_iter().rev().collect()], vec![ring(1_000, 4_000)]]);
         let pieces = arrange(&extent, &layers, 0.0);
         prove_partition(&extent, &pieces);
-        let of = |layer: Option<u32>| pieces.iter().filter(|p| p.layer == layer).map(|p| twice_area(&p.outline) / 2).sum::<i64>();
-        assert_eq!((of(Some(0)), of(Some(1))), (100_000_000 - 36_000_000, 900_000_000 - 64_000_000));
+        let of = |layer: Option<u32>| {
+            pieces.iter().filter(|p| p.layer == layer).map(|p| in_steps(twice_area(&p.outline)) / 2).sum::<i64>()
+        };
+        assert_eq!((of(Some(0)), of(Some(1))), (1_000_000 - 360_000, 9_000_000 - 640_000));
         assert_eq!(pieces.iter().filter(|p| p.layer == Some(1)).count(), 2, "about the ring, and within it");
     }
 
     #[test]
     fn dust_joins_a_neighbour_and_nothing_is_lost() {
-        let extent = Extent { lo: GridPos(0, 0), hi: GridPos(SIDE, SIDE) };
-        let layers = layers(&[vec![vec![GridPos(500, 500), GridPos(600, 500), GridPos(600, 600)]]]);
+        let extent = Extent { lo: pos(0, 0), hi: pos(SIDE, SIDE) };
+        let layers = layers(&[vec![vec![pos(500, 500), pos(506, 500), pos(506, 506)]]]);
         let pieces = arrange(&extent, &layers, 0.05);
         prove_partition(&extent, &pieces);
         assert_eq!(pieces.len(), 1);
@@ -338,8 +358,8 @@ mod tests {
 
     /// Positions about the sides of tiles and far from them, on a coarse raster so that much coincides.
     fn position() -> impl Strategy<Value = GridPos> {
-        let axis = || prop_oneof![0..24_i32, (1..3_i32, -3..4_i32).prop_map(|(tile, step)| tile * SIDE + step), -9000..150_000_i32];
-        (axis(), axis()).prop_map(|(x, y)| GridPos(x, y))
+        let axis = || prop_oneof![0..24_i32, (1..3_i32, -3..4_i32).prop_map(|(tile, step)| tile * SIDE + step), -500..9_500_i32];
+        (axis(), axis()).prop_map(|(x, y)| pos(x, y))
     }
 
     fn shapes(position: impl Strategy<Value = GridPos> + Clone) -> impl Strategy<Value = Vec<Vec<Vec<GridPos>>>> {
@@ -352,18 +372,18 @@ mod tests {
 
         #[test]
         fn any_shapes_make_a_partition(shapes in shapes(position().boxed())) {
-            let extent = Extent { lo: GridPos(0, 0), hi: GridPos(2 * SIDE + 777, SIDE + 5) };
+            let extent = Extent { lo: GridPos(0, 0), hi: pos(2 * SIDE + 777, SIDE + 5) };
             let layers = layers(&shapes);
             let pieces = arrange(&extent, &layers, 0.0);
             prove_partition(&extent, &pieces);
-            let raster = (0..24).flat_map(|i| (0..14).map(move |j| (i * 5777 + 13, j * 4999 + 7)));
+            let raster = (0..24).flat_map(|i| (0..14).map(move |j| (i * 361 + 13, j * 312 + 7)));
             check_covers(&extent, &layers, &pieces, raster);
             prove_partition(&extent, &arrange(&extent, &layers, 0.05));
         }
 
         #[test]
-        fn also_where_nearly_everything_touches(shapes in shapes((-2..13_i32, -2..13_i32).prop_map(|(x, y)| GridPos(x, y)).boxed())) {
-            let extent = Extent { lo: GridPos(0, 0), hi: GridPos(11, 11) };
+        fn also_where_nearly_everything_touches(shapes in shapes((-2..13_i32, -2..13_i32).prop_map(|(x, y)| pos(x, y)).boxed())) {
+            let extent = Extent { lo: GridPos(0, 0), hi: pos(11, 11) };
             let layers = layers(&shapes);
             prove_partition(&extent, &arrange(&extent, &layers, 0.0));
         }

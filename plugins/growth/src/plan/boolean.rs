@@ -7,28 +7,29 @@ use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
 use i_overlay::core::solver::Solver;
 use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::vector::edge::{CLIP_LEFT, CLIP_RIGHT, SUBJ_LEFT, SUBJ_RIGHT, VectorEdge};
-use veduta_city::{BorderEdge, GridPolygon, GridPos, connected_faces, ring_edges};
+use veduta_city::{BorderEdge, GridPolygon, GridPos, PLAN_STEP, connected_faces, ring_edges};
 
 use super::bounds::{Bounds, do_meet};
 use super::relation::{is_apart, is_convex};
 
 /// An overlay that is being filled. Coordinates inside are relative to `origin`, so that products stay far from the ends of
-/// 64 bits.
+/// 64 bits, and in steps of as many of the grid as all of them are multiples of: what is on the plan stays on it.
 struct Frame {
     overlay: Overlay,
     origin: GridPos,
+    step: i32,
 }
 
 /// Farthest that a vertex may lie from the first one, grid steps (about 500 km).
 const FARTHEST: i32 = 1 << 29;
 
 impl Frame {
-    fn new(origin: GridPos) -> Self {
-        Self { overlay: Overlay::new_custom(64, IntOverlayOptions::keep_all_points(), Solver::AUTO), origin }
+    fn new(origin: GridPos, step: i32) -> Self {
+        Self { overlay: Overlay::new_custom(64, IntOverlayOptions::keep_all_points(), Solver::AUTO), origin, step }
     }
 
     fn local(&self, p: GridPos) -> IntPoint {
-        let axis = |v: i32, o: i32| v.saturating_sub(o).clamp(-FARTHEST, FARTHEST);
+        let axis = |v: i32, o: i32| v.saturating_sub(o).clamp(-FARTHEST, FARTHEST) / self.step;
         IntPoint::new(axis(p.0, self.origin.0), axis(p.1, self.origin.1))
     }
 
@@ -47,7 +48,10 @@ impl Frame {
 
     /// The faces of an arrangement that are kept, by whether subject and clip cover them.
     fn faces(&self, edges: &[VectorEdge], keep: impl Fn(bool, bool) -> bool) -> Vec<GridPolygon> {
-        let plan = |p: IntPoint| GridPos(p.x.saturating_add(self.origin.0), p.y.saturating_add(self.origin.1));
+        let plan = |p: IntPoint| {
+            let axis = |v: i32, o: i32| v.saturating_mul(self.step).saturating_add(o);
+            GridPos(axis(p.x, self.origin.0), axis(p.y, self.origin.1))
+        };
         let border = |edge: &VectorEdge| -> Option<BorderEdge> {
             let has = |bit: u8| edge.fill & bit != 0;
             let left = keep(has(SUBJ_LEFT), has(CLIP_LEFT));
@@ -65,7 +69,9 @@ fn first(rings: &[&[GridPos]]) -> Option<GridPos> {
 
 /// An arrangement of two sets of rings; `None` if both are empty.
 fn arrange(subject: &[&[GridPos]], clip: &[&[GridPos]]) -> Option<(Frame, Vec<VectorEdge>)> {
-    let mut frame = Frame::new(first(subject).or_else(|| first(clip))?);
+    let is_on_plan = subject.iter().chain(clip).all(|ring| ring.iter().all(|p| p.is_on_plan()));
+    let step = if is_on_plan { PLAN_STEP } else { 1 };
+    let mut frame = Frame::new(first(subject).or_else(|| first(clip))?, step);
     frame.add(subject.iter().copied(), ShapeType::Subject);
     frame.add(clip.iter().copied(), ShapeType::Clip);
     let edges = frame.edges();

@@ -103,7 +103,7 @@ pub(super) fn rounding<T>(node: DVec2, before: &Arm<T>, after: &Arm<T>, gap: f64
 }
 
 fn snapped(ring: Vec<DVec2>) -> GridPolygon {
-    let mut ring: Vec<GridPos> = ring.into_iter().map(GridPos::from_metres).collect();
+    let mut ring: Vec<GridPos> = ring.into_iter().map(GridPos::on_plan).collect();
     ring.dedup();
     GridPolygon::simple(ring)
 }

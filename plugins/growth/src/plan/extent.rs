@@ -59,7 +59,7 @@ pub(super) fn extent(graph: &CityGraph, findings: &mut Vec<Finding>) -> Extent {
     let (lo, hi) = if kept.is_empty() { (DVec2::ZERO, DVec2::ZERO) } else { (lo, hi) };
     // A city of one point still gets ground to stand on.
     let margin = margin.max(if (hi - lo).min_element() < 1.0 { 1.0 } else { 0.0 });
-    Extent { lo: GridPos::from_metres(lo - margin), hi: GridPos::from_metres(hi + margin) }
+    Extent { lo: GridPos::on_plan(lo - margin), hi: GridPos::on_plan(hi + margin) }
 }
 
 /// Vertices of a graph.

@@ -156,9 +156,9 @@ mod tests {
             areas
         };
         let yards = yards(&partition(&extent, &layers));
-        // A slanted edge is bent by half a grid step where it crosses a seam.
+        // A slanted edge is bent by half a step of the plan where it crosses a seam.
         let (found, want) = (area(&yards), area(&whole));
-        assert!(found.len() == want.len() && found.iter().zip(&want).all(|(a, b)| (a - b).abs() < 0.2), "{found:?} {want:?}");
+        assert!(found.len() == want.len() && found.iter().zip(&want).all(|(a, b)| (a - b).abs() < 0.6), "{found:?} {want:?}");
         assert!(yards.iter().any(|y| y.holes.len() == 1), "the lone patch is a hole");
     }
 

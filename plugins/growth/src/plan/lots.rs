@@ -40,7 +40,7 @@ const GAP_M: f64 = 0.35;
 /// A lot that loses no more than this share to another block's house is cut; one that loses more is given up.
 const MOST_CUT: f64 = 0.1;
 /// Bodies may overlap by this much before one is cut; square metres.
-const TOLERATED_M2: f64 = 0.05;
+const TOLERATED_M2: f64 = 0.25;
 
 /// A block to build on.
 struct Plot {

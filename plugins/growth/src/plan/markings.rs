@@ -155,7 +155,7 @@ impl Marks<'_, '_> {
     }
 
     fn put(&mut self, kind: MarkingKind, line: &[DVec2], width_m: f64, z: i32) {
-        let mut points: Vec<GridPos> = line.iter().map(|&p| GridPos::from_metres(p)).collect();
+        let mut points: Vec<GridPos> = line.iter().map(|&p| GridPos::on_plan(p)).collect();
         points.dedup();
         if points.len() > 1 {
             self.out.push(Marking { kind, line: points, width: GridPos::steps(width_m).max(1), z });

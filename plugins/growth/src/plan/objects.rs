@@ -193,7 +193,7 @@ fn placed(object: &Piece<'_>, seed: u64, site: &Site<'_>) -> PlanObject {
     PlanObject {
         id: object.id,
         kind: object.kind,
-        pos: GridPos::from_metres(object.pos),
+        pos: GridPos::on_plan(object.pos),
         z: site.foot(object.pos, object.kind.radius_m()),
         heading: libm::round(heading.rem_euclid(360.0)) as u16 % 360,
         height: even(height).max(HEIGHT_STEP),

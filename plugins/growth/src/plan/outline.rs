@@ -16,7 +16,7 @@ pub(super) fn twice_area(ring: &[GridPos]) -> i64 {
 
 /// The ring on the grid, counter-clockwise, without repeated vertices.
 fn snapped(ring: &[DVec2]) -> Vec<GridPos> {
-    let mut out: Vec<GridPos> = ring.iter().map(|&p| GridPos::from_metres(p)).collect();
+    let mut out: Vec<GridPos> = ring.iter().map(|&p| GridPos::on_plan(p)).collect();
     out.dedup();
     while out.len() > 1 && out.first() == out.last() {
         out.pop();

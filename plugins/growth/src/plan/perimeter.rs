@@ -77,7 +77,7 @@ fn slices(site: &GridPolygon, style: &Style, draw: Draw) -> Vec<GridPolygon> {
         let at = base + bounds.along * (low + s);
         let side = bounds.along.perp() * reach;
         let half = [at - side - bounds.along * reach, at - side, at + side, at + side - bounds.along * reach];
-        let half: Vec<GridPos> = half.map(GridPos::from_metres).to_vec();
+        let half: Vec<GridPos> = half.map(GridPos::on_plan).to_vec();
         let (before, after) = boolean::split(&boolean::rings(&rest), &[&half]);
         out.extend(before);
         rest = after;
@@ -278,7 +278,7 @@ fn row(side: &Side, start: Cut, end: Cut, tail: &[DVec2], depth: f64, style: &St
 }
 
 fn polygon(path: impl Iterator<Item = DVec2>) -> GridPolygon {
-    let mut ring: Vec<GridPos> = path.map(GridPos::from_metres).collect();
+    let mut ring: Vec<GridPos> = path.map(GridPos::on_plan).collect();
     ring.dedup();
     while ring.len() > 1 && ring.first() == ring.last() {
         ring.pop();

@@ -58,7 +58,7 @@ fn detached(lot: &GridPolygon, apart_m: f64) -> Option<GridPolygon> {
                 && edges.iter().all(|&(a, b)| outline::distance_to_edge(p, a, b) >= 0.85 * apart_m)
         };
         if corners.into_iter().all(is_clear) {
-            return Some(GridPolygon::simple(corners.map(GridPos::from_metres).to_vec()));
+            return Some(GridPolygon::simple(corners.map(GridPos::on_plan).to_vec()));
         }
         half *= 0.92;
     }
@@ -83,7 +83,7 @@ fn setbacks(
     for (i, (from, to)) in [(podium, second), (second, storeys)].into_iter().enumerate() {
         let Some(below) = out.last_mut() else { break };
         let (centre, share) = (below.footprint.centroid(), draw.part(i as u64).between("share", share.0, share.1));
-        let ring = below.footprint.outer.iter().map(|p| GridPos::from_metres(centre + (p.to_metres() - centre) * share)).collect();
+        let ring = below.footprint.outer.iter().map(|p| GridPos::on_plan(centre + (p.to_metres() - centre) * share)).collect();
         let step = body(GridPolygon::simple(ring));
         if to <= from || step.footprint.area_m2() < LEAST_STEP_M2 {
             below.height_m = Some(top(storeys));

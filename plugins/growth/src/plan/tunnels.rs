@@ -408,7 +408,7 @@ fn opening(ramp: &WaySpan, longer_m: [f64; 2]) -> Vec<GridPolygon> {
     };
     let piece = |i: usize| {
         let ([a, b], [c, d]) = (at(i - 1), at(i));
-        GridPolygon::simple([a, c, d, b].map(GridPos::from_metres).to_vec())
+        GridPolygon::simple([a, c, d, b].map(GridPos::on_plan).to_vec())
     };
     (1..=last).map(piece).collect()
 }

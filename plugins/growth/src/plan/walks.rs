@@ -143,7 +143,7 @@ fn is_inside(lawn: &GridPolygon, way: &[DVec2]) -> bool {
 fn circle(middle: DVec2, radius_m: f64) -> Vec<GridPos> {
     let corner = |i: u32| {
         let angle = TAU * f64::from(i) / f64::from(CORNERS);
-        GridPos::from_metres(middle + DVec2::new(libm::cos(angle), libm::sin(angle)) * radius_m)
+        GridPos::on_plan(middle + DVec2::new(libm::cos(angle), libm::sin(angle)) * radius_m)
     };
     (0..CORNERS).map(corner).collect()
 }

@@ -1,7 +1,7 @@
 //! The faces of a tile's snapped edges, and which layer covers each.
 
 use rustc_hash::FxHashSet;
-use veduta_city::{BorderEdge, GridPos, connected_faces};
+use veduta_city::{BorderEdge, GRID_PER_METRE, GridPos, PLAN_STEP, connected_faces};
 
 use super::{Piece, Segment, Tile, Turns, hot, turn};
 use crate::plan::groups::Groups;
@@ -15,6 +15,9 @@ struct Turn {
     layer: u32,
     by: i16,
 }
+
+/// Steps of the plan in a metre.
+const STEPS_A_METRE: f64 = (GRID_PER_METRE / PLAN_STEP) as f64;
 
 /// In place of a layer.
 const SIDE: u32 = u32::MAX;
@@ -314,7 +317,7 @@ impl<'a> Faces<'a> {
                 }
             }
         }
-        self.sweep(kinds, libm::round(dust_m2 * 2.0 * 1024.0 * 1024.0) as i64);
+        self.sweep(kinds, libm::round(dust_m2 * 2.0 * STEPS_A_METRE * STEPS_A_METRE) as i64);
     }
 
     fn turns_of(&self, edge: &Edge) -> &[(u32, i32)] {
