@@ -1,6 +1,6 @@
 //! Blobs: content-addressed, compressed pieces of a city.
 //!
-//! A blob as stored is one byte of kind, then the content as [`code`](crate::code) writes it. Its name is half of the blake3 hash
+//! A blob as stored is one byte of kind, then the content as [`code`](crate::code) writes it. Its name is the beginning of the blake3 hash
 //! of all that.
 
 use core::fmt;
@@ -8,7 +8,7 @@ use core::fmt;
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::StoreError;
-use crate::code::{Prior, press, unpress};
+use crate::code::{Outlines, Prior, Source, Unread, press, unpress, unpress_with};
 
 /// Most bytes that any one thing may have as stored.
 pub(crate) const STORED_CAP: u64 = 64 << 20;
@@ -21,21 +21,24 @@ const PACKET_VALUES_CAP: u64 = 4 << 20;
 /// A piece of a city by its content: where it lies, how long it is, how to know that it is whole.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct BlobRef {
-    /// First half of the blake3 hash of the bytes as stored: nobody finds other bytes for a given one.
-    pub hash: [u8; 16],
+    /// Beginning of the blake3 hash of the bytes as stored: nobody finds other bytes for a given one.
+    pub hash: [u8; Self::HASH_BYTES],
     /// Bytes as stored, which is what travels. An index is refused in which a packet or a region claims more than some 16 MiB, or
     /// the overview or the styles more than some 64 MiB.
     pub bytes: u32,
 }
 
 impl BlobRef {
+    /// How many bytes of a hash are told.
+    pub const HASH_BYTES: usize = 12;
+
     /// Reference to bytes as stored.
     #[must_use]
     pub fn of(stored: &[u8]) -> Self {
-        Self { hash: half_hash(stored), bytes: u32::try_from(stored.len()).unwrap_or(u32::MAX) }
+        Self { hash: hash(stored), bytes: u32::try_from(stored.len()).unwrap_or(u32::MAX) }
     }
 
-    /// Its name: the hash in 32 hexadecimal digits.
+    /// Its name: the hash in 24 hexadecimal digits.
     #[must_use]
     pub fn name(&self) -> String {
         name_of_hash(self.hash)
@@ -56,7 +59,7 @@ impl BlobRef {
         if stored.len() as u64 != u64::from(self.bytes) {
             return Err(StoreError::Length { what, expected: u64::from(self.bytes), found: stored.len() as u64 });
         }
-        if half_hash(stored) != self.hash {
+        if hash(stored) != self.hash {
             return Err(StoreError::Checksum { what });
         }
         Ok(())
@@ -66,17 +69,17 @@ impl BlobRef {
 /// What a blob of these bytes is called.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn name_of(stored: &[u8]) -> String {
-    name_of_hash(half_hash(stored))
+    name_of_hash(hash(stored))
 }
 
-fn name_of_hash(hash: [u8; 16]) -> String {
-    format!("{:032x}", u128::from_be_bytes(hash))
+fn name_of_hash(hash: [u8; BlobRef::HASH_BYTES]) -> String {
+    hash.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-fn half_hash(stored: &[u8]) -> [u8; 16] {
-    let mut half = [0; 16];
-    blake3::Hasher::new().update(stored).finalize_xof().fill(&mut half);
-    half
+fn hash(stored: &[u8]) -> [u8; BlobRef::HASH_BYTES] {
+    let mut hash = [0; BlobRef::HASH_BYTES];
+    blake3::Hasher::new().update(stored).finalize_xof().fill(&mut hash);
+    hash
 }
 
 impl fmt::Debug for BlobRef {
@@ -92,8 +95,6 @@ impl fmt::Debug for BlobRef {
 pub(crate) enum BlobKind {
     Shell = 1,
     Facades = 2,
-    /// Façades, some of which are painted.
-    Painted = 3,
     Pictures = 4,
     Overview = 16,
     Styles = 17,
@@ -106,7 +107,7 @@ impl BlobKind {
     pub(crate) const fn words(self) -> &'static str {
         match self {
             Self::Shell => "a packet of level 1",
-            Self::Facades | Self::Painted => "a packet of level 2",
+            Self::Facades => "a packet of level 2",
             Self::Pictures => "a packet of level 3",
             Self::Overview => "the overview",
             Self::Styles => "the styles",
@@ -116,7 +117,7 @@ impl BlobKind {
     }
 
     const fn is_piece(self) -> bool {
-        matches!(self, Self::Shell | Self::Facades | Self::Painted | Self::Pictures | Self::Region)
+        matches!(self, Self::Shell | Self::Facades | Self::Pictures | Self::Region)
     }
 
     /// Most values that a blob of the kind may have.
@@ -134,13 +135,13 @@ impl BlobKind {
             Self::Shell => Prior::Shell,
             Self::Facades => Prior::Sheet,
             Self::Overview => Prior::Overview,
-            Self::Painted | Self::Pictures | Self::Styles | Self::File => Prior::None,
+            Self::Pictures | Self::Styles | Self::File => Prior::None,
             Self::Region => Prior::Region,
         }
     }
 
     fn of(byte: u8) -> Option<Self> {
-        let packets = [Self::Shell, Self::Facades, Self::Painted, Self::Pictures];
+        let packets = [Self::Shell, Self::Facades, Self::Pictures];
         let all = packets.into_iter().chain([Self::Overview, Self::Styles, Self::Region, Self::File]);
         all.into_iter().find(|&kind| kind as u8 == byte)
     }
@@ -149,13 +150,30 @@ impl BlobKind {
 /// Stored form of some content.
 pub(crate) fn pack<T: Serialize>(kind: BlobKind, content: &T) -> Vec<u8> {
     let mut stored = vec![kind as u8];
-    press(content, kind.prior(), &mut stored);
+    press(content, None, kind.prior(), &mut stored);
+    stored
+}
+
+/// Stored form of some content with lines.
+pub(crate) fn pack_with<T: Serialize>(kind: BlobKind, (content, outlines): &(T, Outlines)) -> Vec<u8> {
+    let mut stored = vec![kind as u8];
+    press(content, Some(outlines), kind.prior(), &mut stored);
     stored
 }
 
 /// Content of stored bytes that the reference stands for.
 pub(crate) fn unpack<T: DeserializeOwned>(kind: BlobKind, stored: &[u8], blob: &BlobRef) -> Result<T, StoreError> {
     unpress(kind.words(), open(kind, stored, blob)?, kind.prior(), kind.values_cap())
+}
+
+/// What is made of the content and lines of stored bytes that the reference stands for.
+pub(crate) fn unpack_with<T: DeserializeOwned, O>(
+    kind: BlobKind,
+    stored: &[u8],
+    blob: &BlobRef,
+    make: impl FnOnce(T, &mut Source<'_, '_>) -> Result<O, Unread>,
+) -> Result<O, StoreError> {
+    unpress_with(kind.words(), open(kind, stored, blob)?, kind.prior(), kind.values_cap(), make)
 }
 
 /// What stands behind the kind of stored bytes that the reference stands for.
@@ -211,6 +229,6 @@ mod tests {
         let path = BlobRef::of(b"city").path();
         assert!(path.starts_with("blobs/") && path.ends_with(".bin"), "{path}");
         assert_eq!(path.get(6..8), path.get(9..11));
-        assert_eq!(path.len(), "blobs/ab/".len() + 32 + ".bin".len());
+        assert_eq!(path.len(), "blobs/ab/".len() + 24 + ".bin".len());
     }
 }

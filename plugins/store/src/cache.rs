@@ -265,7 +265,8 @@ impl Named {
 /// Name of the blob that lies at a path: its file's, without the end.
 fn blob_name(path: &str) -> Option<&str> {
     let (folder, name) = path.strip_prefix("blobs/")?.strip_suffix(".bin")?.split_once('/')?;
-    let is_name = name.len() == 32 && name.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b));
+    let is_name =
+        name.len() == 2 * crate::BlobRef::HASH_BYTES && name.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b));
     (is_name && name.starts_with(folder)).then_some(name)
 }
 

@@ -488,7 +488,11 @@ impl Client {
             what,
             blob,
             regions: index.map_or_else(|| [].into(), |index| Arc::clone(&index.regions)),
-            home: if let What::Packet { cell, .. } = what { home(cell) } else { None },
+            home: match what {
+                What::Packet { cell, .. } => home(cell),
+                What::Overview(number) => index.and_then(|index| Some((Arc::clone(index.region(number)?), 0))),
+                What::Index | What::Region(_) | What::File(_) => None,
+            },
             palettes: index.map_or_else(|| [].into(), |index| Arc::clone(&index.palettes)),
         }
     }

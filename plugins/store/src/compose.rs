@@ -13,8 +13,8 @@ use crate::packet::{encode_pictures, encode_sheet, encode_shell, encode_styles};
 use crate::region::{decode_region, encode_region, squares};
 use crate::wire::{bounds_beyond, metres_beyond};
 use crate::{
-    BlobRef, CellEntry, CityIndex, CityStats, FORMAT_VERSION, Packet, PacketContext, Region, RegionEntry, RegionKey, StoreError,
-    decode_index, decode_packet, decode_styles, sheet_fits, valid, wall_count,
+    BlobRef, CellEntry, CityIndex, CityStats, FORMAT_VERSION, OverviewContext, Packet, PacketContext, Region, RegionEntry,
+    RegionKey, StoreError, decode_index, decode_packet, decode_styles, sheet_fits, valid, wall_count,
 };
 
 const WHAT: &str = "the city to be written";
@@ -249,9 +249,11 @@ pub(crate) fn overviews(
         let overview = parts.overview(n, about, squares[n].1.clone().map(district));
         // Before it is told: numbers that are none are told as others.
         valid::check_overview(&overview).map_err(invalid)?;
-        let stored = encode_overview(&overview);
+        let here = squares[n].1.clone();
+        let context = OverviewContext { first: here.start as u32, cells: &entries[here] };
+        let stored = encode_overview(&overview, context);
         let blob = BlobRef::of(&stored);
-        read_back(&overview, &decode_overview(&stored, &blob)?)?;
+        read_back(&overview, &decode_overview(&stored, &blob, context)?)?;
         sink(&blob, &stored)?;
         Ok(blob)
     })?;
@@ -326,6 +328,8 @@ fn entry(
         packets[Level::Three.index()] = Some(blob);
     }
     Ok(CellEntry {
+        // Overviews are told with it, before the index takes over the cells.
+        outline: cell.outline.clone(),
         bounds: bounds(cell, shell),
         top: top(cell, shell),
         houses: cell.houses.len() as u32,
@@ -417,13 +421,13 @@ mod tests {
             visible.sort_unstable();
             let mut packets = [None; 4];
             for (n, packet) in packets.iter_mut().take(2).enumerate() {
-                let mut hash = [0; 16];
+                let mut hash = [0; 12];
                 noise.fill(&mut hash);
                 *packet = Some(BlobRef { hash, bytes: 400 + u32::from(hash[0]) * (2 - n as u32) });
             }
             let bounds = bounds_beyond(&outline, [u32::from(packets[0].map_or(0, |blob| blob.hash[1])) % 20; 4]);
             whole.cells.push(CellEntry {
-                id: Id(u64::from_le_bytes(*packets[1].map_or([0; 16], |blob| blob.hash).first_chunk().unwrap_or(&[0; 8]))),
+                id: Id(u64::from_le_bytes(*packets[1].map_or([0; 12], |blob| blob.hash).first_chunk().unwrap_or(&[0; 8]))),
                 name: format!("Street {}", y / 3),
                 floor: (0, 150),
                 bounds,

@@ -3,11 +3,12 @@ use std::sync::Arc;
 use veduta_city::{Anchor, GridPolygon, GridPos, Palette, Portal, Viewpoint};
 
 use crate::blob::{STORED_CAP, VALUES_CAP};
-use crate::code::{Prior, press, unpress};
+use crate::code::{Prior, press, unpress_with};
 use crate::region::decode_region;
 use crate::wire::WireIndex;
 use crate::{
-    BlobRef, CellEntry, CityFile, FORMAT_VERSION, INDEX_NAME, PacketContext, Reader, Region, RegionEntry, StoreError, valid,
+    BlobRef, CellEntry, CityFile, FORMAT_VERSION, INDEX_NAME, OverviewContext, PacketContext, Reader, Region, RegionEntry,
+    StoreError, valid,
 };
 
 /// What a walker must know of a whole city before asking for any part of it, and, as they come, the [`Region`]s that tell of its cells.
@@ -107,6 +108,13 @@ impl CityIndex {
         PacketContext { outline: self.cell(cell).map(|entry| &entry.outline), palettes: &self.palettes }
     }
 
+    /// What a region's overview is read with.
+    #[must_use]
+    pub fn overview_context(&self, region: u32) -> OverviewContext<'_> {
+        let first = self.regions.get(region as usize).map_or(0, |entry| entry.first);
+        OverviewContext { first, cells: self.region(region).map_or(&[], |region| &region.cells) }
+    }
+
     /// Portals on a cell's border, if its region is here.
     pub fn portals(&self, cell: u32) -> impl Iterator<Item = &Portal> {
         let region = self.region_of(cell).and_then(|number| self.region(number));
@@ -172,7 +180,8 @@ const HEADER: usize = 7 + 1 + 4 + 32;
 #[must_use]
 pub fn encode_index(index: &CityIndex) -> Vec<u8> {
     let mut sealed = Vec::new();
-    press(&WireIndex::from(index), Prior::None, &mut sealed);
+    let (wire, outlines) = WireIndex::of(index);
+    press(&wire, Some(&outlines), Prior::None, &mut sealed);
     seal(&sealed)
 }
 
@@ -226,8 +235,7 @@ pub fn decode_index(stored: &[u8]) -> Result<CityIndex, StoreError> {
     if blake3::hash(rest).as_bytes() != sum {
         return Err(StoreError::Checksum { what: WHAT });
     }
-    let wire: WireIndex = unpress(WHAT, rest, Prior::None, VALUES_CAP)?;
-    let index = CityIndex::try_from(wire).map_err(|malformed| malformed.of(WHAT))?;
+    let index = unpress_with(WHAT, rest, Prior::None, VALUES_CAP, WireIndex::pull)?;
     valid::check_index(&index).map_err(|reason| StoreError::Invalid { what: WHAT, reason })?;
     Ok(index)
 }
@@ -245,7 +253,7 @@ mod tests {
     /// Two regions side by side, of two cells and of one.
     fn index() -> CityIndex {
         let square = |x| GridPolygon::simple(vec![GridPos(x, 0), GridPos(x + 50, 0), GridPos(x + 50, 50), GridPos(x, 50)]);
-        let blob = |n: u8| Some(BlobRef { hash: [n; 16], bytes: 100 + u32::from(n) });
+        let blob = |n: u8| Some(BlobRef { hash: [n; 12], bytes: 100 + u32::from(n) });
         let cell = |n: u32| CellEntry {
             id: Id(1 << 63 | u64::from(n)),
             name: format!("cell {n}"),
@@ -268,13 +276,13 @@ mod tests {
                 cells: vec![cell(0), cell(1)],
                 portals: vec![portal(0), portal(1)],
                 skyline: vec![1],
-                overview: BlobRef { hash: [75; 16], bytes: 11 },
+                overview: BlobRef { hash: [75; 12], bytes: 11 },
             },
             Region {
                 cells: vec![cell(2)],
                 portals: vec![portal(1)],
                 skyline: vec![],
-                overview: BlobRef { hash: [76; 16], bytes: 12 },
+                overview: BlobRef { hash: [76; 12], bytes: 12 },
             },
         ];
         let bounds = (GridPos(-1024, 0), GridPos(2048, 8192));
@@ -302,8 +310,8 @@ mod tests {
             extent: square(-100),
             regions: regions.into(),
             palettes: [Palette { walls: vec![Rgb(200, 190, 170)], roofs: vec![Rgb(140, 70, 50)], trim: 1.1 }].into(),
-            styles: Some(BlobRef { hash: [78; 16], bytes: 13 }),
-            files: vec![CityFile { path: "t.guide.ron".to_owned(), blob: BlobRef { hash: [79; 16], bytes: 14 } }],
+            styles: Some(BlobRef { hash: [78; 12], bytes: 13 }),
+            files: vec![CityFile { path: "t.guide.ron".to_owned(), blob: BlobRef { hash: [79; 12], bytes: 14 } }],
             pages: Vec::new(),
         }
         .without_pages();
@@ -334,7 +342,7 @@ mod tests {
             hasher.update(&encode_region(region, number, &index().regions));
         }
         let form = hasher.finalize().to_hex();
-        assert_eq!((FORMAT_VERSION, &form[..16]), (18, "493429c587742ca4"), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((FORMAT_VERSION, &form[..16]), (19, "9fcd59511b6de9b6"), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

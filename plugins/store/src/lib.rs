@@ -49,10 +49,11 @@
 //! | `city.veduta` | `VEDUTA`, 0; kind 1; version, u32; blake3 of all that follows, 32 bytes; the index |
 //! | `blobs/ab/abcdef….bin` | kind: 1 level 1, 2 level 2, 16 overview, 17 styles, 18 region; the content |
 //!
-//! Numbers are little-endian. A blob is named by the first half of the blake3 hash of its bytes, so a copy that answers to its name is
+//! Numbers are little-endian. A blob is named by the first 12 bytes of the blake3 hash of its bytes, so a copy that answers to its name is
 //! whole. Contents are structures of numbers (differences, each vertex and wall told once, colours by the palettes of styles) behind how
 //! many values they have, as a varint; they go through an adaptive range coder that begins with what such numbers are like on average.
-//! A cell's packet does not tell what the index does: its outline, the palettes ([`PacketContext`]).
+//! A cell's packet does not tell what the index does: its outline, the palettes ([`PacketContext`]); nor does an overview
+//! ([`OverviewContext`]). Positions are told in steps of a quarter of a metre, of the plan or of the grid, whatever all of them lie on.
 //!
 //! The index lists regions: squares of a quadtree over the whole grid with at most 128 cells each. What it tells of these cells (outlines,
 //! portals, visible sets, packets) is in the regions' blobs, which name the overview of each
@@ -66,7 +67,7 @@
 //! points at something, but for bays and storeys of ornaments and doors: whoever draws them leaves out what a wall does not have.
 //!
 //! # Limits
-//! The list of regions (some 23 bytes each) is read whole. A walk that goes on while its city is baked again sees packets missing until it is opened anew. A power cut right after writing may lose blobs; writing
+//! The list of regions (some 19 bytes each) is read whole. A walk that goes on while its city is baked again sees packets missing until it is opened anew. A power cut right after writing may lose blobs; writing
 //! again mends them. Two programs must not write to one directory at a time. A packet tells neither ids of houses nor of objects:
 //! whoever needs them takes the plan.
 //!
@@ -108,7 +109,7 @@ pub use file::{CityFile, FILE_CAP, decode_file, encode_file};
 #[cfg(not(target_arch = "wasm32"))]
 pub use http::{HttpReader, HttpSettings};
 pub use index::{CityIndex, decode_index, encode_index, read_index};
-pub use overview::{decode_overview, encode_overview, read_overview};
+pub use overview::{OverviewContext, decode_overview, encode_overview, read_overview};
 pub use packet::{Packet, PacketContext, decode_packet, decode_styles, encode_packet, sheet_fits, wall_count};
 pub use reader::{DirReader, Fresh, Reader, open_reader};
 pub use region::{CellEntry, Region, RegionEntry, RegionKey, decode_region, encode_region};
@@ -121,7 +122,7 @@ pub use write::{CityWriter, write_city};
 extern crate self as veduta_store;
 
 /// Version of the format that this program writes and reads.
-pub const FORMAT_VERSION: u32 = 18;
+pub const FORMAT_VERSION: u32 = 19;
 
 /// Name of the index's file in a city's directory.
 pub const INDEX_NAME: &str = "city.veduta";

@@ -1,13 +1,22 @@
 use veduta_city::Overview;
 
-use crate::blob::{BlobKind, pack, unpack};
+use crate::blob::{BlobKind, pack_with, unpack_with};
 use crate::wire::WireOverview;
-use crate::{BlobRef, CityIndex, Reader, StoreError, valid};
+use crate::{BlobRef, CellEntry, CityIndex, Reader, StoreError, valid};
+
+/// What an overview need not tell, because its region does. It is read with what it was written with, as a packet is.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct OverviewContext<'a> {
+    /// Number of the region's first cell.
+    pub first: u32,
+    /// The region's cells.
+    pub cells: &'a [CellEntry],
+}
 
 /// Stored form of an overview. Outlines and heights must be multiples of [`veduta_city::MAP_STEP`].
 #[must_use]
-pub fn encode_overview(overview: &Overview) -> Vec<u8> {
-    pack(BlobKind::Overview, &WireOverview::from(overview))
+pub fn encode_overview(overview: &Overview, context: OverviewContext<'_>) -> Vec<u8> {
+    pack_with(BlobKind::Overview, &WireOverview::of(overview, context))
 }
 
 /// The overview of a whole city, or of what its index tells so far, put together: waits for the reader. For tools; walkers read what they
@@ -16,9 +25,11 @@ pub fn encode_overview(overview: &Overview) -> Vec<u8> {
 /// # Errors
 /// If a part of it cannot be read or understood; the error names the file.
 pub fn read_overview(reader: &dyn Reader, index: &CityIndex) -> Result<Overview, StoreError> {
-    let parts = index.regions_here().map(|(_, region)| {
+    let parts = index.regions_here().map(|(number, region)| {
+        let context = index.overview_context(number);
         let stored = reader.read(&region.overview.path(), u64::from(region.overview.bytes))?;
-        decode_overview(&stored, &region.overview).map_err(|error| error.in_file(reader.describe(), &region.overview.path()))
+        decode_overview(&stored, &region.overview, context)
+            .map_err(|error| error.in_file(reader.describe(), &region.overview.path()))
     });
     Ok(Overview::joined(&parts.collect::<Result<Vec<_>, _>>()?))
 }
@@ -27,10 +38,9 @@ pub fn read_overview(reader: &dyn Reader, index: &CityIndex) -> Result<Overview,
 ///
 /// # Errors
 /// If the bytes are not those, cannot be decoded, or contradict themselves.
-pub fn decode_overview(stored: &[u8], blob: &BlobRef) -> Result<Overview, StoreError> {
+pub fn decode_overview(stored: &[u8], blob: &BlobRef, context: OverviewContext<'_>) -> Result<Overview, StoreError> {
     let what = BlobKind::Overview.words();
-    let wire: WireOverview = unpack(BlobKind::Overview, stored, blob)?;
-    let overview = Overview::try_from(wire).map_err(|malformed| malformed.of(what))?;
+    let overview = unpack_with(BlobKind::Overview, stored, blob, |wire: WireOverview, outlines| wire.pull(context, outlines))?;
     valid::check_overview(&overview).map_err(|reason| StoreError::Invalid { what, reason })?;
     Ok(overview)
 }
@@ -107,8 +117,9 @@ mod tests {
     }
 
     fn read(overview: &Overview) -> Result<Overview, StoreError> {
-        let stored = encode_overview(overview);
-        decode_overview(&stored, &BlobRef::of(&stored))
+        let context = OverviewContext::default();
+        let stored = encode_overview(overview, context);
+        decode_overview(&stored, &BlobRef::of(&stored), context)
     }
 
     #[test]
@@ -118,8 +129,8 @@ mod tests {
 
     #[test]
     fn a_form_that_changed_has_a_new_version() {
-        let form = blake3::hash(&encode_overview(&full())).to_hex();
-        assert_eq!((crate::FORMAT_VERSION, &form[..16]), (18, "656831a081018366"), "raise FORMAT_VERSION if this is on purpose");
+        let form = blake3::hash(&encode_overview(&full(), OverviewContext::default())).to_hex();
+        assert_eq!((crate::FORMAT_VERSION, &form[..16]), (19, "f432347b859019b2"), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

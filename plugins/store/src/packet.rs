@@ -1,6 +1,6 @@
-use veduta_city::{CellShell, FacadeSheet, GridPolygon, Level, PaintedWall, Palette, PictureFile, Styles};
+use veduta_city::{CellShell, FacadeSheet, GridPolygon, Level, Palette, PictureFile, Styles};
 
-use crate::blob::{BlobKind, open, pack, unpack};
+use crate::blob::{BlobKind, open, pack, pack_with, unpack, unpack_with};
 use crate::wire::{WireSheet, WireShell};
 use crate::{BlobRef, StoreError, valid};
 
@@ -48,15 +48,11 @@ pub fn encode_packet(packet: &Packet, context: PacketContext<'_>) -> Vec<u8> {
 }
 
 pub(crate) fn encode_shell(shell: &CellShell, context: PacketContext<'_>) -> Vec<u8> {
-    pack(BlobKind::Shell, &WireShell::of(shell, context))
+    pack_with(BlobKind::Shell, &WireShell::of(shell, context))
 }
 
 pub(crate) fn encode_sheet(sheet: &FacadeSheet) -> Vec<u8> {
-    if sheet.painted.is_empty() {
-        pack(BlobKind::Facades, &WireSheet::from(sheet))
-    } else {
-        pack(BlobKind::Painted, &(WireSheet::from(sheet), &sheet.painted))
-    }
+    pack(BlobKind::Facades, &WireSheet::from(sheet))
 }
 
 /// Pictures are as small as they get: their number and lengths, then all of them.
@@ -102,18 +98,14 @@ pub fn decode_packet(stored: &[u8], blob: &BlobRef, level: Level, context: Packe
     match level {
         Level::One => {
             let what = BlobKind::Shell.words();
-            let wire: WireShell = unpack(BlobKind::Shell, stored, blob)?;
-            let shell = wire.pull(context).map_err(|malformed| malformed.of(what))?;
+            let shell = unpack_with(BlobKind::Shell, stored, blob, |wire: WireShell, outlines| wire.pull(context, outlines))?;
             valid::check_shell(&shell).map_err(|reason| StoreError::Invalid { what, reason })?;
             Ok(Packet::Shell(Box::new(shell)))
         }
         Level::Two => {
             let what = BlobKind::Facades.words();
-            let (wire, painted): (WireSheet, Vec<PaintedWall>) = match stored.first() {
-                Some(&kind) if kind == BlobKind::Painted as u8 => unpack(BlobKind::Painted, stored, blob)?,
-                _ => (unpack(BlobKind::Facades, stored, blob)?, Vec::new()),
-            };
-            let sheet = FacadeSheet { painted, ..FacadeSheet::try_from(wire).map_err(|malformed| malformed.of(what))? };
+            let wire: WireSheet = unpack(BlobKind::Facades, stored, blob)?;
+            let sheet = FacadeSheet::try_from(wire).map_err(|malformed| malformed.of(what))?;
             valid::check_painted(&sheet).map_err(|reason| StoreError::Invalid { what, reason })?;
             Ok(Packet::Facades(sheet))
         }
@@ -541,8 +533,8 @@ mod tests {
         let (shell, sheet) = full();
         let hash = |packet: &Packet| blake3::hash(&write(packet)).to_hex()[..16].to_owned();
         let forms = (hash(&Packet::Shell(Box::new(shell))), hash(&Packet::Facades(sheet)));
-        let expected = ("cd1e3ec5d6389907".to_owned(), "e2f4ae319b5c1de5".to_owned());
-        assert_eq!((crate::FORMAT_VERSION, forms), (18, expected), "raise FORMAT_VERSION if this is on purpose");
+        let expected = ("11f0d8be78a501ef".to_owned(), "fb13120a768e30fd".to_owned());
+        assert_eq!((crate::FORMAT_VERSION, forms), (19, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

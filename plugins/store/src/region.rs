@@ -2,7 +2,8 @@ use core::ops::Range;
 
 use veduta_city::{GridPolygon, GridPos, Id, Level, Portal};
 
-use crate::blob::{BlobKind, pack, unpack};
+use crate::blob::{BlobKind, pack_with, unpack_with};
+use crate::code::Source;
 use crate::wire::WireRegion;
 use crate::{BlobRef, StoreError, valid};
 
@@ -140,7 +141,7 @@ fn cut(codes: &[u64], cells: Range<usize>, depth: u32, squares: &mut Vec<(Region
 /// Stored form of a region, which is the one with a number of these. What it says of the cells of others is told by the others' keys.
 #[must_use]
 pub fn encode_region(region: &Region, number: u32, regions: &[RegionEntry]) -> Vec<u8> {
-    pack(BlobKind::Region, &WireRegion::of(region, number as usize, regions))
+    pack_with(BlobKind::Region, &WireRegion::of(region, number as usize, regions))
 }
 
 /// The region of stored bytes, which is the one with a number of these.
@@ -151,8 +152,8 @@ pub fn decode_region(stored: &[u8], number: u32, regions: &[RegionEntry]) -> Res
     let what = BlobKind::Region.words();
     let none = || StoreError::Invalid { what, reason: format!("there is no region {number} of {}", regions.len()) };
     let entry = regions.get(number as usize).ok_or_else(none)?;
-    let wire: WireRegion = unpack(BlobKind::Region, stored, &entry.blob)?;
-    let region = wire.pull(number as usize, regions).map_err(|malformed| malformed.of(what))?;
+    let pull = |wire: WireRegion, outlines: &mut Source<'_, '_>| wire.pull(number as usize, regions, outlines);
+    let region = unpack_with(BlobKind::Region, stored, &entry.blob, pull)?;
     valid::check_region(&region, entry, regions).map_err(|reason| StoreError::Invalid { what, reason })?;
     Ok(region)
 }

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use veduta_city::{Level, Overview, Palette};
 
 use crate::{
-    BlobRef, CityIndex, Packet, PacketContext, Reader, Region, RegionEntry, StoreError, decode_file, decode_index, decode_overview,
-    decode_packet, decode_region,
+    BlobRef, CityIndex, OverviewContext, Packet, PacketContext, Reader, Region, RegionEntry, StoreError, decode_file, decode_index,
+    decode_overview, decode_packet, decode_region,
 };
 
 /// Number of a request, never used twice by the same client.
@@ -72,7 +72,7 @@ pub struct Request {
     pub blob: Option<BlobRef>,
     /// All regions of the city, by which those asked for name each other.
     pub(crate) regions: Arc<[RegionEntry]>,
-    /// Of a packet: the region of its cell, and where it is in it.
+    /// Of a packet: the region of its cell, and where it is in it. Of an overview: its region.
     pub(crate) home: Option<(Arc<Region>, usize)>,
     /// What houses are painted with.
     pub(crate) palettes: Arc<[Palette]>,
@@ -105,7 +105,12 @@ impl Request {
     /// If the bytes are not those asked for, or cannot be understood.
     pub fn decode(&self, bytes: Vec<u8>) -> Result<Payload, StoreError> {
         match (self.what, &self.blob) {
-            (What::Overview(_), Some(blob)) => decode_overview(&bytes, blob).map(|overview| Payload::Overview(Arc::new(overview))),
+            (What::Overview(number), Some(blob)) => {
+                let first = self.regions.get(number as usize).map_or(0, |entry| entry.first);
+                let cells = self.home.as_ref().map_or(&[][..], |(region, _)| &region.cells);
+                decode_overview(&bytes, blob, OverviewContext { first, cells })
+                    .map(|overview| Payload::Overview(Arc::new(overview)))
+            }
             (What::Region(number), Some(_)) => {
                 decode_region(&bytes, number, &self.regions).map(|region| Payload::Region(Arc::new(region)))
             }

@@ -273,7 +273,7 @@ pub(crate) fn lay_whole(disk: &Disk, path: &Path, part: &Path, bytes: &[u8]) -> 
 /// Whether a file is named as a blob, or a part of one, is.
 fn is_blob(file: &Path) -> bool {
     let stem = file.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();
-    let is_hash = stem.len() == 32 && stem.bytes().all(|b| b.is_ascii_hexdigit());
+    let is_hash = stem.len() == 2 * BlobRef::HASH_BYTES && stem.bytes().all(|b| b.is_ascii_hexdigit());
     is_hash && file.extension().is_some_and(|extension| extension == "bin" || extension == "part")
 }
 

@@ -137,7 +137,7 @@ fn look(reader: &dyn Reader, index: &CityIndex) -> Found {
     let mut found = Found::default();
     let read = |blob: &veduta_store::BlobRef| reader.read(&blob.path(), u64::from(blob.bytes)).map_err(StoreError::from);
     for (number, blob) in index.regions_here().map(|(number, region)| (number, &region.overview)) {
-        match read(blob).and_then(|stored| decode_overview(&stored, blob)) {
+        match read(blob).and_then(|stored| decode_overview(&stored, blob, index.overview_context(number))) {
             Ok(overview) => found.places += overview.places.len(),
             Err(error) => {
                 found.broken.push(format!("overview of region {number}: {}", error.in_file(reader.describe(), &blob.path())));

@@ -2,7 +2,10 @@ use core::fmt;
 
 use serde::de::{self, DeserializeSeed, EnumAccess, SeqAccess, VariantAccess, Visitor};
 
+use veduta_city::{GridPolygon, GridPos, GridRing};
+
 use super::HANDMADE;
+use super::lines::{Vertices, section_of};
 use super::models::{Models, Node};
 use super::range::{Bits, Chance, Decoder};
 
@@ -13,6 +16,7 @@ pub(crate) struct Source<'b, 'm> {
     node: Node,
     /// How many values may still be read.
     left: u64,
+    vertices: Vertices,
 }
 
 /// Why values cannot be read.
@@ -39,7 +43,7 @@ fn bad<T>(message: &str) -> Result<T, Unread> {
 
 impl<'b, 'm> Source<'b, 'm> {
     pub(crate) fn new(bytes: &'b [u8], models: &'m mut Models<Chance>, values: u64) -> Self {
-        Self { bits: Decoder::new(bytes), models, node: 0, left: values }
+        Self { bits: Decoder::new(bytes), models, node: 0, left: values, vertices: Vertices::default() }
     }
 
     /// How many values have not been read.
@@ -105,6 +109,52 @@ impl<'b, 'm> Source<'b, 'm> {
     }
 }
 
+/// Lines that follow the structure.
+impl Source<'_, '_> {
+    /// What stands before all lines.
+    pub(super) fn begin_lines(&mut self) -> Result<(), Unread> {
+        self.spend(1)?;
+        self.vertices = Vertices::new(&mut self.bits, self.models, 0);
+        Ok(())
+    }
+
+    /// A polygon that is known already.
+    pub(crate) fn know(&mut self, polygon: &GridPolygon) {
+        self.vertices.know(polygon);
+    }
+
+    pub(crate) fn point(&mut self, section: u8) -> Result<GridPos, Unread> {
+        match self.vertex_line(section, true)?.as_slice() {
+            &[pos] => Ok(pos),
+            _ => bad("a point is none"),
+        }
+    }
+
+    pub(crate) fn line(&mut self, section: u8) -> Result<GridRing, Unread> {
+        self.vertex_line(section, false)
+    }
+
+    pub(crate) fn polygon(&mut self, section: u8) -> Result<GridPolygon, Unread> {
+        self.spend(1)?;
+        let node = section_of(self.models, section);
+        let holes = Vertices::holes(&mut self.bits, self.models, node, 0);
+        if holes > self.left {
+            return bad("a polygon has more holes than rings are left");
+        }
+        let outer = self.line(section)?;
+        Ok(GridPolygon { outer, holes: (0..holes).map(|_| self.line(section)).collect::<Result<_, _>>()? })
+    }
+
+    fn vertex_line(&mut self, section: u8, is_point: bool) -> Result<GridRing, Unread> {
+        self.spend(1)?;
+        let node = section_of(self.models, section);
+        let line = self.vertices.line(&mut self.bits, self.models, node, None, is_point, self.left);
+        let Some(line) = line else { return bad("a line names a vertex that was never told, or has more than are left") };
+        self.spend(line.len() as u64)?;
+        Ok(line)
+    }
+}
+
 macro_rules! plain {
     ($($deserialize:ident $visit:ident $read:ident),*) => {$(
         fn $deserialize<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unread> {
@@ -133,7 +183,7 @@ impl<'de> de::Deserializer<'de> for &mut Source<'_, '_> {
     );
 
     fn deserialize_u128<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unread> {
-        visitor.visit_u128(u128::from(self.raw(64)?) << 64 | u128::from(self.raw(64)?))
+        visitor.visit_u128(u128::from(self.raw(32)?) << 64 | u128::from(self.raw(64)?))
     }
 
     fn deserialize_f32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unread> {
@@ -171,7 +221,7 @@ impl<'de> de::Deserializer<'de> for &mut Source<'_, '_> {
 
     fn deserialize_byte_buf<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unread> {
         let count = self.count()?;
-        let bytes = (0..count).map(|_| Ok(self.raw(8)? as u8)).collect::<Result<_, _>>()?;
+        let bytes = (0..count).map(|_| Ok(self.raw(8)? as u8)).collect::<Result<_, Unread>>()?;
         visitor.visit_byte_buf(bytes)
     }
 

@@ -3,13 +3,16 @@
 //!
 //! A column is a place in the structure: a field of a struct, the elements of a sequence. What is known of it are chances that learn
 //! from every bit. They begin as they were on average in cities that the project makes itself ([`priors`]), so that a packet of a few
-//! hundred bytes need not learn them anew. A number is told as how many digits it has, by the number before it in the column and by
-//! the one before it in the row, then by its highest digits, then by the others.
+//! hundred bytes need not learn them anew. A number is told as how many digits it has, by what three views make of it together ([`mix`]: the
+//! number before it in the column, the one before it in the row, both coarsely), then by its highest digits, then by the others. Vertices
+//! follow the structure, told by how lines go on ([`lines`]).
 //!
 //! Hostile bytes: a count of all values stands before them. Every number, letter and element is one, and no memory is taken for more
 //! than are left; no bit is so certain that it costs nothing, so that few bytes cannot tell many values.
 
 mod de;
+mod lines;
+mod mix;
 mod models;
 mod priors;
 mod range;
@@ -20,7 +23,8 @@ mod train;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use crate::StoreError;
-use de::{Source, Unread};
+pub(crate) use de::{Source, Unread};
+pub(crate) use lines::Outlines;
 use range::Encoder;
 use ser::Writer;
 
@@ -38,8 +42,8 @@ const VALUES_A_BYTE: u64 = 4096;
 /// Bytes that may be left out at the end.
 const LEFT_OUT: u64 = 4;
 
-/// Appends a structure.
-pub(crate) fn press<T: Serialize + ?Sized>(value: &T, prior: Prior, out: &mut Vec<u8>) {
+/// Appends a structure, and the lines of one that has some.
+pub(crate) fn press<T: Serialize + ?Sized>(value: &T, outlines: Option<&Outlines>, prior: Prior, out: &mut Vec<u8>) {
     let mut bits = Encoder::default();
     let mut models = prior.models();
     let mut writer = Writer::new(&mut bits, &mut models);
@@ -48,6 +52,7 @@ pub(crate) fn press<T: Serialize + ?Sized>(value: &T, prior: Prior, out: &mut Ve
         unreachable!("{error}");
     }
     let mut values = writer.values;
+    values += outlines.map_or(0, |outlines| outlines.tell(&mut bits, &mut models));
     while values >= 0x80 {
         out.push(values as u8 | 0x80);
         values >>= 7;
@@ -58,6 +63,30 @@ pub(crate) fn press<T: Serialize + ?Sized>(value: &T, prior: Prior, out: &mut Ve
 
 /// A structure of all the bytes, of no more values than a cap.
 pub(crate) fn unpress<T: DeserializeOwned>(what: &'static str, bytes: &[u8], prior: Prior, cap: u64) -> Result<T, StoreError> {
+    read(what, bytes, prior, cap, |value, _| Ok(value))
+}
+
+/// What is made of a structure and of the lines that follow it, which are all the bytes, of no more values than a cap.
+pub(crate) fn unpress_with<T: DeserializeOwned, O>(
+    what: &'static str,
+    bytes: &[u8],
+    prior: Prior,
+    cap: u64,
+    make: impl FnOnce(T, &mut Source<'_, '_>) -> Result<O, Unread>,
+) -> Result<O, StoreError> {
+    read(what, bytes, prior, cap, |value, source| {
+        source.begin_lines()?;
+        make(value, source)
+    })
+}
+
+fn read<T: DeserializeOwned, O>(
+    what: &'static str,
+    bytes: &[u8],
+    prior: Prior,
+    cap: u64,
+    make: impl FnOnce(T, &mut Source<'_, '_>) -> Result<O, Unread>,
+) -> Result<O, StoreError> {
     let malformed = |reason: &str| StoreError::Malformed { what, reason: reason.to_owned() };
     let (values, coded) = varint(bytes).ok_or_else(|| malformed("its size is not a number"))?;
     // A count that the bytes could not tell is refused before any memory is taken for it.
@@ -67,7 +96,8 @@ pub(crate) fn unpress<T: DeserializeOwned>(what: &'static str, bytes: &[u8], pri
     }
     let mut models = prior.models();
     let mut source = Source::new(coded, &mut models, values);
-    let value = T::deserialize(&mut source).map_err(|Unread(reason)| malformed(&reason))?;
+    let value = T::deserialize(&mut source).and_then(|value| make(value, &mut source));
+    let value = value.map_err(|Unread(reason)| malformed(&reason))?;
     match (source.left(), source.is_at_end()) {
         (0, true) if source.is_beyond() => Err(malformed("it is cut off")),
         (0, true) => Ok(value),
@@ -130,7 +160,7 @@ mod tests {
             .prop_map(|(signed, unsigned, (noise, real), kinds, made)| Thing {
                 signed,
                 unsigned,
-                noise,
+                noise: noise >> 32,
                 // Finite, so that it equals itself.
                 real: real as f64 / 3.0,
                 kinds,
@@ -141,7 +171,7 @@ mod tests {
 
     fn pressed<T: Serialize>(value: &T) -> Vec<u8> {
         let mut out = Vec::new();
-        press(value, Prior::None, &mut out);
+        press(value, None, Prior::None, &mut out);
         out
     }
 

@@ -1,5 +1,6 @@
 //! What is known of each column of numbers.
 
+use super::mix::VIEWS;
 use super::range::Bits;
 
 /// Slots for how many binary digits a number has, up to this one fewer; then a longer tree.
@@ -16,7 +17,10 @@ const SIGN: usize = LOWER + 32;
 const FLAG: usize = SIGN + 32;
 const AGAIN: usize = FLAG + 4 * BESIDE;
 const OFF: usize = AGAIN + RUNS;
-const SLOTS: usize = OFF + REST as usize;
+/// By exactly how many digits the number before in the column had, and the one before in the row.
+const FINE_BEFORE: usize = OFF + REST as usize;
+const FINE_BESIDE: usize = FINE_BEFORE + SHORT * SHORT;
+const SLOTS: usize = FINE_BESIDE + 2 * SHORT * SHORT;
 /// A number of steps of the grid lies so close about a whole centimetre.
 const REST: i64 = 16;
 /// How many hits in a row are told apart.
@@ -31,6 +35,7 @@ pub(crate) struct Column<S> {
     /// How large the last number was, and the one before it; the last two flags.
     pub(super) before: u8,
     pub(super) earlier: u8,
+    pub(super) digits: u8,
     pub(super) flags: u8,
     pub(super) slots: Vec<S>,
     pub(super) letters: Vec<S>,
@@ -49,7 +54,7 @@ impl<S> Column<S> {
 
 impl<S> Default for Column<S> {
     fn default() -> Self {
-        Self { children: Vec::new(), before: 0, earlier: 0, flags: 0, slots: Vec::new(), letters: Vec::new() }
+        Self { children: Vec::new(), before: 0, earlier: 0, digits: 0, flags: 0, slots: Vec::new(), letters: Vec::new() }
     }
 }
 
@@ -63,6 +68,8 @@ pub(crate) struct Models<S: 'static> {
     /// What is known of the first of them before they are used.
     prior: &'static [Column<S>],
     pub(super) beside: u8,
+    /// Exactly how many digits the number before in the row has and one more; 0: there is none.
+    pub(super) beside_digits: u8,
     /// Numbers told so far of what was made by hand.
     pub(super) told: Option<Told>,
 }
@@ -117,7 +124,7 @@ impl<S> Models<S> {
     /// Columns of which something is known.
     pub(super) fn after(prior: &'static [Column<S>]) -> Self {
         let columns = core::iter::repeat_with(Column::default).take(prior.len().max(1)).collect();
-        Self { columns, prior, beside: 0, told: None }
+        Self { columns, prior, beside: 0, beside_digits: 0, told: None }
     }
 }
 
@@ -155,6 +162,15 @@ fn tree<B: Bits>(bits: &mut B, slots: &mut [B::Slot], digits: u32, value: u32) -
     node as u32 - (1 << digits)
 }
 
+fn mixed_tree<B: Bits>(bits: &mut B, slots: &mut [B::Slot], contexts: [usize; VIEWS], digits: u32, value: u32) -> u32 {
+    let mut node = 1;
+    for i in (0..digits).rev() {
+        let views = slots.get_disjoint_mut(contexts.map(|context| context + node)).unwrap_or_else(|_| unreachable!("views differ"));
+        node = node << 1 | usize::from(bits.mixed(views, value >> i & 1 == 1));
+    }
+    node as u32 - (1 << digits)
+}
+
 impl<S: Clone + Default> Models<S> {
     /// The column of a part of what a column is for.
     pub(crate) fn child(&mut self, node: Node, n: usize) -> Node {
@@ -174,6 +190,7 @@ impl<S: Clone + Default> Models<S> {
     /// What follows stands in a row of its own.
     pub(crate) const fn new_row(&mut self) {
         self.beside = 0;
+        self.beside_digits = 0;
     }
 
     fn slots(&mut self, node: Node) -> &mut Column<S> {
@@ -186,13 +203,18 @@ impl<S: Clone + Default> Models<S> {
     }
 
     fn digits<B: Bits<Slot = S>>(&mut self, bits: &mut B, node: Node, value: u64) -> (u64, u32) {
-        let beside = self.beside;
+        let (beside, beside_digits) = (self.beside, usize::from(self.beside_digits));
         let column = self.slots(node);
         let beside = usize::from(if beside == 0 { column.earlier } else { beside });
         let slots = &mut column.slots;
         let digits = u64::BITS - value.leading_zeros();
-        let context = (usize::from(column.before) * BESIDE + beside) * SHORT;
-        let mut digits = tree(bits, &mut slots[context..context + SHORT], 4, digits.min(SHORT as u32 - 1));
+        let contexts = [
+            (usize::from(column.before) * BESIDE + beside) * SHORT,
+            FINE_BEFORE + usize::from(column.digits) * SHORT,
+            FINE_BESIDE + beside_digits * SHORT,
+        ];
+        let mut digits = mixed_tree(bits, slots, contexts, 4, digits.min(SHORT as u32 - 1));
+        let exactly = digits as u8;
         if digits == SHORT as u32 - 1 {
             let more = (u64::BITS - value.leading_zeros()).saturating_sub(digits);
             digits += tree(bits, &mut slots[LONG..LONG + 64], 6, more);
@@ -218,6 +240,8 @@ impl<S: Clone + Default> Models<S> {
             _ => 3,
         };
         column.before = class(digits);
+        column.digits = exactly;
+        self.beside_digits = exactly + 1;
         self.beside = match digits {
             0 => 1,
             1..=4 => 2,
@@ -296,7 +320,14 @@ impl<S: Clone + Default> Models<S> {
         let value = bits.bit(&mut column.slots[slot], value);
         column.flags = (column.flags << 1 | u8::from(value)) & 3;
         self.beside = 1 + u8::from(value);
+        self.beside_digits = 1 + u8::from(value);
         value
+    }
+
+    /// One of eight symbols, by one of 72 contexts.
+    pub(crate) fn symbol<B: Bits<Slot = S>>(&mut self, bits: &mut B, node: Node, context: usize, symbol: u32) -> u32 {
+        let slots = &mut self.slots(node).slots;
+        tree(bits, &mut slots[context * 8..context * 8 + 8], 3, symbol)
     }
 
     /// A letter of a text, after another.

@@ -35,6 +35,7 @@ impl Prior {
 /// Made by `train`; part of the format.
 static PRIORS: LazyLock<Priors> = LazyLock::new(|| Priors::read(include_bytes!("priors.bin")));
 
+#[derive(Default)]
 struct Priors {
     shell: Vec<Column<Chance>>,
     sheet: Vec<Column<Chance>>,
@@ -43,7 +44,11 @@ struct Priors {
 }
 
 impl Priors {
+    /// No bytes: nothing is known yet.
     fn read(bytes: &[u8]) -> Self {
+        if bytes.is_empty() {
+            return Self::default();
+        }
         match super::unpress::<[WirePrior; 4]>("the priors", bytes, Prior::None, 1 << 20) {
             Ok(priors) => {
                 let [shell, sheet, overview, region] = priors.map(WirePrior::columns);
@@ -116,7 +121,7 @@ impl WireColumn {
 }
 
 impl WirePrior {
-    fn columns(self) -> Vec<Column<Chance>> {
+    pub(super) fn columns(self) -> Vec<Column<Chance>> {
         let column = |column: WireColumn| {
             let slots = WireColumn::chances(&column.slots, Column::<Chance>::SLOTS);
             let letters = WireColumn::chances(&column.letters, Column::<Chance>::LETTERS);

@@ -1,9 +1,11 @@
 //! Binary range coding with chances that learn.
 
+use super::mix::{VIEWS, together};
+
 /// Chances are told in 1/2^15.
-const CHANCE_BITS: u32 = 15;
+pub(crate) const CHANCE_BITS: u32 = 15;
 /// Least chance of either: what is certain costs 1/350 of a bit, and a slot that was wrong about it for long learns again.
-const LEAST: u32 = 1 << (CHANCE_BITS - 9);
+pub(crate) const LEAST: u32 = 1 << (CHANCE_BITS - 9);
 /// A reader is so many bytes ahead of the bits that it has read.
 const AHEAD: u32 = 4;
 /// Below this, a byte of the range is spent.
@@ -25,6 +27,14 @@ impl Chance {
     /// As if so many bits had been seen.
     pub(crate) const fn new(zero: u16, seen: u8) -> Self {
         Self { zero, seen: if seen > SEEN_CAP { SEEN_CAP } else { seen } }
+    }
+
+    pub(crate) const fn zero(self) -> u16 {
+        self.zero
+    }
+
+    pub(crate) const fn seen(self) -> u8 {
+        self.seen
     }
 
     fn of_zero(self) -> u32 {
@@ -62,6 +72,9 @@ pub(crate) trait Bits {
 
     /// A bit of a kind: returns the one given on writing, the one read on reading.
     fn bit(&mut self, slot: &mut Self::Slot, one: bool) -> bool;
+
+    /// The same of a bit of several kinds at once.
+    fn mixed(&mut self, slots: [&mut Self::Slot; VIEWS], one: bool) -> bool;
 
     /// The lowest bits of a number about which nothing can be known.
     fn raw(&mut self, value: u64, bits: u32) -> u64;
@@ -136,6 +149,13 @@ impl Bits for Encoder {
         one
     }
 
+    fn mixed(&mut self, slots: [&mut Chance; VIEWS], one: bool) -> bool {
+        let zero = together(slots.each_ref().map(|slot| **slot));
+        self.part((self.range >> CHANCE_BITS) * zero, one);
+        slots.into_iter().for_each(|slot| slot.learn(one));
+        one
+    }
+
     fn raw(&mut self, value: u64, bits: u32) -> u64 {
         (0..bits).rev().for_each(|i| self.part(self.range >> 1, value >> i & 1 == 1));
         value
@@ -200,6 +220,13 @@ impl Bits for Decoder<'_> {
     fn bit(&mut self, slot: &mut Chance, _: bool) -> bool {
         let one = self.part((self.range >> CHANCE_BITS) * slot.of_zero());
         slot.learn(one);
+        one
+    }
+
+    fn mixed(&mut self, slots: [&mut Chance; VIEWS], _: bool) -> bool {
+        let zero = together(slots.each_ref().map(|slot| **slot));
+        let one = self.part((self.range >> CHANCE_BITS) * zero);
+        slots.into_iter().for_each(|slot| slot.learn(one));
         one
     }
 

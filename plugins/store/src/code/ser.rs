@@ -126,9 +126,9 @@ impl<'w, 's, B: Bits> ser::Serializer for &'s mut Writer<'w, B> {
         self.unsigned(value)
     }
 
-    /// Noise: a hash.
+    /// Noise: a hash, of which 96 bits are told.
     fn serialize_u128(self, value: u128) -> Result<(), Unfit> {
-        self.raw((value >> 64) as u64, 64)?;
+        self.raw((value >> 64) as u64, 32)?;
         self.raw(value as u64, 64)
     }
 

@@ -1,5 +1,6 @@
 //! Makes the priors anew, after a form has changed, from cities that the project makes itself. They are baked first, by a program
-//! that knows the new form (and begins with the old priors, which is no harm):
+//! that knows the new form (and begins with the old priors, which is no harm; or with none, if the coder itself has changed, which cannot
+//! read them: `: > plugins/store/src/code/priors.bin`):
 //!
 //! ```sh
 //! for city in scenes/old_prague plugins/store/training/*.words.ron; do
@@ -15,11 +16,12 @@ use std::path::Path;
 use serde::Serialize;
 use veduta_city::Level;
 
+use super::mix::VIEWS;
 use super::models::{Column, Models};
-use super::press;
 use super::priors::{Prior, WireColumn, WirePrior, WireSlot};
 use super::range::{Bits, Chance};
 use super::ser::Writer;
+use super::{Outlines, press};
 use crate::wire::{WireOverview, WireRegion, WireSheet, WireShell};
 use crate::{BlobRef, DirReader, Packet, Reader, decode_overview, decode_packet, read_index};
 
@@ -37,6 +39,13 @@ impl Bits for Trainer {
             slot.0.push(Vec::new());
         }
         slot.0.last_mut().expect("begun").push(one);
+        one
+    }
+
+    fn mixed(&mut self, slots: [&mut Seen; VIEWS], one: bool) -> bool {
+        slots.into_iter().for_each(|slot| {
+            self.bit(slot, one);
+        });
         one
     }
 
@@ -81,17 +90,18 @@ fn fit(seen: &[Seen]) -> Vec<WireSlot> {
     fitted.collect()
 }
 
-/// The prior of some structures.
-fn train<T: Serialize>(all: &[T]) -> WirePrior {
+/// The prior of some structures, with lines.
+fn train<T: Serialize>(all: &[(T, Outlines)]) -> WirePrior {
     let mut models: Models<Seen> = Models::default();
-    for wire in all {
+    for (wire, outlines) in all {
         let mut bits = Trainer;
         wire.serialize(&mut Writer::new(&mut bits, &mut models)).expect("ours");
+        outlines.tell(&mut bits, &mut models);
         for column in &mut models.columns {
-            (column.before, column.earlier, column.flags) = (0, 0, 0);
+            (column.before, column.earlier, column.digits, column.flags) = (0, 0, 0, 0);
             column.slots.iter_mut().chain(&mut column.letters).for_each(|slot| slot.1 = false);
         }
-        models.beside = 0;
+        models.new_row();
     }
     let column =
         |column: Column<Seen>| WireColumn { slots: fit(&column.slots), letters: fit(&column.letters), children: column.children };
@@ -101,10 +111,10 @@ fn train<T: Serialize>(all: &[T]) -> WirePrior {
 /// Everything of one kind, of some cities.
 #[derive(Default)]
 struct All {
-    shells: Vec<WireShell>,
-    sheets: Vec<WireSheet>,
-    overviews: Vec<WireOverview>,
-    regions: Vec<WireRegion>,
+    shells: Vec<(WireShell, Outlines)>,
+    sheets: Vec<(WireSheet, Outlines)>,
+    overviews: Vec<(WireOverview, Outlines)>,
+    regions: Vec<(WireRegion, Outlines)>,
 }
 
 impl All {
@@ -118,14 +128,15 @@ impl All {
                 let Some(blob) = cell.packet(level) else { continue };
                 match decode_packet(&stored(blob), blob, level, context).expect("whole") {
                     Packet::Shell(shell) => self.shells.push(WireShell::of(&shell, context)),
-                    Packet::Facades(sheet) => self.sheets.push(WireSheet::from(&sheet)),
+                    Packet::Facades(sheet) => self.sheets.push((WireSheet::from(&sheet), Outlines::default())),
                     Packet::Pictures(_) => {}
                 }
             }
         }
         for (number, region) in index.regions_here() {
-            let overview = decode_overview(&stored(&region.overview), &region.overview).expect("whole");
-            self.overviews.push(WireOverview::from(&overview));
+            let overview =
+                decode_overview(&stored(&region.overview), &region.overview, index.overview_context(number)).expect("whole");
+            self.overviews.push(WireOverview::of(&overview, index.overview_context(number)));
             self.regions.push(WireRegion::of(region, number as usize, &index.regions));
         }
     }
@@ -139,7 +150,7 @@ fn train_priors() {
     cities.split_whitespace().for_each(|dir| all.read(Path::new(dir)));
     let priors = [train(&all.shells), train(&all.sheets), train(&all.overviews), train(&all.regions)];
     let mut bytes = Vec::new();
-    press(&priors, Prior::None, &mut bytes);
+    press(&priors, None, Prior::None, &mut bytes);
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/code/priors.bin");
     std::fs::write(&file, &bytes).expect("written");
     println!("{}: {} B", file.display(), bytes.len());

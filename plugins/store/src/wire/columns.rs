@@ -153,22 +153,60 @@ impl PullIds {
     }
 }
 
+/// Which of different values stands where: 0 for one that was not there before, else how many have come since it was new, and one.
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(transparent)]
+pub(crate) struct Uses(Vec<u32>);
+
+impl Uses {
+    /// Of values that are numbered as they first appear.
+    pub(crate) fn of(numbers: impl IntoIterator<Item = u32>) -> Self {
+        let mut next = 0_u32;
+        let told = |n: u32| {
+            let told = next.wrapping_sub(n);
+            next += u32::from(told == 0);
+            told
+        };
+        Self(numbers.into_iter().map(told).collect())
+    }
+
+    fn pull(self) -> PullUses {
+        PullUses { told: Pull::new("uses of a table", self.0), next: 0 }
+    }
+}
+
+/// Takes numbers of values off [`Uses`].
+struct PullUses {
+    told: Pull<u32>,
+    next: u32,
+}
+
+impl PullUses {
+    fn take(&mut self) -> Result<usize, Malformed> {
+        let told = self.told.take()?;
+        let n = self.next.checked_sub(told).ok_or(Malformed::Reason("a table has no such entry"))?;
+        self.next += u32::from(told == 0);
+        Ok(n as usize)
+    }
+}
+
 /// Different values in the order in which they first appear, and which of them stands where.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Table<T> {
     values: Vec<T>,
-    uses: Vec<u32>,
+    uses: Uses,
 }
 
 /// Fills a [`Table`].
 pub(crate) struct TableWriter<T> {
-    table: Table<T>,
+    values: Vec<T>,
+    uses: Vec<u32>,
     known: HashMap<T, u32>,
 }
 
 impl<T> Default for TableWriter<T> {
     fn default() -> Self {
-        Self { table: Table { values: Vec::new(), uses: Vec::new() }, known: HashMap::new() }
+        Self { values: Vec::new(), uses: Vec::new(), known: HashMap::new() }
     }
 }
 
@@ -177,52 +215,52 @@ impl<T: Hash + Eq + Clone> TableWriter<T> {
         let n = match self.known.get(value) {
             Some(&n) => n,
             None => {
-                let n = self.table.values.len() as u32;
-                self.table.values.push(value.clone());
+                let n = self.values.len() as u32;
+                self.values.push(value.clone());
                 self.known.insert(value.clone(), n);
                 n
             }
         };
-        self.table.uses.push(n);
+        self.uses.push(n);
     }
 
     pub(crate) fn finish(self) -> Table<T> {
-        self.table
+        Table { values: self.values, uses: Uses::of(self.uses) }
     }
 }
 
 impl<T> Table<T> {
     /// The different values, and which of them stands where.
-    pub(crate) fn parts(self) -> (Vec<T>, Vec<u32>) {
+    pub(crate) fn parts(self) -> (Vec<T>, Uses) {
         (self.values, self.uses)
     }
 
-    pub(crate) fn of_parts(values: Vec<T>, uses: Vec<u32>) -> Self {
+    pub(crate) fn of_parts(values: Vec<T>, uses: Uses) -> Self {
         Self { values, uses }
     }
 
     pub(crate) fn pull(self) -> PullTable<T> {
-        PullTable { values: self.values, uses: Pull::new("uses of a table", self.uses) }
+        PullTable { values: self.values, uses: self.uses.pull() }
     }
 }
 
 pub(crate) struct PullTable<T> {
     values: Vec<T>,
-    uses: Pull<u32>,
+    uses: PullUses,
 }
 
 impl<T> PullTable<T> {
     pub(crate) fn take_ref(&mut self) -> Result<&T, Malformed> {
-        let n = self.uses.take()? as usize;
+        let n = self.uses.take()?;
         self.values.get(n).ok_or(Malformed::Reason("a table has no such entry"))
     }
 
     pub(crate) fn left(&self) -> usize {
-        self.uses.left()
+        self.uses.told.left()
     }
 
     pub(crate) fn finish(&self) -> Result<(), Malformed> {
-        self.uses.finish()
+        self.uses.told.finish()
     }
 }
 
@@ -231,7 +269,7 @@ impl<T> PullTable<T> {
 pub(crate) struct Texts {
     all: String,
     lengths: Vec<u32>,
-    uses: Vec<u32>,
+    uses: Uses,
 }
 
 /// Longest text in bytes: keeps a text that is used often from filling the memory.
@@ -242,7 +280,7 @@ const TEXTS_CAP: usize = 1 << 26;
 impl Texts {
     pub(crate) fn of<'a>(texts: impl IntoIterator<Item = &'a str>) -> Self {
         let mut known = HashMap::new();
-        let mut out = Self::default();
+        let (mut out, mut uses) = (Self::default(), Vec::new());
         for text in texts {
             let next = out.lengths.len() as u32;
             let n = *known.entry(text).or_insert(next);
@@ -250,8 +288,9 @@ impl Texts {
                 out.all.push_str(text);
                 out.lengths.push(text.len() as u32);
             }
-            out.uses.push(n);
+            uses.push(n);
         }
+        out.uses = Uses::of(uses);
         out
     }
 
@@ -323,13 +362,13 @@ mod tests {
         assert_eq!(texts.all, "CeletnáHusova");
         let mut pull = texts.pull().expect("well cut");
         assert_eq!([(); 4].map(|()| pull.take().expect("four of them")), ["Celetná", "", "Celetná", "Husova"]);
-        let cut = Texts { all: "á".to_owned(), lengths: vec![1, 1], uses: vec![] };
+        let cut = Texts { all: "á".to_owned(), lengths: vec![1, 1], uses: Uses::default() };
         assert!(cut.pull().is_err(), "cut within a letter");
     }
 
     #[test]
     fn a_long_text_told_often_is_refused() {
-        let bomb = Texts { all: "x".repeat(TEXT_CAP), lengths: vec![TEXT_CAP as u32], uses: vec![0; 10_000] };
+        let bomb = Texts { all: "x".repeat(TEXT_CAP), lengths: vec![TEXT_CAP as u32], uses: Uses::of(vec![0; 10_000]) };
         let mut pull = bomb.pull().expect("well cut");
         let taken = (0..10_000).take_while(|_| pull.take().is_ok()).count();
         assert_eq!(taken, TEXTS_CAP / TEXT_CAP);

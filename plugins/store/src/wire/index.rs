@@ -4,8 +4,8 @@ use veduta_city::{Anchor, GRID_PER_METRE, GridPos, Palette, Viewpoint};
 use super::{
     Malformed, WireBlobs,
     columns::{Deltas, Pull, Texts},
-    points::{PointWriter, Points},
 };
+use crate::code::{Outlines, Source, Unread};
 use crate::{BlobRef, CityFile, CityIndex, FORMAT_VERSION, RegionEntry, RegionKey};
 
 /// A [`CityIndex`] in columns, without the regions themselves.
@@ -15,8 +15,6 @@ pub(crate) struct WireIndex {
     seed: u64,
     growth_version: u32,
     start: Viewpoint,
-    /// The city's edge.
-    points: Points,
     /// Name and attribution of the city, then the paths of its files.
     texts: Texts,
     regions: WireRegions,
@@ -37,23 +35,26 @@ struct WireRegions {
     blobs: WireBlobs,
 }
 
-impl From<&CityIndex> for WireIndex {
-    fn from(index: &CityIndex) -> Self {
-        let mut points = PointWriter::default();
-        points.polygon(&index.extent);
+/// The section of the city's edge.
+const EXTENT: u8 = 0;
+
+impl WireIndex {
+    pub(crate) fn of(index: &CityIndex) -> (Self, Outlines) {
+        let mut outlines = Outlines::default();
+        outlines.polygon(EXTENT, &index.extent);
         let paths = index.files.iter().map(|file| file.path.as_str());
-        Self {
+        let wire = Self {
             anchor: index.anchor,
             seed: index.seed,
             growth_version: index.growth_version,
             start: index.start,
-            points: points.finish(),
             texts: Texts::of([index.name.as_str(), index.attribution.as_str()].into_iter().chain(paths)),
             regions: WireRegions::of(&index.regions),
             palettes: index.palettes.to_vec(),
             styles: WireBlobs::of(&index.styles),
             files: WireBlobs::of(index.files.iter().map(|file| &file.blob)),
-        }
+        };
+        (wire, outlines)
     }
 }
 
@@ -102,11 +103,9 @@ impl WireRegions {
     }
 }
 
-impl TryFrom<WireIndex> for CityIndex {
-    type Error = Malformed;
-
-    fn try_from(wire: WireIndex) -> Result<Self, Malformed> {
-        let mut points = wire.points.pull();
+impl WireIndex {
+    pub(crate) fn pull(self, outlines: &mut Source<'_, '_>) -> Result<CityIndex, Unread> {
+        let wire = self;
         let mut texts = wire.texts.pull()?;
         let (name, attribution) = (texts.take()?, texts.take()?);
         let mut blobs = wire.files.pull("files");
@@ -116,15 +115,14 @@ impl TryFrom<WireIndex> for CityIndex {
         }
         texts.finish()?;
         blobs.finish()?;
-        let extent = points.polygon()?;
-        points.finish()?;
+        let extent = outlines.polygon(EXTENT)?;
         let one = |blobs: WireBlobs, name| -> Result<Option<BlobRef>, Malformed> {
             let mut blobs = blobs.pull(name);
             let blob = if blobs.is_empty() { None } else { Some(blobs.take()?) };
             blobs.finish()?;
             Ok(blob)
         };
-        Ok(Self {
+        Ok(CityIndex {
             format: FORMAT_VERSION,
             name,
             anchor: wire.anchor,

@@ -1,6 +1,6 @@
 //! The wire form: private structures that [`code`](crate::code) writes, with exact conversions to and from the public types.
 //!
-//! Vertices are told once a packet and then named ([`points`]), texts and walls by tables, numbers as differences from what they
+//! Vertices are told once a packet and then named ([`Outlines`](crate::code::Outlines)), texts and walls by tables, numbers as differences from what they
 //! are expected to be. The model's own serde form cannot be used: it leaves out empty fields, which only self-describing formats
 //! survive.
 //!
@@ -12,7 +12,6 @@ mod index;
 mod overview;
 mod paint;
 mod places;
-mod points;
 mod region;
 mod sheet;
 mod shell;
@@ -26,6 +25,7 @@ pub(crate) use shell::WireShell;
 
 use serde::{Deserialize, Serialize};
 
+use crate::code::Unread;
 use crate::{BlobRef, StoreError};
 use columns::Pull;
 
@@ -38,14 +38,28 @@ pub(crate) enum Malformed {
     Column(&'static str),
 }
 
+impl From<Malformed> for Unread {
+    fn from(malformed: Malformed) -> Self {
+        Self(malformed.reason())
+    }
+}
+
 impl Malformed {
-    pub(crate) fn of(self, what: &'static str) -> StoreError {
-        let reason = match self {
+    fn reason(self) -> String {
+        match self {
             Self::Reason(reason) => reason.to_owned(),
             Self::Column(name) => format!("there are too few or too many {name}"),
-        };
-        StoreError::Malformed { what, reason }
+        }
     }
+
+    pub(crate) fn of(self, what: &'static str) -> StoreError {
+        StoreError::Malformed { what, reason: self.reason() }
+    }
+}
+
+/// A hash as a number about which nothing can be known.
+fn noise_of(hash: [u8; BlobRef::HASH_BYTES]) -> u128 {
+    hash.iter().rev().fold(0, |noise, &byte| noise << 8 | u128::from(byte))
 }
 
 /// References to blobs in columns.
@@ -57,7 +71,7 @@ pub(crate) struct WireBlobs {
 
 impl WireBlobs {
     fn of<'a>(blobs: impl IntoIterator<Item = &'a BlobRef>) -> Self {
-        let (bytes, hashes) = blobs.into_iter().map(|blob| (blob.bytes, u128::from_be_bytes(blob.hash))).unzip();
+        let (bytes, hashes) = blobs.into_iter().map(|blob| (blob.bytes, noise_of(blob.hash))).unzip();
         Self { bytes, hashes }
     }
 
@@ -74,7 +88,8 @@ struct PullBlobs {
 
 impl PullBlobs {
     fn take(&mut self) -> Result<BlobRef, Malformed> {
-        Ok(BlobRef { hash: self.hashes.take()?.to_be_bytes(), bytes: self.bytes.take()? })
+        let (hash, bytes) = (self.hashes.take()?, self.bytes.take()?);
+        Ok(BlobRef { hash: core::array::from_fn(|i| (hash >> (8 * i)) as u8), bytes })
     }
 
     fn is_empty(&self) -> bool {

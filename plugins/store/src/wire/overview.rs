@@ -1,25 +1,27 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
     District, GridPolygon, GridPos, GroundPatch, HouseName, MAP_STEP, Massing, Overview, PlanRoof, PlanStreet, PlanTerrain, Rgb,
-    RoofShape, StreetClass, SurfaceKind, WaySpan,
+    RoofShape, StreetClass, SurfaceKind, WaySpan, on_map,
 };
 
 use super::{
     Malformed,
     columns::{Deltas, Ids, Pull, Table, TableWriter, Texts},
     places::WirePlaces,
-    points::{PointWriter, Points, PullPoints},
     terrain::WireTerrain,
 };
+use crate::OverviewContext;
+use crate::code::{Outlines, Source, Unread};
+
+/// Sections of outlines: of houses and of the ground, in steps of maps; of streets.
+const HOUSES: u8 = 0;
+const GROUND: u8 = 1;
+const STREETS: u8 = 2;
 
 /// An [`Overview`] in columns.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct WireOverview {
     terrain: WireTerrain,
-    /// Outlines of houses and of the ground, in steps of maps.
-    outlines: Points,
-    /// Lines of streets.
-    lines: Points,
     /// Names of streets, then name and number of each named house.
     texts: Texts,
     street_ids: Ids,
@@ -74,27 +76,33 @@ impl WireMassing {
     }
 }
 
-impl From<&Overview> for WireOverview {
-    fn from(overview: &Overview) -> Self {
-        let mut outlines = PointWriter::default();
-        let houses = overview.houses.iter().map(|massing| &massing.outline);
-        houses
-            .chain(overview.ground.iter().map(|patch| &patch.outline))
-            .for_each(|outline| outlines.polygon(&in_map_steps(outline)));
+impl WireOverview {
+    pub(crate) fn of(overview: &Overview, context: OverviewContext<'_>) -> (Self, Outlines) {
+        let mut outlines = Outlines::default();
+        let (mut houses, mut ground) = (overview.houses.iter(), overview.ground.iter());
+        for district in &overview.districts {
+            if let Some(outline) = known(context, district.cell) {
+                outlines.know(&outline);
+            }
+            let here = houses.by_ref().take(district.houses as usize);
+            here.for_each(|massing| outlines.polygon(HOUSES, &in_map_steps(&massing.outline)));
+            let here = ground.by_ref().take(district.ground as usize);
+            here.for_each(|patch| outlines.polygon(GROUND, &in_map_steps(&patch.outline)));
+        }
+        houses.for_each(|massing| outlines.polygon(HOUSES, &in_map_steps(&massing.outline)));
+        ground.for_each(|patch| outlines.polygon(GROUND, &in_map_steps(&patch.outline)));
         let mut paints = TableWriter::default();
         let colours = overview.houses.iter().map(|massing| massing.colour);
         colours.chain(overview.houses.iter().map(|massing| massing.roof.colour)).for_each(|Rgb(r, g, b)| paints.push(&(r, g, b)));
-        let (mut lines, mut street_ids) = (PointWriter::default(), Ids::default());
+        let mut street_ids = Ids::default();
         for street in &overview.streets {
             street_ids.push(street.id);
-            lines.line(&street.line);
+            outlines.line(STREETS, &street.line);
         }
         let streets = overview.streets.iter().map(|street| street.name.as_str());
         let names = overview.names.iter().flat_map(|name| [name.name.as_str(), name.number.as_str()]);
-        Self {
+        let wire = Self {
             terrain: WireTerrain::from(&overview.terrain),
-            outlines: outlines.finish(),
-            lines: lines.finish(),
             texts: Texts::of(streets.chain(names)),
             street_ids,
             widths: overview.streets.iter().map(|street| street.width).collect(),
@@ -110,27 +118,43 @@ impl From<&Overview> for WireOverview {
             districts: overview.districts.iter().map(|district| (district.ground, district.houses, district.spans)).collect(),
             classes: overview.streets.iter().map(|street| street.class).collect(),
             parts: overview.names.iter().map(|name| name.parts).collect(),
-        }
+        };
+        (wire, outlines)
     }
-}
 
-impl TryFrom<WireOverview> for Overview {
-    type Error = Malformed;
-
-    fn try_from(wire: WireOverview) -> Result<Self, Malformed> {
-        let mut points = wire.outlines.pull();
-        let mut outline = || points.polygon().map(|outline| in_grid_steps(&outline));
+    pub(crate) fn pull(self, context: OverviewContext<'_>, outlines: &mut Source<'_, '_>) -> Result<Overview, Unread> {
+        let wire = self;
+        let cells = wire.cells.numbers();
+        if cells.len() != wire.districts.len() {
+            return Err(Malformed::Reason("there are not as many districts as cells").into());
+        }
+        let district =
+            |(cell, (ground, houses, spans)): (i32, (u32, u32, u32))| District { cell: cell as u32, ground, houses, spans };
+        let districts: Vec<District> = cells.into_iter().zip(wire.districts).map(district).collect();
         let mut texts = wire.texts.pull()?;
         let mut paints = wire.paints.pull();
         let mut paint = || paints.take_ref().map(|&(r, g, b)| Rgb(r, g, b));
         let walls = wire.houses.iter().map(|_| paint()).collect::<Result<Vec<_>, _>>()?;
-        let houses = wire.houses.into_iter().zip(walls).map(|(row, wall)| Ok(row.massing(outline()?, [wall, paint()?])));
-        let houses = houses.collect::<Result<_, _>>()?;
+        let mut rows = wire.houses.into_iter().zip(walls);
+        let mut patches = wire.ground.into_iter();
+        let (mut houses, mut ground) = (Vec::with_capacity(rows.len()), Vec::with_capacity(patches.len()));
+        let mut tell = |outlines: &mut Source<'_, '_>, many: (usize, usize)| -> Result<(), Unread> {
+            for (row, wall) in rows.by_ref().take(many.0) {
+                houses.push(row.massing(in_grid_steps(&outlines.polygon(HOUSES)?), [wall, paint()?]));
+            }
+            for WireGround { surface, z } in patches.by_ref().take(many.1) {
+                ground.push(GroundPatch { surface, outline: in_grid_steps(&outlines.polygon(GROUND)?), z, course: None });
+            }
+            Ok(())
+        };
+        for district in &districts {
+            if let Some(outline) = known(context, district.cell) {
+                outlines.know(&outline);
+            }
+            tell(outlines, (district.houses as usize, district.ground as usize))?;
+        }
+        tell(outlines, (usize::MAX, usize::MAX))?;
         paints.finish()?;
-        let patch = |WireGround { surface, z }| Ok(GroundPatch { surface, outline: outline()?, z, course: None });
-        let ground = wire.ground.into_iter().map(patch).collect::<Result<_, _>>()?;
-        points.finish()?;
-        let mut points = wire.lines.pull();
         let lines = Lines {
             ids: wire.street_ids,
             widths: wire.widths,
@@ -138,26 +162,24 @@ impl TryFrom<WireOverview> for Overview {
             layers: wire.layers,
             classes: wire.classes,
         };
-        let streets = lines.pull(&mut points, || texts.take())?;
-        points.finish()?;
+        let streets = lines.pull(outlines, || texts.take())?;
         let mut parts = Pull::new("parts of named houses", wire.parts);
         let named =
             wire.named.numbers().into_iter().map(|house| {
                 Ok(HouseName { house: house as u32, name: texts.take()?, number: texts.take()?, parts: parts.take()? })
             });
-        let names = named.collect::<Result<_, _>>()?;
+        let names = named.collect::<Result<_, Malformed>>()?;
         parts.finish()?;
         texts.finish()?;
         let (terrain, places) = (PlanTerrain::try_from(wire.terrain)?, wire.places.pull()?);
-        let cells = wire.cells.numbers();
-        if cells.len() != wire.districts.len() {
-            return Err(Malformed::Reason("there are not as many districts as cells"));
-        }
-        let district =
-            |(cell, (ground, houses, spans)): (i32, (u32, u32, u32))| District { cell: cell as u32, ground, houses, spans };
-        let districts = cells.into_iter().zip(wire.districts).map(district).collect();
-        Ok(Self { terrain, streets, ground, houses, names, spans: wire.spans, places, districts })
+        Ok(Overview { terrain, streets, ground, houses, names, spans: wire.spans, places, districts })
     }
+}
+
+/// What is known of a cell's vertices, in steps of maps.
+fn known(context: OverviewContext<'_>, cell: u32) -> Option<GridPolygon> {
+    let cell = context.cells.get(cell.checked_sub(context.first)? as usize)?;
+    on_map(&cell.outline).map(|outline| in_map_steps(&outline))
 }
 
 /// An outline on a map, told by the steps of maps.
@@ -181,9 +203,9 @@ struct Lines {
 impl Lines {
     fn pull(
         self,
-        points: &mut PullPoints,
+        outlines: &mut Source<'_, '_>,
         mut name: impl FnMut() -> Result<String, Malformed>,
-    ) -> Result<Vec<PlanStreet>, Malformed> {
+    ) -> Result<Vec<PlanStreet>, Unread> {
         let mut ids = self.ids.pull();
         let mut walkable = Pull::new("walkable streets", self.walkable);
         let mut layers = Pull::new("layers of streets", self.layers);
@@ -193,7 +215,7 @@ impl Lines {
             streets.push(PlanStreet {
                 id: ids.take()?,
                 name: name()?,
-                line: points.line()?,
+                line: outlines.line(STREETS)?,
                 width,
                 walkable: walkable.take()?,
                 layer: layers.take()?,

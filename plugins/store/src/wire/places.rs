@@ -1,6 +1,6 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
-use veduta_city::{Place, PlaceKind, Viewpoint};
+use veduta_city::{Id, Place, PlaceKind, Viewpoint};
 
 use super::{
     Malformed,
@@ -10,6 +10,7 @@ use super::{
 /// [Rounded](Place::rounded) [`Place`]s in columns; lengths in centimetres, angles in hundredths of degrees.
 #[derive(Serialize, Deserialize)]
 pub(super) struct WirePlaces {
+    /// What differs from those that places have by where they lie.
     ids: Ids,
     kinds: Vec<PlaceKind>,
     marks: Vec<WireMark>,
@@ -34,6 +35,10 @@ struct WireView {
     pitch: i32,
 }
 
+fn usual_id(pos: DVec2) -> Id {
+    Id::from_place("place", pos)
+}
+
 const fn hundredths(n: f64) -> i32 {
     (n * 100.0).round() as i32
 }
@@ -55,7 +60,7 @@ fn place(from: (i32, i32), step: (i32, i32)) -> ((i32, i32), DVec2) {
 impl WirePlaces {
     pub(super) fn of(places: &[Place]) -> Self {
         let mut ids = Ids::default();
-        places.iter().for_each(|place| ids.push(place.id));
+        places.iter().for_each(|place| ids.push(Id(place.id.0 ^ usual_id(place.pos).0)));
         let mut last = (0, 0);
         let mark = |place: &Place| {
             let at = (hundredths(place.pos.x), hundredths(place.pos.y));
@@ -91,7 +96,7 @@ impl WirePlaces {
                 heading_deg: whole(view.heading),
                 pitch_deg: whole(view.pitch),
             });
-            let (id, kind) = (ids.take()?, kinds.take()?);
+            let (id, kind) = (Id(ids.take()?.0 ^ usual_id(pos).0), kinds.take()?);
             places.push(Place { id, kind, pos, radius_m: whole(radius), view, name: texts.take()?, text: texts.take()? });
         }
         ids.finish()?;

@@ -1,17 +1,22 @@
+use std::collections::{BTreeSet, HashMap};
+
 use serde::{Deserialize, Serialize};
-use veduta_city::{GRID_PER_METRE, GridPolygon, GridPos, Portal, PortalSide};
+use veduta_city::{GRID_PER_METRE, GridPolygon, GridPos, Id, Portal, PortalSide};
 
 use super::{
     Malformed, WireBlobs,
     columns::{Deltas, Ids, Lists, Pull, Texts},
-    points::{PointWriter, Points, PullPoints},
 };
+use crate::code::{Outlines, Source, Unread};
 use crate::{CellEntry, Region, RegionEntry, RegionKey};
+
+/// Sections of outlines.
+const CELLS: u8 = 0;
+const PORTALS: u8 = 1;
 
 /// A [`Region`] in columns. Cells have numbers of their own in it: first its own, then those of other regions that it names.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct WireRegion {
-    points: Points,
     /// Names of cells.
     texts: Texts,
     cells: WireCells,
@@ -30,6 +35,7 @@ struct Foreign {
 
 #[derive(Serialize, Deserialize)]
 struct WireCells {
+    /// What differs from the usual.
     ids: Ids,
     floors_low: Deltas,
     /// Above the lowest.
@@ -38,6 +44,7 @@ struct WireCells {
     /// Metres west, south, east and north of the outline's bounds to which there is something to draw.
     beyond: Vec<u32>,
     portals: Lists,
+    /// What differs from the expected.
     visible: Lists,
     houses: Vec<u32>,
     walls: Vec<u32>,
@@ -51,6 +58,26 @@ struct WirePortals {
     cells: Vec<u32>,
     /// 0: the edge; else one more than the cell.
     beyond: Vec<u32>,
+}
+
+/// Which cells most likely see which: who is seen sees back.
+#[derive(Default)]
+struct Mutual(HashMap<u32, Vec<u32>>);
+
+impl Mutual {
+    /// Those that a cell is expected to see, by what those before it see.
+    fn expected(&mut self, cell: u32) -> BTreeSet<u32> {
+        self.0.remove(&cell).into_iter().flatten().chain([cell]).collect()
+    }
+
+    fn sees(&mut self, cell: u32, seen: &BTreeSet<u32>) {
+        seen.range(cell + 1..).for_each(|&other| self.0.entry(other).or_default().push(cell));
+    }
+}
+
+/// The id that cells have by where they lie.
+fn usual_id(outline: &GridPolygon) -> Id {
+    Id::from_place("cell", outline.centroid())
 }
 
 /// Numbers of cells in the city from those in a region, and back.
@@ -130,13 +157,13 @@ impl Foreign {
 }
 
 impl WireRegion {
-    pub(crate) fn of(region: &Region, number: usize, regions: &[RegionEntry]) -> Self {
+    pub(crate) fn of(region: &Region, number: usize, regions: &[RegionEntry]) -> (Self, Outlines) {
         let numbers = Numbers::of(region, &regions[number]);
-        let mut points = PointWriter::default();
-        region.cells.iter().for_each(|cell| points.polygon(&cell.outline));
+        let mut outlines = Outlines::default();
+        region.cells.iter().for_each(|cell| outlines.polygon(CELLS, &cell.outline));
         for portal in &region.portals {
-            points.point(portal.ends.0);
-            points.point(portal.ends.1);
+            outlines.point(PORTALS, portal.ends.0);
+            outlines.point(PORTALS, portal.ends.1);
         }
         let mut skyline = Lists::default();
         skyline.push(region.skyline.iter().map(|&cell| numbers.local(cell)));
@@ -144,8 +171,7 @@ impl WireRegion {
             PortalSide::Edge => 0,
             PortalSide::Cell(cell) => numbers.local(cell) + 1,
         };
-        Self {
-            points: points.finish(),
+        let wire = Self {
             texts: Texts::of(region.cells.iter().map(|cell| cell.name.as_str())),
             cells: WireCells::of(&region.cells, &numbers),
             portals: WirePortals {
@@ -155,19 +181,19 @@ impl WireRegion {
             skyline,
             foreign: Foreign::of(&numbers.foreign, regions),
             overview: WireBlobs::of([&region.overview]),
-        }
+        };
+        (wire, outlines)
     }
 
-    pub(crate) fn pull(self, number: usize, regions: &[RegionEntry]) -> Result<Region, Malformed> {
+    pub(crate) fn pull(self, number: usize, regions: &[RegionEntry], outlines: &mut Source<'_, '_>) -> Result<Region, Unread> {
         let entry = &regions[number];
         let numbers = Numbers { first: entry.first, own: entry.cells, foreign: self.foreign.pull(regions)? };
-        let mut points = self.points.pull();
         let mut texts = self.texts.pull()?;
-        let cells = self.cells.pull(&numbers, &mut points, || texts.take())?;
+        let cells = self.cells.pull(&numbers, outlines, || texts.take())?;
         let mut beyond = Pull::new("portals", self.portals.beyond);
         let mut portals = Vec::with_capacity(self.portals.cells.len());
         for cell in self.portals.cells {
-            let ends = (points.point()?, points.point()?);
+            let ends = (outlines.point(PORTALS)?, outlines.point(PORTALS)?);
             let beyond = match beyond.take()?.checked_sub(1) {
                 None => PortalSide::Edge,
                 Some(cell) => PortalSide::Cell(numbers.global(cell)?),
@@ -175,10 +201,9 @@ impl WireRegion {
             portals.push(Portal { ends, cell: numbers.global(cell)?, beyond });
         }
         beyond.finish()?;
-        points.finish()?;
         texts.finish()?;
         let mut lists = self.skyline.pull();
-        let skyline = lists.take()?.into_iter().map(|cell| numbers.global(cell)).collect::<Result<_, _>>()?;
+        let skyline = lists.take()?.into_iter().map(|cell| numbers.global(cell)).collect::<Result<_, Malformed>>()?;
         lists.finish()?;
         let mut blobs = self.overview.pull("overviews");
         let overview = blobs.take()?;
@@ -190,12 +215,14 @@ impl WireRegion {
 impl WireCells {
     fn of(cells: &[CellEntry], numbers: &Numbers) -> Self {
         let (mut ids, mut portals, mut visible) = (Ids::default(), Lists::default(), Lists::default());
-        for cell in cells {
-            ids.push(cell.id);
+        let mut mutual = Mutual::default();
+        for (n, cell) in (0..).zip(cells) {
+            ids.push(Id(cell.id.0 ^ usual_id(&cell.outline).0));
             portals.push(cell.portals.iter().copied());
-            let mut seen: Vec<u32> = cell.visible.iter().map(|&cell| numbers.local(cell)).collect();
-            seen.sort_unstable();
-            visible.push(seen.into_iter());
+            let seen: BTreeSet<u32> = cell.visible.iter().map(|&cell| numbers.local(cell)).collect();
+            let told: Vec<u32> = seen.symmetric_difference(&mutual.expected(n)).copied().collect();
+            visible.push(told.into_iter());
+            mutual.sees(n, &seen);
         }
         let levels = |cell: &CellEntry| (0..4).filter(|&n| cell.packets[n].is_some()).fold(0, |bits, n| bits | 1 << n);
         Self {
@@ -216,9 +243,9 @@ impl WireCells {
     fn pull(
         self,
         numbers: &Numbers,
-        points: &mut PullPoints,
+        outlines: &mut Source<'_, '_>,
         mut name: impl FnMut() -> Result<String, Malformed>,
-    ) -> Result<Vec<CellEntry>, Malformed> {
+    ) -> Result<Vec<CellEntry>, Unread> {
         let mut ids = self.ids.pull();
         let mut low = Pull::new("floors of cells", self.floors_low.numbers());
         let mut high = Pull::new("heights of floors", self.floors_high);
@@ -228,15 +255,20 @@ impl WireCells {
         let mut houses = Pull::new("houses of cells", self.houses);
         let mut walls = Pull::new("walls of cells", self.walls);
         let mut packets = self.packets.pull("packets of cells");
+        let mut mutual = Mutual::default();
         let mut cells = Vec::with_capacity(self.levels.len());
         for levels in self.levels {
             if levels >= 1 << 4 {
-                return Err(Malformed::Reason("a cell has packets of unknown levels"));
+                return Err(Malformed::Reason("a cell has packets of unknown levels").into());
             }
             let floor = low.take()?;
-            let outline = points.polygon()?;
+            let outline = outlines.polygon(CELLS)?;
             let metres = [beyond.take()?, beyond.take()?, beyond.take()?, beyond.take()?];
-            let mut seen = visible.take()?.into_iter().map(|cell| numbers.global(cell)).collect::<Result<Vec<_>, _>>()?;
+            let told: BTreeSet<u32> = visible.take()?.into_iter().collect();
+            let n = cells.len() as u32;
+            let seen: BTreeSet<u32> = told.symmetric_difference(&mutual.expected(n)).copied().collect();
+            mutual.sees(n, &seen);
+            let mut seen = seen.into_iter().map(|cell| numbers.global(cell)).collect::<Result<Vec<_>, Malformed>>()?;
             seen.sort_unstable();
             let mut all = [None; 4];
             for (n, packet) in all.iter_mut().enumerate() {
@@ -245,7 +277,7 @@ impl WireCells {
                 }
             }
             cells.push(CellEntry {
-                id: ids.take()?,
+                id: Id(ids.take()?.0 ^ usual_id(&outline).0),
                 name: name()?,
                 bounds: bounds_beyond(&outline, metres),
                 outline,

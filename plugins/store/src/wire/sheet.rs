@@ -1,18 +1,19 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
-    Articulation, Balconies, FacadeSheet, GroundFloor, Niche, Opening, Oriel, Ornament, Parapet, Storey, Wall, WallKind,
+    Articulation, Balconies, FacadeSheet, GroundFloor, Niche, Opening, Oriel, Ornament, PaintedWall, Parapet, Storey, Wall,
+    WallKind,
 };
 
 use super::{
     Malformed,
-    columns::{Deltas, Pull, Table, TableWriter},
+    columns::{Pull, Table, TableWriter, Uses},
 };
 
 /// A [`FacadeSheet`]: different walls once, made of different stacks of storeys once.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct WireSheet {
     /// For each wall, which of the different walls it is.
-    walls: Vec<u32>,
+    walls: Uses,
     kinds: Vec<WallKind>,
     bays: Vec<u8>,
     /// 0: no door; else one more than its bay.
@@ -22,11 +23,57 @@ pub(crate) struct WireSheet {
     blank: Vec<u32>,
     ornaments: Vec<Option<WireOrnament>>,
     /// For each different wall, which of the different stacks it has.
-    stacks: Vec<u32>,
-    /// Storeys of each different stack.
-    storeys: Vec<u32>,
-    heights: Deltas,
-    openings: Vec<Opening>,
+    stacks: Uses,
+    /// Each different stack; none: one without storeys.
+    tall: Vec<Option<WireStack>>,
+    painted: Vec<PaintedWall>,
+}
+
+/// Storeys of a wall.
+#[derive(Serialize, Deserialize)]
+struct WireStack {
+    /// Of the ground floor, its height beyond that of the stack before.
+    ground: (i32, Opening),
+    /// Of the storeys above it, each by the one below.
+    above: Option<(WireStorey, Vec<WireStorey>)>,
+}
+
+/// Its height beyond that of the storey below, and its openings; none: those of the storey below.
+#[derive(Serialize, Deserialize)]
+struct WireStorey(i32, Option<Opening>);
+
+impl WireStorey {
+    fn of(storey: Storey, below: Storey) -> Self {
+        let opening = (storey.opening != below.opening).then_some(storey.opening);
+        Self(storey.height.wrapping_sub(below.height), opening)
+    }
+
+    fn storey(self, below: Storey) -> Storey {
+        Storey { height: below.height.wrapping_add(self.0), opening: self.1.unwrap_or(below.opening) }
+    }
+}
+
+impl WireStack {
+    /// `ground` is what the ground floor of the stack before measures, and will be this one's.
+    fn of(stack: &[Storey], ground: &mut i32) -> Option<Self> {
+        let (&first, rest) = stack.split_first()?;
+        let height = first.height.wrapping_sub(core::mem::replace(ground, first.height));
+        let mut below = first;
+        let mut told = |&storey: &Storey| WireStorey::of(storey, core::mem::replace(&mut below, storey));
+        let above = rest.split_first().map(|(second, rest)| (told(second), rest.iter().map(told).collect()));
+        Some(Self { ground: (height, first.opening), above })
+    }
+
+    fn storeys(self, ground: &mut i32) -> Vec<Storey> {
+        *ground = ground.wrapping_add(self.ground.0);
+        let mut storey = Storey { height: *ground, opening: self.ground.1 };
+        let mut stack = vec![storey];
+        for told in self.above.into_iter().flat_map(|(second, rest)| [second].into_iter().chain(rest)) {
+            storey = told.storey(storey);
+            stack.push(storey);
+        }
+        stack
+    }
 }
 
 /// An [`Ornament`]: articulation; bay and storeys of the oriel; bays, storeys and parapet of the balconies; bay and storey of the niche.
@@ -67,6 +114,7 @@ impl From<&FacadeSheet> for WireSheet {
         let mut stacks = TableWriter::default();
         different.iter().for_each(|wall| stacks.push(&wall.storeys));
         let (tall, stacks) = stacks.finish().parts();
+        let mut ground = 0;
         Self {
             walls,
             kinds: different.iter().map(|wall| wall.kind).collect(),
@@ -77,9 +125,8 @@ impl From<&FacadeSheet> for WireSheet {
             blank: different.iter().map(|wall| wall.ground_floor.blank).collect(),
             ornaments: different.iter().map(|wall| wall.ornament.as_deref().copied().map(WireOrnament::from)).collect(),
             stacks,
-            storeys: tall.iter().map(|stack| stack.len() as u32).collect(),
-            heights: Deltas::of(tall.iter().flatten().map(|storey| storey.height)),
-            openings: tall.iter().flatten().map(|storey| storey.opening).collect(),
+            tall: tall.iter().map(|stack| WireStack::of(stack, &mut ground)).collect(),
+            painted: sheet.painted.clone(),
         }
     }
 }
@@ -88,7 +135,8 @@ impl TryFrom<WireSheet> for FacadeSheet {
     type Error = Malformed;
 
     fn try_from(wire: WireSheet) -> Result<Self, Malformed> {
-        let tall = stacks_of(wire.storeys, wire.heights, wire.openings)?;
+        let mut ground = 0;
+        let tall = wire.tall.into_iter().map(|stack| stack.map_or_else(Vec::new, |stack| stack.storeys(&mut ground))).collect();
         let mut stacks = Table::of_parts(tall, wire.stacks).pull();
         let mut budget = STOREYS_CAP;
         let mut spend = |storeys: usize| {
@@ -132,7 +180,7 @@ impl TryFrom<WireSheet> for FacadeSheet {
             spend(wall.storeys.len())?;
             walls.push(wall.clone());
         }
-        Ok(Self::of(walls))
+        Ok(Self { painted: wire.painted, ..Self::of(walls) })
     }
 }
 
@@ -141,24 +189,6 @@ impl WireSheet {
     /// A sheet that names one wall so often.
     pub(crate) fn named_often(wall: &Wall, often: usize) -> Self {
         let sheet = FacadeSheet::of(vec![wall.clone()]);
-        Self { walls: vec![0; often], ..Self::from(&sheet) }
+        Self { walls: Uses::of(vec![0; often]), ..Self::from(&sheet) }
     }
-}
-
-/// Different stacks of storeys.
-fn stacks_of(counts: Vec<u32>, heights: Deltas, openings: Vec<Opening>) -> Result<Vec<Vec<Storey>>, Malformed> {
-    let mut heights = Pull::new("heights of storeys", heights.numbers());
-    let mut openings = Pull::new("openings of storeys", openings);
-    let mut all = Vec::with_capacity(counts.len());
-    for count in counts {
-        if count as usize > openings.left() {
-            return Err(Malformed::Reason("a wall has more storeys than are left"));
-        }
-        let stack: Result<Vec<_>, Malformed> =
-            (0..count).map(|_| Ok(Storey { height: heights.take()?, opening: openings.take()? })).collect();
-        all.push(stack?);
-    }
-    heights.finish()?;
-    openings.finish()?;
-    Ok(all)
 }

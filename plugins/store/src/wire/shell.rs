@@ -1,33 +1,34 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
-    Arcade, CellShell, Course, Design, Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Marking, MarkingKind, ObjectKind,
-    ObjectShell, PlacedMonument, PlanRoof, PlanTerrain, RoofShape, SurfaceKind, VolumeShell, WaySpan,
+    Arcade, CellShell, Course, Design, GRID_PER_METRE, Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Marking, MarkingKind,
+    Massing, ObjectKind, ObjectShell, PlacedMonument, PlanRoof, PlanTerrain, RoofShape, SurfaceKind, VolumeShell, WaySpan,
 };
 
 use super::{
-    Malformed,
     paint::{Brush, Paint},
-    points::{PointWriter, Points, PullPoints},
     terrain::WireTerrain,
 };
 use crate::PacketContext;
-use crate::code::Handmade;
+use crate::code::{Handmade, Outlines, Source, Unread};
+
+/// Sections of outlines.
+const OUTLINE: u8 = 0;
+const FOOTPRINTS: u8 = 1;
+const PATCHES: u8 = 2;
+const PLACES: u8 = 3;
+const BLIND: u8 = 4;
+const MARKINGS: u8 = 5;
+const COURSES: u8 = 6;
 
 /// A [`CellShell`] in rows. Vertices of the cell's outline are known from the index.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct WireShell {
-    /// From the middle of the cell's bounds.
+    /// From the middle of the cell's bounds, to whole metres.
     origin: GridPos,
     terrain: WireTerrain,
-    footprints: Points,
     houses: Vec<WireHouse>,
-    patches: Points,
     ground: Vec<WirePatch>,
-    /// Where objects stand.
-    places: Points,
     objects: Vec<WireObject>,
-    /// Blind portals, markings, courses.
-    lines: Points,
     /// How many blind portals there are.
     blind: u32,
     markings: Vec<WireMarking>,
@@ -54,7 +55,8 @@ struct WireVolume {
     bottom: i32,
     /// Above the bottom.
     eaves: i32,
-    roof: (RoofShape, i32, u16),
+    /// Its direction: quarter turns from the footprint's longest edge, and degrees beyond.
+    roof: (RoofShape, i32, u8, i16),
     has_roof: bool,
     gable: Gable,
     /// Steps from one to the next.
@@ -116,28 +118,25 @@ fn known(context: PacketContext<'_>, origin: GridPos) -> GridPolygon {
 
 fn middle(context: PacketContext<'_>) -> GridPos {
     let (lo, hi) = context.outline.and_then(GridPolygon::bounds).unwrap_or_default();
-    lo.midpoint(hi)
+    lo.midpoint(hi).rounded(GRID_PER_METRE)
 }
 
 impl WireShell {
-    pub(crate) fn of(shell: &CellShell, context: PacketContext<'_>) -> Self {
+    pub(crate) fn of(shell: &CellShell, context: PacketContext<'_>) -> (Self, Outlines) {
         let (origin, middle) = (shell.origin, middle(context));
-        let mut points = PointWriter::default();
-        points.know(&known(context, origin));
-        points.polygon(&shell.outline);
+        let mut outlines = Outlines::default();
+        outlines.know(&known(context, origin));
+        outlines.polygon(OUTLINE, &shell.outline);
         // Houses first: the ground between them then walks along edges already told.
-        shell.houses.iter().flat_map(|house| &house.volumes).for_each(|volume| points.polygon(&volume.footprint));
-        let footprints = points.finish();
-        shell.ground.iter().for_each(|patch| points.polygon(&patch.outline));
-        let patches = points.finish();
-        shell.objects.iter().for_each(|object| points.point(object.pos));
-        let places = points.finish();
+        shell.houses.iter().flat_map(|house| &house.volumes).for_each(|volume| outlines.polygon(FOOTPRINTS, &volume.footprint));
+        shell.ground.iter().for_each(|patch| outlines.polygon(PATCHES, &patch.outline));
+        shell.objects.iter().for_each(|object| outlines.point(PLACES, object.pos));
         for &(from, to) in &shell.blind {
-            points.point(from);
-            points.point(to);
+            outlines.point(BLIND, from);
+            outlines.point(BLIND, to);
         }
-        shell.markings.iter().for_each(|marking| points.line(&marking.line));
-        shell.courses.iter().for_each(|course| points.line(&course.line));
+        shell.markings.iter().for_each(|marking| outlines.line(MARKINGS, &marking.line));
+        shell.courses.iter().for_each(|course| outlines.line(COURSES, &course.line));
         let (mut z, mut feet, mut paint) = (Steps::default(), Steps::default(), Steps::default());
         let patch = |patch: &GroundPatch| WirePatch {
             surface: patch.surface,
@@ -152,16 +151,12 @@ impl WireShell {
             design: object.monument,
         };
         let marking = |marking: &Marking| WireMarking { kind: marking.kind, width: marking.width, z: paint.to(marking.z) };
-        Self {
+        let wire = Self {
             origin: GridPos(origin.0.wrapping_sub(middle.0), origin.1.wrapping_sub(middle.1)),
             terrain: WireTerrain::from(&shell.terrain),
-            footprints,
             houses: houses(shell, context),
-            patches,
             ground: shell.ground.iter().map(patch).collect(),
-            places,
             objects: shell.objects.iter().map(object).collect(),
-            lines: points.finish(),
             blind: shell.blind.len() as u32,
             markings: shell.markings.iter().map(marking).collect(),
             courses: shell.courses.iter().map(|course| course.from).collect(),
@@ -169,39 +164,36 @@ impl WireShell {
             monuments: shell.monuments.clone(),
             spans: shell.spans.clone(),
             drawn_spans: shell.drawn_spans,
-        }
+        };
+        (wire, outlines)
     }
 
-    pub(crate) fn pull(self, context: PacketContext<'_>) -> Result<CellShell, Malformed> {
+    pub(crate) fn pull(self, context: PacketContext<'_>, outlines: &mut Source<'_, '_>) -> Result<CellShell, Unread> {
         let middle = middle(context);
         let origin = GridPos(middle.0.wrapping_add(self.origin.0), middle.1.wrapping_add(self.origin.1));
-        let mut points = self.footprints.pull();
-        points.know(&known(context, origin));
-        let outline = points.polygon()?;
-        let houses = pull_houses(self.houses, context, &mut points)?;
-        points.go_on(self.patches)?;
+        outlines.know(&known(context, origin));
+        let outline = outlines.polygon(OUTLINE)?;
+        let houses = pull_houses(self.houses, context, outlines)?;
         let (mut z, mut feet, mut paint) = (Steps::default(), Steps::default(), Steps::default());
         let ground = self.ground.into_iter().map(|patch| {
             let course = patch.course.checked_sub(1);
-            Ok(GroundPatch { surface: patch.surface, outline: points.polygon()?, z: z.by(patch.z), course })
+            Ok(GroundPatch { surface: patch.surface, outline: outlines.polygon(PATCHES)?, z: z.by(patch.z), course })
         });
-        let ground = ground.collect::<Result<_, _>>()?;
-        points.go_on(self.places)?;
+        let ground = ground.collect::<Result<_, Unread>>()?;
         let objects = self.objects.into_iter().map(|object| {
             let WireObject { kind, height, heading, z, design: monument } = object;
-            Ok(ObjectShell { kind, pos: points.point()?, z: feet.by(z), heading, height, monument })
+            Ok(ObjectShell { kind, pos: outlines.point(PLACES)?, z: feet.by(z), heading, height, monument })
         });
-        let objects = objects.collect::<Result<_, _>>()?;
-        points.go_on(self.lines)?;
-        let blind = (0..self.blind).map(|_| Ok((points.point()?, points.point()?))).collect::<Result<_, _>>()?;
+        let objects = objects.collect::<Result<_, Unread>>()?;
+        let blind = (0..self.blind).map(|_| Ok((outlines.point(BLIND)?, outlines.point(BLIND)?)));
+        let blind = blind.collect::<Result<_, Unread>>()?;
         let markings = self.markings.into_iter().map(|marking| {
             let WireMarking { kind, width, z } = marking;
-            Ok(Marking { kind, line: points.line()?, width, z: paint.by(z) })
+            Ok(Marking { kind, line: outlines.line(MARKINGS)?, width, z: paint.by(z) })
         });
-        let markings = markings.collect::<Result<_, _>>()?;
-        let courses = self.courses.into_iter().map(|from| Ok(Course { line: points.line()?, from }));
-        let courses = courses.collect::<Result<_, _>>()?;
-        points.finish()?;
+        let markings = markings.collect::<Result<_, Unread>>()?;
+        let courses = self.courses.into_iter().map(|from| Ok(Course { line: outlines.line(COURSES)?, from }));
+        let courses = courses.collect::<Result<_, Unread>>()?;
         Ok(CellShell {
             origin,
             outline,
@@ -227,10 +219,12 @@ fn houses(shell: &CellShell, context: PacketContext<'_>) -> Vec<WireHouse> {
     let mut volume = |house: &HouseShell, volume: &VolumeShell| {
         let mut next = 0_u16;
         let step = |&wall: &u16| wall.wrapping_sub(core::mem::replace(&mut next, wall.wrapping_add(1)));
+        let quarter = Massing::nearest_quarter(&volume.footprint, volume.roof.direction);
+        let beyond = (volume.roof.direction.wrapping_sub(Massing::quarter_deg(&volume.footprint, quarter))) as i16;
         WireVolume {
             bottom: volume.bottom.wrapping_sub(house.floor),
             eaves: volume.eaves.wrapping_sub(volume.bottom),
-            roof: (volume.roof.shape, volume.roof.height, volume.roof.direction),
+            roof: (volume.roof.shape, volume.roof.height, quarter, beyond),
             has_roof: volume.has_roof,
             gable: volume.gable,
             walls: volume.walls.iter().map(step).collect(),
@@ -247,13 +241,15 @@ fn houses(shell: &CellShell, context: PacketContext<'_>) -> Vec<WireHouse> {
     shell.houses.iter().map(row).collect()
 }
 
-fn pull_houses(rows: Vec<WireHouse>, context: PacketContext<'_>, points: &mut PullPoints) -> Result<Vec<HouseShell>, Malformed> {
+fn pull_houses(rows: Vec<WireHouse>, context: PacketContext<'_>, outlines: &mut Source<'_, '_>) -> Result<Vec<HouseShell>, Unread> {
     let mut floors = Steps::default();
     let mut brush = Brush::new(context.palettes);
     let mut volume = |row: WireVolume, style: u16, floor: i32| {
         let bottom = floor.wrapping_add(row.bottom);
         let [colour, trim, roof] = brush.paint(style, row.paint)?;
-        let (shape, height, direction) = row.roof;
+        let (shape, height, quarter, beyond) = row.roof;
+        let footprint = outlines.polygon(FOOTPRINTS)?;
+        let direction = Massing::quarter_deg(&footprint, quarter & 3).wrapping_add(beyond as u16);
         let mut next = 0_u16;
         let wall = |step: u16| {
             let wall = next.wrapping_add(step);
@@ -261,7 +257,7 @@ fn pull_houses(rows: Vec<WireHouse>, context: PacketContext<'_>, points: &mut Pu
             wall
         };
         Ok(VolumeShell {
-            footprint: points.polygon()?,
+            footprint,
             bottom,
             eaves: bottom.wrapping_add(row.eaves),
             colour,
@@ -275,7 +271,7 @@ fn pull_houses(rows: Vec<WireHouse>, context: PacketContext<'_>, points: &mut Pu
     };
     let house = |row: WireHouse| {
         let (style, floor) = (row.style, floors.by(row.floor));
-        let volumes = row.volumes.into_iter().map(|row| volume(row, style, floor)).collect::<Result<_, _>>()?;
+        let volumes = row.volumes.into_iter().map(|row| volume(row, style, floor)).collect::<Result<_, Unread>>()?;
         Ok(HouseShell { style, floor, volumes, is_monument: row.is_monument })
     };
     rows.into_iter().map(house).collect()
