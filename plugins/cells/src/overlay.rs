@@ -5,7 +5,7 @@ use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
 use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::vector::edge::{CLIP_LEFT, CLIP_RIGHT, SUBJ_LEFT, SUBJ_RIGHT, VectorEdge};
 pub(crate) use veduta_city::ring_edges as edges;
-use veduta_city::{BorderEdge, GridPolygon, GridPos, GridRing, PLAN_STEP, connected_faces};
+use veduta_city::{BorderEdge, GridPolygon, GridPos, GridRing, connected_faces};
 
 /// Least and greatest corner.
 pub(crate) type Bounds = (GridPos, GridPos);
@@ -77,9 +77,7 @@ pub(crate) fn combine(
     // Only the engine's arrangement of edges is used: its ways of tracing shapes may go in circles for ever where many rings touch.
     let mut overlay = Overlay::new_custom(64, IntOverlayOptions::keep_all_points(), Default::default());
     let (first, second): (Vec<GridRing>, Vec<GridRing>) = (first.into_iter().collect(), second.into_iter().collect());
-    // What is on the plan stays on it.
-    let is_on_plan = first.iter().chain(&second).flatten().all(|p| p.is_on_plan());
-    let step = if is_on_plan { PLAN_STEP } else { 1 };
+    let step = GridPos::common_step(first.iter().chain(&second).flatten());
     let to_int = |p: GridPos| IntPoint::new(p.0 / step, p.1 / step);
     for ring in first {
         overlay.add_path_iter(ring.into_iter().map(to_int), ShapeType::Subject);

@@ -67,7 +67,7 @@ fn pieces(a: GridPos, b: GridPos, max_diameter_m: f64) -> i64 {
 /// right, the solid side: ground reaches under the wall rather than stopping short.
 fn cut_up(a: GridPos, b: GridPos, max_diameter_m: f64) -> impl Iterator<Item = GridPos> + Clone {
     let pieces = pieces(a, b, max_diameter_m);
-    let step = if a.is_on_plan() && b.is_on_plan() { PLAN_STEP } else { 1 };
+    let step = GridPos::common_step([&a, &b]);
     let cut = move |i: i64| {
         let floor = |from: i32, to: i32| {
             let at = i64::from(from) + ((i64::from(to) - i64::from(from)) * i).div_euclid(pieces);

@@ -55,6 +55,13 @@ impl GridPos {
         self.0 % PLAN_STEP == 0 && self.1 % PLAN_STEP == 0
     }
 
+    /// Grid steps in which what is made of some positions is to be rounded, so that what is on the plan stays on it: [`PLAN_STEP`] if all
+    /// are, else 1.
+    #[must_use]
+    pub fn common_step<'a>(positions: impl IntoIterator<Item = &'a Self>) -> i32 {
+        if positions.into_iter().all(|pos| pos.is_on_plan()) { PLAN_STEP } else { 1 }
+    }
+
     /// A length in metres as steps of the grid, rounded; saturates.
     #[must_use]
     pub fn steps(length_m: f64) -> i32 {

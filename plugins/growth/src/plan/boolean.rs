@@ -7,7 +7,7 @@ use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
 use i_overlay::core::solver::Solver;
 use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::vector::edge::{CLIP_LEFT, CLIP_RIGHT, SUBJ_LEFT, SUBJ_RIGHT, VectorEdge};
-use veduta_city::{BorderEdge, GridPolygon, GridPos, PLAN_STEP, connected_faces, ring_edges};
+use veduta_city::{BorderEdge, GridPolygon, GridPos, connected_faces, ring_edges};
 
 use super::bounds::{Bounds, do_meet};
 use super::relation::{is_apart, is_convex};
@@ -69,8 +69,7 @@ fn first(rings: &[&[GridPos]]) -> Option<GridPos> {
 
 /// An arrangement of two sets of rings; `None` if both are empty.
 fn arrange(subject: &[&[GridPos]], clip: &[&[GridPos]]) -> Option<(Frame, Vec<VectorEdge>)> {
-    let is_on_plan = subject.iter().chain(clip).all(|ring| ring.iter().all(|p| p.is_on_plan()));
-    let step = if is_on_plan { PLAN_STEP } else { 1 };
+    let step = GridPos::common_step(subject.iter().chain(clip).copied().flatten());
     let mut frame = Frame::new(first(subject).or_else(|| first(clip))?, step);
     frame.add(subject.iter().copied(), ShapeType::Subject);
     frame.add(clip.iter().copied(), ShapeType::Clip);
