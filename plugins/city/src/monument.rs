@@ -241,7 +241,7 @@ mod tests {
         );
         let good = read(&text).design("m", &BTreeMap::new()).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!((good.check(), good.pieces.len()), (Ok(()), 3));
-        let levels: Vec<usize> = good.level(0..3).map(|(_, inner)| inner.len()).collect();
+        let levels: Vec<usize> = good.level(0..3).map(|(_, _, inner)| inner.len()).collect();
         assert_eq!(levels, [1, 0]);
         let fault = |spoil: fn(&mut Design)| {
             let mut design = good.clone();
@@ -260,6 +260,53 @@ mod tests {
         let design = |depth: u32| Design { pieces: (0..depth).rev().map(group).collect(), ..Design::default() };
         assert_eq!(design(20).check(), Ok(()));
         assert_eq!(design(100_000).check(), Err(DesignError::Group(24)));
+    }
+
+    #[test]
+    fn what_is_there_several_times_is_told_once() {
+        let text = format!(
+            "[(name: \"pair\", {paint}, parts: [(paint: \"stone\", parts: [(shape: Sphere(radius: 1)), (shape: Cone(radius: 1, height: 2))])]),
+              (name: \"row\", {paint}, parts: [(uses: \"pair\"), (at: (5, 0, 0), uses: \"pair\"), (paint: \"stone\", shape: Cone(radius: 1, height: 2))])]",
+            paint = paint()
+        );
+        let row = read(&text).design("row", &BTreeMap::new()).unwrap_or_else(|e| panic!("{e}"));
+        let told: Vec<&Content> = row.pieces.iter().map(|piece| &piece.content).collect();
+        assert_eq!((told[4], told[5]), (&Content::Again(4), &Content::Again(2)));
+        assert_eq!((row.pieces.len(), row.pieces[4].at, row.shape_count()), (6, [5 * 1024, 0, 0], 5));
+        // As its level tells it, nothing is told again.
+        let level: Vec<(&Content, core::ops::Range<usize>)> = row.level(0..6).map(|(_, content, inner)| (content, inner)).collect();
+        assert_eq!(level, [(told[0], 1..4), (told[0], 1..4), (told[3], 0..0)]);
+    }
+
+    #[test]
+    fn what_is_told_again_stands_whole_before() {
+        let list = |contents: &[Content]| Design {
+            materials: vec![Material { colour: crate::Rgb(0, 0, 0), tile: crate::Tile::Stone }],
+            pieces: contents.iter().map(|content| Piece { content: content.clone(), ..piece() }).collect(),
+            ..Design::default()
+        };
+        let ball = || Content::Shape(Shape::Sphere { radius: 1 });
+        assert_eq!(list(&[ball(), Content::Again(1), Content::Again(2)]).check(), Ok(()));
+        for (contents, fault) in [
+            (vec![ball(), Content::Again(0)], 1),
+            (vec![ball(), Content::Again(2)], 1),
+            (vec![ball(), Content::Again(u32::MAX)], 1),
+            (vec![ball(), Content::Again(1), Content::Again(1)], 2),
+            (vec![Content::Group(1), Content::Again(1)], 1),
+        ] {
+            let bad = list(&contents);
+            assert_eq!(bad.check(), Err(DesignError::Again(fault)));
+            assert!(bad.level(0..contents.len()).count() <= contents.len());
+        }
+        // Groups of the group before, twice each.
+        let tower = |floors: u32| {
+            let floor = |_| [Content::Group(2), Content::Again(4), Content::Again(5)];
+            let first = [Content::Group(2), ball(), Content::Again(1)];
+            list(&first.into_iter().chain((1..floors).flat_map(floor)).collect::<Vec<_>>())
+        };
+        assert_eq!((tower(3).check(), tower(3).shape_count()), (Ok(()), 2 + 4 + 8));
+        assert_eq!(tower(23).check(), Err(DesignError::TooMany));
+        assert_eq!(tower(100_000).check(), Err(DesignError::Again(73)));
     }
 
     #[test]

@@ -1,4 +1,5 @@
 use core::ops::Range;
+use std::collections::HashMap;
 
 use serde::{Deserialize, Serialize};
 
@@ -101,6 +102,8 @@ pub enum Content {
     Group(u32),
     /// Triangles from a file.
     Model(Model),
+    /// What the piece is that stands so many before it in the list, whole before this one and none of these: the same, once more.
+    Again(u32),
 }
 
 /// A monument at its place in the plan.
@@ -151,6 +154,9 @@ pub enum DesignError {
     /// A group reaches beyond the list or the group that it is in, or groups are nested too deeply.
     #[error("piece {0} is no group of pieces, or is nested more than {DEEPEST} deep")]
     Group(usize),
+    /// A piece that is once more what does not stand whole before it, or that nests too deeply.
+    #[error("piece {0} is once more what is not there before it, or is nested more than {DEEPEST} deep")]
+    Again(usize),
     /// A repetition out of bounds.
     #[error("piece {0} is there a number of times that is not within 0 to {MOST_COPIES}")]
     Copies(usize),
@@ -187,7 +193,7 @@ impl Design {
             if piece.scale.iter().any(|&n| n == 0 || n.unsigned_abs() > MOST_SCALE) {
                 return Err(DesignError::Number(i, "scale"));
             }
-            let is_shape = !matches!(piece.content, Content::Group(_));
+            let is_shape = !matches!(self.content(i), Some((_, Content::Group(_))) | None);
             if matches!(&piece.content, Content::Model(model) if !model.is_whole(FARTHEST)) {
                 return Err(DesignError::Model(i));
             }
@@ -210,61 +216,131 @@ impl Design {
     /// A bound on the number of faces that it comes to, repetitions and the walk of groups counted.
     ///
     /// # Errors
-    /// [`DesignError::Group`] if its groups are not whole.
+    /// [`DesignError::Group`] and [`DesignError::Again`] if its pieces are not whole.
     pub fn most_faces(&self) -> Result<u64, DesignError> {
-        self.sum(0..self.pieces.len(), 0, true, &|content| match content {
+        // A group costs its walk even where there is nothing in it.
+        self.sum(1, &|content| match content {
             Content::Shape(shape) => shape.most_faces(),
             Content::Model(model) => model.triangles.len() as u64,
-            Content::Group(_) => 0,
+            Content::Group(_) | Content::Again(_) => 0,
         })
-    }
-
-    /// What the shapes of some pieces come to, repetitions counted.
-    fn sum(
-        &self,
-        mut range: Range<usize>,
-        depth: usize,
-        counts_groups: bool,
-        each: &dyn Fn(&Content) -> u64,
-    ) -> Result<u64, DesignError> {
-        let mut sum: u64 = 0;
-        while let Some(i) = range.next() {
-            let piece = &self.pieces[i];
-            let copies = piece.repeat.as_ref().map_or(1, |repeat| u64::from((*repeat.count()).max(0).unsigned_abs()));
-            let copies = if piece.mirror.is_some() { 2 * copies } else { copies };
-            let inner = match &piece.content {
-                content @ (Content::Shape(_) | Content::Model(_)) => each(content),
-                Content::Group(n) => {
-                    let inner = group(&range, *n).filter(|_| depth < DEEPEST).ok_or(DesignError::Group(i))?;
-                    range.start = inner.end;
-                    self.sum(inner, depth + 1, counts_groups, each)?
-                }
-            };
-            // A group costs its walk even where there is nothing in it.
-            let own = u64::from(matches!(piece.content, Content::Group(_)) && counts_groups);
-            sum = sum.saturating_add(copies.saturating_mul(inner.saturating_add(own)));
-        }
-        Ok(sum)
     }
 
     /// How many shapes it stands for, repetitions counted; 0 for one that does not pass [`Design::check`].
     #[must_use]
     pub fn shape_count(&self) -> u64 {
-        self.sum(0..self.pieces.len(), 0, false, &|_| 1).unwrap_or(0)
+        self.sum(0, &|_| 1).unwrap_or(0)
     }
 
-    /// The pieces on their own level of a range of the list, each with the range of those within it.
-    pub fn level(&self, mut range: Range<usize>) -> impl Iterator<Item = (&Piece, Range<usize>)> {
+    /// What its shapes come to, repetitions counted.
+    fn sum(&self, group: u64, each: &dyn Fn(&Content) -> u64) -> Result<u64, DesignError> {
+        let mut sum = Sum { design: self, group, each, known: vec![None; self.pieces.len()] };
+        Ok(sum.of(0..self.pieces.len(), 0)?.0)
+    }
+
+    /// What a piece is, and the number of the piece that tells it; `None` if there is no such piece.
+    fn content(&self, piece: usize) -> Option<(usize, &Content)> {
+        let told = match self.pieces.get(piece)?.content {
+            Content::Again(back) => piece.checked_sub(back as usize)?,
+            _ => piece,
+        };
+        match &self.pieces.get(told)?.content {
+            Content::Again(_) => None,
+            content => Some((told, content)),
+        }
+    }
+
+    /// The pieces on their own level of a range of the list, each with what it is, which is never [`Content::Again`], and the range of
+    /// those within it. What is not there is left out.
+    pub fn level(&self, mut range: Range<usize>) -> impl Iterator<Item = (&Piece, &Content, Range<usize>)> {
         range.end = range.end.min(self.pieces.len());
         core::iter::from_fn(move || {
-            let piece = self.pieces.get(range.next()?)?;
-            let inner = match piece.content {
-                Content::Shape(_) | Content::Model(_) => range.start..range.start,
-                Content::Group(n) => group(&range, n).unwrap_or(range.start..range.start),
-            };
-            range.start = inner.end;
-            Some((piece, inner))
+            loop {
+                let i = range.next()?;
+                let piece = self.pieces.get(i)?;
+                if let Content::Group(n) = piece.content {
+                    range.start = group(&range, n).map_or(range.start, |inner| inner.end);
+                }
+                let Some((told, content)) = self.content(i) else { continue };
+                let inner = match content {
+                    Content::Group(n) => group(&(told + 1..self.pieces.len()), *n).unwrap_or_default(),
+                    _ => 0..0,
+                };
+                return Some((piece, content, inner));
+            }
         })
+    }
+
+    /// The same monument with what its pieces are told no more than once.
+    pub(super) fn told_once(self) -> Self {
+        let mut pieces = Vec::with_capacity(self.pieces.len());
+        tell_once(&self.pieces, &mut pieces, &mut HashMap::new());
+        Self { pieces, ..self }
+    }
+}
+
+/// Sums up what a design comes to.
+struct Sum<'a> {
+    design: &'a Design,
+    /// What a group adds by itself.
+    group: u64,
+    each: &'a dyn Fn(&Content) -> u64,
+    /// Of each piece that is behind: what it is comes to, how deep it nests, and where the next one is.
+    known: Vec<Option<(u64, usize, usize)>>,
+}
+
+impl Sum<'_> {
+    /// What some pieces at a depth come to, and how deep they nest.
+    fn of(&mut self, mut range: Range<usize>, depth: usize) -> Result<(u64, usize), DesignError> {
+        let (mut sum, mut deepest) = (0_u64, 0);
+        while let Some(i) = range.next() {
+            let piece = &self.design.pieces[i];
+            let (inner, deep) = match &piece.content {
+                content @ (Content::Shape(_) | Content::Model(_)) => ((self.each)(content), 0),
+                Content::Group(n) => {
+                    let inner = group(&range, *n).filter(|_| depth < DEEPEST).ok_or(DesignError::Group(i))?;
+                    range.start = inner.end;
+                    let (sum, deep) = self.of(inner, depth + 1)?;
+                    (sum.saturating_add(self.group), deep + 1)
+                }
+                Content::Again(back) => {
+                    let told = i.checked_sub(*back as usize).and_then(|told| self.known[told]);
+                    let whole = told.filter(|&(_, deep, end)| end <= i && depth + deep <= DEEPEST);
+                    whole.map(|(sum, deep, _)| (sum, deep)).ok_or(DesignError::Again(i))?
+                }
+            };
+            if !matches!(piece.content, Content::Again(_)) {
+                self.known[i] = Some((inner, deep, range.start));
+            }
+            let copies = piece.repeat.as_ref().map_or(1, |repeat| u64::from((*repeat.count()).max(0).unsigned_abs()));
+            let copies = if piece.mirror.is_some() { 2 * copies } else { copies };
+            sum = sum.saturating_add(copies.saturating_mul(inner));
+            deepest = deepest.max(deep);
+        }
+        Ok((sum, deepest))
+    }
+}
+
+/// Appends pieces, those that are what one of the list is already as that once more. `known` tells where in the list stands what is told, with
+/// all that is within it.
+fn tell_once<'a>(pieces: &'a [Piece], list: &mut Vec<Piece>, known: &mut HashMap<(&'a Content, &'a [Piece]), usize>) {
+    let mut left = pieces.iter();
+    while let Some(piece) = left.next() {
+        let rest = left.as_slice();
+        let inner = match piece.content {
+            Content::Group(n) => rest.get(..n as usize).unwrap_or(rest),
+            _ => &[],
+        };
+        left = rest[inner.len()..].iter();
+        let here = list.len();
+        let before = *known.entry((&piece.content, inner)).or_insert(here);
+        list.push(piece.clone());
+        if before < here {
+            list[here].content = Content::Again((here - before) as u32);
+        } else if !inner.is_empty() {
+            tell_once(inner, list, known);
+            list[here].content = Content::Group((list.len() - here - 1) as u32);
+        }
     }
 }
 

@@ -84,7 +84,7 @@ impl Monuments {
         let design = Design { name: name.to_owned(), ..Design::default() };
         let mut resolver = Resolver { stock: self, within: Vec::new(), design };
         resolver.monument(name, with, &BTreeMap::new())?;
-        let design = resolver.design;
+        let design = resolver.design.told_once();
         design.check().map_err(|error| MonumentError::Design { monument: name.to_owned(), error })?;
         Ok(design)
     }

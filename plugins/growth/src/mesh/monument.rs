@@ -142,7 +142,7 @@ const ON_GROUND_M: f64 = 0.02;
 impl Mason<'_> {
     fn pieces(&mut self, design: &Design, range: Range<usize>, within: DAffine3) {
         let is_whole = range.len() == design.pieces.len();
-        for (piece, inner) in design.level(range) {
+        for (piece, content, inner) in design.level(range) {
             let own = placement(piece);
             let mirrored = match piece.mirror {
                 None => None,
@@ -157,28 +157,24 @@ impl Mason<'_> {
                         let DVec3 { x, z, .. } = frame.translation;
                         self.centre = [x as f32, z as f32];
                     }
-                    self.piece(design, piece, inner.clone(), frame);
+                    self.piece(design, (piece, content), inner.clone(), frame);
                 }
             }
         }
     }
 
-    fn piece(&mut self, design: &Design, piece: &Piece, inner: Range<usize>, frame: DAffine3) {
-        match &piece.content {
-            Content::Group(_) => self.pieces(design, inner, frame),
-            Content::Shape(_) | Content::Model(_) => {
-                let before = (self.mesh.positions.len(), self.mesh.indices.len());
-                self.frame = frame;
-                self.paint = self.painted(Some(piece.paint));
-                match &piece.content {
-                    Content::Shape(shape) => self.shape(shape, piece.infill),
-                    Content::Model(model) => self.model(model),
-                    Content::Group(_) => {}
-                }
-                if self.detail.least_m > 0.0 && self.is_slight(before.0) {
-                    super::roof::cut_back(self.mesh, before.0, before.1);
-                }
-            }
+    fn piece(&mut self, design: &Design, (piece, content): (&Piece, &Content), inner: Range<usize>, frame: DAffine3) {
+        let before = (self.mesh.positions.len(), self.mesh.indices.len());
+        self.frame = frame;
+        self.paint = self.painted(Some(piece.paint));
+        match content {
+            Content::Group(_) => return self.pieces(design, inner, frame),
+            Content::Shape(shape) => self.shape(shape, piece.infill),
+            Content::Model(model) => self.model(model),
+            Content::Again(_) => {}
+        }
+        if self.detail.least_m > 0.0 && self.is_slight(before.0) {
+            super::roof::cut_back(self.mesh, before.0, before.1);
         }
     }
 
