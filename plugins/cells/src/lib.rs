@@ -88,6 +88,7 @@ mod skyline;
 mod triangulate;
 mod tunnels;
 mod visible;
+mod widen;
 
 /// Version of the partition: the same plan gives the same cells, portals and visible sets by one version; another may differ.
 pub const PARTITION_VERSION: u32 = 4;

@@ -15,7 +15,7 @@ pub(crate) struct Patches<'a> {
     tree: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>>,
 }
 
-fn corner(p: GridPos) -> [f64; 2] {
+pub(crate) fn corner(p: GridPos) -> [f64; 2] {
     [f64::from(p.0), f64::from(p.1)]
 }
 

@@ -4,17 +4,19 @@ use rayon::prelude::*;
 use veduta_city::{
     Cell, CellShell, Cells, CityPlan, Course, Design, FacadeSheet, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch,
     House, HouseShell, Marking, ObjectShell, PaintedWall, PictureFile, PlacedMonument, PlanFacade, PlanObject, PlanTerrain,
-    SpanStation, Volume, VolumeShell, WaySpan,
+    SpanStation, SurfaceKind, Volume, VolumeShell, WaySpan,
 };
 
 use crate::overlay::{Bounds, Keep, combine, turned_rings};
 use crate::patches::Patches;
+use crate::widen::Hidden;
 
 /// What goes into the packets of cells, cell by cell.
 pub struct Contents<'a> {
     plan: &'a CityPlan,
     cells: &'a Cells,
     patches: Patches<'a>,
+    hidden: Hidden<'a>,
     decks: Vec<Option<Bounds>>,
 }
 
@@ -23,12 +25,12 @@ impl<'a> Contents<'a> {
     #[must_use]
     pub fn new(plan: &'a CityPlan, cells: &'a Cells) -> Self {
         let decks = plan.spans.iter().map(|span| span.outline().bounds()).collect();
-        Self { plan, cells, patches: Patches::new(plan), decks }
+        Self { plan, cells, patches: Patches::new(plan), hidden: Hidden::new(plan), decks }
     }
 
     /// Content of a cell's level-1 packet: ground (of its yards, too), houses, objects and blind portals, relative to the packet's
-    /// origin. Ground under houses is left out, but not under monuments, which need not fill their buildings' footprints. Empty beyond
-    /// the last cell.
+    /// origin. Ground under houses is left out or, beside yards, told as suits their outlines, but not under monuments, which need not fill
+    /// their buildings' footprints. Empty beyond the last cell.
     #[must_use]
     pub fn shell(&self, cell: usize) -> CellShell {
         let Some(cell) = self.cells.cells.get(cell) else { return CellShell::default() };
@@ -36,14 +38,14 @@ impl<'a> Contents<'a> {
         let origin = origin(cell);
         let footings = footings(plan, cell);
         let windows = core::iter::once(&cell.outline).chain(&cell.yards).chain(&footings);
-        let pieces: Vec<(&GroundPatch, GridPolygon)> = windows.flat_map(|window| self.patches.clipped(window)).collect();
-        let (courses, numbers) = courses(plan, &pieces, origin);
-        let patch = |(patch, piece): (&GroundPatch, GridPolygon)| {
-            let course = patch.course.and_then(|course| numbers.get(&course).copied());
-            GroundPatch { surface: patch.surface, outline: piece.map(|p| p.wrapping_sub(origin)), z: patch.z, course }
-        };
-        let ground: Vec<GroundPatch> = pieces.into_iter().map(patch).collect();
         let houses = houses(plan, cell, origin);
+        let ground = self.ground(windows);
+        let (courses, numbers) = courses(plan, &ground, origin);
+        let patch = |patch: GroundPatch| {
+            let course = patch.course.and_then(|course| numbers.get(&course).copied());
+            GroundPatch { outline: patch.outline.map(|p| p.wrapping_sub(origin)), course, ..patch }
+        };
+        let ground: Vec<GroundPatch> = ground.into_iter().map(patch).collect();
         let mut designs = Designs::default();
         let monuments = monuments(plan, cell, origin, &mut designs);
         let objects = objects(plan, cell, origin, &mut designs);
@@ -63,6 +65,20 @@ impl<'a> Contents<'a> {
             designs: designs.list,
             monuments,
         }
+    }
+
+    /// The ground within windows that are apart from each other: what is alike as one, yards as wide as suits their outlines.
+    fn ground<'w>(&self, windows: impl Iterator<Item = &'w GridPolygon>) -> Vec<GroundPatch> {
+        let mut alike: BTreeMap<(SurfaceKind, i32, Option<u32>), Vec<GridRing>> = BTreeMap::new();
+        for (patch, piece) in windows.flat_map(|window| self.patches.clipped(window)) {
+            alike.entry((patch.surface, patch.z, patch.course)).or_default().extend(turned_rings(&piece));
+        }
+        let patches = alike.into_iter().flat_map(|((surface, z, course), rings)| {
+            let pieces = combine(Keep::First, rings, [], false).into_iter();
+            let widened = move |piece| if surface == SurfaceKind::Yard { self.hidden.widened(&piece) } else { piece };
+            pieces.map(move |piece| GroundPatch { surface, outline: widened(piece), z, course })
+        });
+        patches.collect()
     }
 
     /// Content of a cell's level-2 packet: the openings of its walls, in the order in which its shell lists them. Walls that the plan does
@@ -118,13 +134,13 @@ pub fn facade_sheets(plan: &CityPlan, cells: &Cells) -> Vec<FacadeSheet> {
 
 /// As much as some ground needs of the courses that it is laid along, and their numbers by those of the plan. None where that is more
 /// than a packet may hold.
-fn courses(plan: &CityPlan, ground: &[(&GroundPatch, GridPolygon)], origin: GridPos) -> (Vec<Course>, BTreeMap<u32, u32>) {
+fn courses(plan: &CityPlan, ground: &[GroundPatch], origin: GridPos) -> (Vec<Course>, BTreeMap<u32, u32>) {
     let mut needed: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
-    for (patch, piece) in ground {
+    for patch in ground {
         let Some((number, course)) = patch.course.and_then(|number| Some((number, plan.courses.get(number as usize)?))) else {
             continue;
         };
-        for i in piece.rings().flatten().filter_map(|p| course.nearest(p.to_metres())) {
+        for i in patch.outline.rings().flatten().filter_map(|p| course.nearest(p.to_metres())) {
             let (first, last) = needed.entry(number).or_insert((i, i));
             (*first, *last) = ((*first).min(i), (*last).max(i));
         }

@@ -8,7 +8,7 @@ use common::{at, plan, rect, turned};
 use glam::{DVec2, IVec2};
 use proptest::prelude::*;
 use veduta_cells::{PartitionSettings, cell_shells, check, partition};
-use veduta_city::{Cells, CityPlan, GridPolygon, GridPos, GridRing};
+use veduta_city::{Arcade, Cells, CityPlan, GridPolygon, GridPos, GridRing, GroundPatch, SurfaceKind};
 
 /// Side of the random plans, metres.
 const SIDE: i32 = 120;
@@ -153,6 +153,41 @@ proptest! {
         let bare = (0..SIDE * SIDE).filter(|i| !is_built(i % SIDE, i / SIDE)).count() as f64;
         prop_assert!((told - bare).abs() < 1e-6 * bare, "{} of {}", told, bare);
     }
+}
+
+#[test]
+fn yards_are_covered_with_few_vertices_and_reach_beyond_their_houses_nowhere() {
+    let mut plan = common::town(4);
+    let made = partition(&plan, &PartitionSettings::default());
+    let told = |plan: &CityPlan| -> Vec<GroundPatch> {
+        let shells = cell_shells(plan, &made.cells);
+        let patches = shells.iter().flat_map(|shell| {
+            shell.ground.iter().map(|patch| GroundPatch { outline: patch.outline.map(|p| p + shell.origin), ..patch.clone() })
+        });
+        patches.filter(|patch| patch.surface == SurfaceKind::Yard).collect()
+    };
+    let exact: Vec<GridPolygon> = made.cells.cells.iter().flat_map(|cell| cell.yards.clone()).collect();
+    let wide = told(&plan);
+    let vertices =
+        |polygons: &mut dyn Iterator<Item = &GridPolygon>| polygons.flat_map(GridPolygon::rings).map(Vec::len).sum::<usize>();
+    let count = (vertices(&mut wide.iter().map(|patch| &patch.outline)), vertices(&mut exact.iter()));
+    assert!(2 * count.0 <= count.1, "{} of {} vertices", count.0, count.1);
+    for i in 0..20_000 {
+        let draw = veduta_city::draw::Draw::new(7, veduta_city::Id(i), "place");
+        let pos = at(draw.between("x", -30.0, 320.0), draw.between("y", -30.0, 350.0));
+        let is_yard = exact.iter().any(|yard| yard.contains(pos));
+        let is_house = plan.houses.iter().any(|house| house.volumes[0].footprint.contains(pos));
+        let is_told = wide.iter().any(|patch| patch.outline.contains(pos));
+        assert!(is_told || !is_yard, "{pos:?} is in a yard that is not told");
+        assert!(!is_told || is_yard || is_house, "{pos:?} is told as a yard and is none");
+    }
+    // Nothing is hidden in an arcade.
+    for house in &mut plan.houses {
+        house.volumes[0].arcades = vec![Arcade { wall: 0, span: (0, 9_000), arches: 3, floor: 150, depth: 3_700 }];
+    }
+    let m2 = |polygons: &mut dyn Iterator<Item = &GridPolygon>| polygons.map(GridPolygon::area_m2).sum::<f64>();
+    let areas = (m2(&mut told(&plan).iter().map(|patch| &patch.outline)), m2(&mut exact.iter()));
+    assert!((areas.0 - areas.1).abs() < 1e-3 * areas.1, "{areas:?}");
 }
 
 #[test]
