@@ -71,6 +71,7 @@ mod assign;
 mod check;
 mod directions;
 mod free;
+mod ground;
 mod guests;
 mod hull;
 mod lines;
@@ -91,7 +92,7 @@ mod visible;
 mod widen;
 
 /// Version of the partition: the same plan gives the same cells, portals and visible sets by one version; another may differ.
-pub const PARTITION_VERSION: u32 = 4;
+pub const PARTITION_VERSION: u32 = 5;
 
 pub use afar::ground_from_afar;
 pub use check::{CellsError, check};

@@ -102,7 +102,7 @@ pub(crate) fn clip_patch(patch: &GridPolygon, window: &GridPolygon, bounds: Boun
         [ring] if ring_area_2(ring) > 0 && is_box(ring, bounds) => return vec![window.clone()],
         _ => {}
     }
-    combine(Keep::Both, rings, turned_rings(window), false)
+    combine(Keep::Both, rings, turned_rings(window), true)
 }
 
 /// A ring with the parts outside a box pulled onto its sides: inside the box nothing changes, not even by rounding, and how

@@ -4,9 +4,10 @@ use rayon::prelude::*;
 use veduta_city::{
     Cell, CellShell, Cells, CityPlan, Course, Design, FacadeSheet, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch,
     House, HouseShell, Marking, ObjectShell, PaintedWall, PictureFile, PlacedMonument, PlanFacade, PlanObject, PlanTerrain,
-    SpanStation, SurfaceKind, Volume, VolumeShell, WaySpan,
+    SpanStation, Volume, VolumeShell, WaySpan,
 };
 
+use crate::ground;
 use crate::overlay::{Bounds, Keep, combine, turned_rings};
 use crate::patches::Patches;
 use crate::widen::Hidden;
@@ -38,14 +39,17 @@ impl<'a> Contents<'a> {
         let origin = origin(cell);
         let footings = footings(plan, cell);
         let windows = core::iter::once(&cell.outline).chain(&cell.yards).chain(&footings);
-        let houses = houses(plan, cell, origin);
-        let ground = self.ground(windows);
+        let portals = cell.portals.iter().filter_map(|&p| self.cells.portals.get(p as usize)).map(|portal| portal.ends);
+        let portals: Vec<_> = portals.collect();
+        let pieces = windows.flat_map(|window| self.patches.clipped(window)).collect();
+        let ground = ground::merged(pieces, &portals, &self.hidden);
         let (courses, numbers) = courses(plan, &ground, origin);
         let patch = |patch: GroundPatch| {
             let course = patch.course.and_then(|course| numbers.get(&course).copied());
             GroundPatch { outline: patch.outline.map(|p| p.wrapping_sub(origin)), course, ..patch }
         };
         let ground: Vec<GroundPatch> = ground.into_iter().map(patch).collect();
+        let houses = houses(plan, cell, origin);
         let mut designs = Designs::default();
         let monuments = monuments(plan, cell, origin, &mut designs);
         let objects = objects(plan, cell, origin, &mut designs);
@@ -65,20 +69,6 @@ impl<'a> Contents<'a> {
             designs: designs.list,
             monuments,
         }
-    }
-
-    /// The ground within windows that are apart from each other: what is alike as one, yards as wide as suits their outlines.
-    fn ground<'w>(&self, windows: impl Iterator<Item = &'w GridPolygon>) -> Vec<GroundPatch> {
-        let mut alike: BTreeMap<(SurfaceKind, i32, Option<u32>), Vec<GridRing>> = BTreeMap::new();
-        for (patch, piece) in windows.flat_map(|window| self.patches.clipped(window)) {
-            alike.entry((patch.surface, patch.z, patch.course)).or_default().extend(turned_rings(&piece));
-        }
-        let patches = alike.into_iter().flat_map(|((surface, z, course), rings)| {
-            let pieces = combine(Keep::First, rings, [], false).into_iter();
-            let widened = move |piece| if surface == SurfaceKind::Yard { self.hidden.widened(&piece) } else { piece };
-            pieces.map(move |piece| GroundPatch { surface, outline: widened(piece), z, course })
-        });
-        patches.collect()
     }
 
     /// Content of a cell's level-2 packet: the openings of its walls, in the order in which its shell lists them. Walls that the plan does

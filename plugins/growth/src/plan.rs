@@ -94,7 +94,7 @@ pub use repetition::{Repetition, SEEN_M, TRAITS, repetition};
 pub use stock::{Stock, StockError};
 
 /// Version of growth: plans grown by one version from the same graph are the same bytes; another version may differ.
-pub const GROWTH_VERSION: u32 = 19;
+pub const GROWTH_VERSION: u32 = 20;
 
 /// A plan, and what had to be left out or mended on the way to it.
 #[derive(Debug, Clone, PartialEq)]

@@ -122,7 +122,7 @@ pub use write::{CityWriter, write_city};
 extern crate self as veduta_store;
 
 /// Version of the format that this program writes and reads.
-pub const FORMAT_VERSION: u32 = 19;
+pub const FORMAT_VERSION: u32 = 20;
 
 /// Name of the index's file in a city's directory.
 pub const INDEX_NAME: &str = "city.veduta";

@@ -238,9 +238,11 @@ mod tests {
         let group = Piece { mirror: None, repeat: Some(row), ..piece(Content::Group(shapes.len() as u32)) };
         let vertex = |x: i32| ModelVertex { at: [x, -x, 3], normal: [0, -127, 5], uv: [x, 900] };
         let model = Model { vertices: (0..3).map(vertex).collect(), triangles: vec![[0, 1, 2]] };
-        let model = piece(Content::Model(model));
-        let pieces =
-            core::iter::once(group).chain(shapes.into_iter().map(|shape| piece(Content::Shape(shape)))).chain([model]).collect();
+        let (model, again) = (piece(Content::Model(model)), piece(Content::Again(1)));
+        let pieces = core::iter::once(group)
+            .chain(shapes.into_iter().map(|shape| piece(Content::Shape(shape))))
+            .chain([model, again])
+            .collect();
         let materials = [Tile::Stone, Tile::Bay(Opening::Clock)].map(|tile| Material { colour: Rgb(1, 2, 3), tile });
         Design { name: "everything".to_owned(), materials: materials.to_vec(), pieces }
     }
