@@ -43,6 +43,8 @@
 //!   polygon in the dual plane, where each portal's end is one half-plane; see [`PartitionSettings::line_sets`]. Lines go on through
 //!   yards and slits that nobody walks to, and reach what stands at the border of a cell and is drawn with another one: walls that face
 //!   two cells, roofs of corner houses, crowns of trees.
+//! * A shell tells its ground as it is seen, not as it was cut: what is alike is one piece, vertices at which nothing ends or turns are dropped from
+//!   all pieces at once, and yards run on under the houses about them.
 //!
 //! # Limits
 //! * One floor: passages under hanging volumes are free space, and so is what lies under bridges: a span belongs to the cell that its

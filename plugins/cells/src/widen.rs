@@ -1,7 +1,7 @@
-//! Enclosed yards widened under the houses about them, where no ground is seen.
+//! Yards widened under the houses about them, where no ground is seen.
 //!
 //! A yard borders on each corner of every house about it, and most of those are told with other cells. Under the houses its outline may run
-//! as it likes: it has a third of the vertices.
+//! as it likes, with less than half the vertices.
 
 use rstar::{
     AABB, RTree,
