@@ -63,7 +63,7 @@ fn leavings(kinds: &mut BTreeMap<Kind, Vec<GridPolygon>>) -> BTreeMap<Kind, Vec<
 
 fn is_narrow(piece: &GridPolygon) -> bool {
     let perimeter_m: f64 = piece.edges().map(|(a, b)| a.to_metres().distance(b.to_metres())).sum();
-    2.0 * piece.area_m2() < NARROW_M * perimeter_m
+    2.0 * piece.area_m2().abs() < NARROW_M * perimeter_m
 }
 
 /// The paving with which a piece has most of its border in common.
@@ -235,6 +235,31 @@ mod tests {
         };
         let expected = [(SurfaceKind::Asphalt, 4, libm::round(m2(false))), (SurfaceKind::Mosaic, 4, libm::round(m2(true)))];
         assert_eq!(made(&strips(8), &[]), expected);
+    }
+
+    #[test]
+    fn borders_of_holes_lose_their_vertices_too() {
+        // A lawn in the middle of a square, both cut into tiles.
+        let tile = |n: u32| {
+            let (x, next) = (f64::from(n) * 7.3, f64::from(n + 1) * 7.3);
+            let strip = |surface, [lo, hi]: [fn(f64) -> f64; 2]| {
+                patch(surface, &[(x, lo(x)), (next, lo(next)), (next, hi(next)), (x, hi(x))])
+            };
+            let lower = |x: f64| 10.0 + x / 9.7;
+            let upper = |x: f64| 20.0 + x / 9.7;
+            let inner = if (2..6).contains(&n) { SurfaceKind::Grass } else { SurfaceKind::Cobbles };
+            [
+                strip(SurfaceKind::Cobbles, [|_| 0.0, lower]),
+                strip(inner, [lower, upper]),
+                strip(SurfaceKind::Cobbles, [upper, |_| 40.0]),
+            ]
+        };
+        let ground: Vec<GroundPatch> = (0..8).flat_map(tile).collect();
+        let plan = CityPlan::default();
+        let made = merged(ground.iter().map(|patch| (patch, patch.outline.clone())).collect(), &[], &Hidden::new(&plan));
+        let told: Vec<_> =
+            made.iter().map(|patch| (patch.surface, patch.outline.rings().map(Vec::len).collect::<Vec<_>>())).collect();
+        assert_eq!(told, [(SurfaceKind::Cobbles, vec![4, 4]), (SurfaceKind::Grass, vec![4])]);
     }
 
     #[test]
