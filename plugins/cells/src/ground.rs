@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use veduta_city::{GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, PLAN_STEP, SurfaceKind};
 
 use crate::free::beside;
-use crate::overlay::{Keep, combine, edges, turned_rings};
+use crate::overlay::{Edge, Keep, combine, edges, turned_rings};
 use crate::widen::Hidden;
 
 /// What pieces that are one have in common: surface, height and course.
@@ -17,7 +17,7 @@ const NARROW_M: f64 = 0.25;
 const BEYOND_M: f64 = 0.03;
 
 /// Pieces of ground that are apart from each other, those alike as one: yards as wide as suits their outlines, no vertices but where something
-/// ends or turns. Borders with other cells stay as they are.
+/// ends or turns. Along a portal the cell beyond drops the same.
 pub(crate) fn merged(pieces: Vec<(&GroundPatch, GridPolygon)>, portals: &[Edge], hidden: &Hidden<'_>) -> Vec<GroundPatch> {
     let mut rings: BTreeMap<Kind, Vec<GridRing>> = BTreeMap::new();
     for (patch, piece) in pieces {
@@ -80,8 +80,6 @@ fn paving_beside(piece: &GridPolygon, kinds: &BTreeMap<Kind, Vec<GridPolygon>>) 
     }
     lengths.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(kind, _)| kind)
 }
-
-type Edge = (GridPos, GridPos);
 
 /// What is known of a vertex.
 struct Vertex {
@@ -263,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn where_something_ends_or_another_cell_begins_vertices_stay() {
+    fn where_something_or_a_portal_ends_vertices_stay() {
         // A third strip ends at the border, in its middle.
         let mut ground = strips(8);
         ground.retain(|patch| patch.surface == SurfaceKind::Asphalt);

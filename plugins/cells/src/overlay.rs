@@ -7,6 +7,8 @@ use i_overlay::vector::edge::{CLIP_LEFT, CLIP_RIGHT, SUBJ_LEFT, SUBJ_RIGHT, Vect
 pub(crate) use veduta_city::ring_edges as edges;
 use veduta_city::{BorderEdge, GridPolygon, GridPos, GridRing, connected_faces};
 
+/// From one vertex to the next.
+pub(crate) type Edge = (GridPos, GridPos);
 /// Least and greatest corner.
 pub(crate) type Bounds = (GridPos, GridPos);
 

@@ -9,7 +9,7 @@ use rstar::{
 };
 use veduta_city::{CityPlan, GRID_PER_METRE, GridPolygon, GridPos, GridRing, House, PLAN_STEP, Volume};
 
-use crate::overlay::{Bounds, Keep, combine, edges, turned_rings};
+use crate::overlay::{Bounds, Edge, Keep, combine, edges, turned_rings};
 use crate::patches::corner;
 
 /// Volumes that hide the ground they stand on, by their bounds.
@@ -51,17 +51,14 @@ fn widened(yard: &GridPolygon, mut houses: Vec<GridRing>) -> GridPolygon {
         .filter_map(without_gaps)
         .collect();
     let limits: Vec<Edge> = whole.iter().flat_map(|ring| edges(ring)).collect();
-    let mut rings: Vec<GridRing> = turned_rings(yard).collect();
-    // Houses that stand within it.
+    // Houses that stand within it are passed under, unless they hide nothing.
     let is_limited = |hole: &GridRing| {
         let turned: GridRing = hole.iter().rev().copied().collect();
         !combine(Keep::FirstAlone, [turned], whole.iter().cloned(), false).is_empty()
     };
-    let mut n = 0;
-    rings.retain(|ring| {
-        n += 1;
-        n == 1 || is_limited(ring)
-    });
+    let mut all = turned_rings(yard);
+    let mut rings: Vec<GridRing> = all.next().into_iter().collect();
+    rings.extend(all.filter(is_limited));
     let (Some(lo), Some(hi)) = (corner_of(&whole, i32::min), corner_of(&whole, i32::max)) else { return yard.clone() };
     for ring in 0..rings.len() {
         while let Some(fewer) = with_one_less(&rings, ring, (&limits, (lo, hi))) {
@@ -100,8 +97,6 @@ fn without_gaps(mut ring: GridRing) -> Option<GridRing> {
     }
     (ring.len() > 2).then_some(ring)
 }
-
-type Edge = (GridPos, GridPos);
 
 /// A ring, its inside on the left, with one vertex less: the way that adds least to what it holds, and nothing beyond the limits or what the
 /// rings hold already. None if there is none.
