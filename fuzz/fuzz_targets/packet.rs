@@ -2,7 +2,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use veduta_city::Level;
-use veduta_fuzz::{Bounded, blob, bounded};
+use veduta_fuzz::{Bounded, blob, bounded, houses};
 use veduta_store::{BlobRef, Packet, PacketContext, decode_packet, encode_packet, wall_count};
 
 #[global_allocator]
@@ -12,7 +12,8 @@ fuzz_target!(|bytes: &[u8]| {
     let Some((&first, content)) = bytes.split_first() else { return };
     let level = if first % 2 == 0 { Level::One } else { Level::Two };
     let stored = blob(level as u8, content);
-    let context = PacketContext::default();
+    let houses = houses();
+    let context = PacketContext { houses: (first / 2 % 2 == 1).then_some(&houses), place: 1, ..PacketContext::default() };
     let read = |stored: &[u8]| decode_packet(stored, &BlobRef::of(stored), level, context);
     let Ok(packet) = bounded(content, || read(&stored)) else { return };
     if let Packet::Shell(shell) = &packet {

@@ -14,13 +14,13 @@ fuzz_target!(|bytes: &[u8]| {
     let (cells, skyline, number) = (u32::from(told % 4), u32::from(told >> 2 & 1), usize::from(told >> 3 & 1));
     let stored = blob(18, content);
     let bounds = (GridPos(-1024, -1024), GridPos(1024, 1024));
-    let entry = |key, first, cells| RegionEntry { key: RegionKey(key), first, cells, skyline: 0, tallest: 0, bounds, blob: BlobRef::default() };
+    let entry = |key, first, cells| RegionEntry { key: RegionKey(key), first, cells, skyline: 0, tallest: 0, bounds, blob: None };
     let mut regions = if number == 0 {
         [entry(0b1_11_00, 0, cells), entry(0b1_11_01, cells, 3)]
     } else {
         [entry(0b1_11_00, 0, 3), entry(0b1_11_01, 3, cells)]
     };
-    (regions[number].skyline, regions[number].blob) = (skyline, BlobRef::of(&stored));
+    (regions[number].skyline, regions[number].blob) = (skyline, Some(BlobRef::of(&stored)));
     let Ok(region) = bounded(content, || decode_region(&stored, number as u32, &regions)) else { return };
     let most = cells + 3;
     for cell in &region.cells {
@@ -28,6 +28,7 @@ fuzz_target!(|bytes: &[u8]| {
         assert!(cell.portals.iter().all(|&portal| (portal as usize) < region.portals.len()));
         let _anywhere = cell.outline.contains(GridPos(5, 5));
     }
+    assert!(region.vistas.iter().all(|&number| number < 2));
     assert!(region.skyline.iter().all(|cell| regions[number].numbers().contains(cell)));
     assert!(region.portals.iter().all(|portal| portal.cell < most && portal.other(portal.cell).is_none_or(|cell| cell < most)));
 });

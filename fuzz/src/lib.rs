@@ -3,6 +3,9 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use veduta_city::{GridPolygon, GridPos, Massing};
+use veduta_store::{HousePart, RegionHouses};
+
 /// The system's allocator, which ends the program when more is asked for at once than is allowed.
 pub struct Bounded;
 
@@ -65,4 +68,17 @@ pub fn index(content: &[u8]) -> Vec<u8> {
     stored.extend(blake3::hash(content).as_bytes());
     stored.extend(content);
     stored
+}
+
+/// Houses of a region of three cells.
+pub fn houses() -> RegionHouses {
+    let part = |x: i32| {
+        let corners = [(x, 0), (x + 10_240, 0), (x + 10_240, 10_240), (x, 10_240)].map(|(x, y)| GridPos(x, y));
+        HousePart { style: 0, massing: Massing::block(GridPolygon::simple(corners.to_vec()), 9_000) }
+    };
+    let mut houses = RegionHouses::default();
+    houses.push([part(0)]);
+    houses.push([part(10_240), part(20_480)]);
+    houses.push([part(-99_999)]);
+    houses
 }

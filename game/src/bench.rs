@@ -187,8 +187,8 @@ struct Walk {
     entities: u32,
     /// Of all that was read, each thing once.
     bytes: u64,
-    /// The same of index, regions, overviews and the four levels.
-    bytes_by_kind: [u64; 7],
+    /// The same of index, regions, houses, overviews and the four levels.
+    bytes_by_kind: [u64; 8],
     /// Most bytes that stood at once: content as it was sent, and the meshes made of it.
     memory: u64,
 }
@@ -227,7 +227,7 @@ impl Walk {
             late_frames: Vec::new(),
             entities: 0,
             bytes: 0,
-            bytes_by_kind: [0; 7],
+            bytes_by_kind: [0; 8],
             memory: 0,
         };
         let mut entered = app.world().resource::<Messages<CellEntered>>().get_cursor();
@@ -273,10 +273,11 @@ impl Walk {
         }
         for (what, bytes) in came {
             let kind = match what {
-                What::Index => 0,
+                What::Index | What::Leaf(_) => 0,
                 What::Region(_) => 1,
-                What::Overview(_) => 2,
-                What::Packet { level, .. } => 3 + level.index(),
+                What::Houses(_) => 2,
+                What::Overview(_) => 3,
+                What::Packet { level, .. } => 4 + level.index(),
                 // None are asked for.
                 What::File(_) => continue,
             };
@@ -288,8 +289,10 @@ impl Walk {
 
     /// What was read, by kind.
     fn told_bytes(&self) -> String {
-        let [index, regions, overviews, one, two, ..] = self.bytes_by_kind;
-        format!("index {index} B, regions {regions} B, overviews {overviews} B, level 1 {one} B, level 2 {two} B")
+        let [index, regions, houses, overviews, one, two, ..] = self.bytes_by_kind;
+        format!(
+            "index {index} B, regions {regions} B, houses {houses} B, overviews {overviews} B, level 1 {one} B, level 2 {two} B"
+        )
     }
 
     /// What streaming and building together took of each frame.

@@ -250,6 +250,35 @@ fn however_many_towers_a_city_has_only_so_many_are_wanted() {
 }
 
 #[test]
+fn what_is_seen_far_away_along_the_ground_is_there_as_a_district() {
+    let index = read_index(&DirReader::new(sample_city()).expect("a city")).expect("whole");
+    let middle = |cell: u32| index.cell(cell).expect("told").outline.centroid();
+    let is_within = |cell: &u32| index.locate(veduta_city::GridPos::from_metres(middle(*cell))) == Some(*cell);
+    let (number, region) = index.regions_here().find(|(_, region)| !region.vistas.is_empty()).expect("a river to look along");
+    let cell = index.regions[number as usize].numbers().find(is_within).expect("a round cell");
+    let after = |most: usize| {
+        let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+        let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
+        (settings.overview_m, settings.vistas) = (1.0, most);
+        let viewer = stand(&mut app);
+        app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos = middle(cell);
+        update_until(&mut app, 200, "the viewer is there", |world| {
+            world.get::<CurrentCell>(viewer).is_some_and(|at| at.0 == Some(cell))
+        });
+        (0..60).for_each(|_| app.update());
+        let wanted = app.world().resource::<Wanted>().overviews.clone();
+        let mut meshes = app.world_mut().query::<&CellMesh>();
+        let afar = meshes.iter(app.world()).filter(|mesh| mesh.kind == CellMeshKind::District).map(|mesh| mesh.cell);
+        let shown: BTreeSet<u32> = afar.filter_map(|cell| index.region_of(cell)).collect();
+        (wanted, shown)
+    };
+    let ((with, shown), (without, _)) = (after(48), after(0));
+    assert!(region.vistas.iter().all(|vista| with.contains(vista) && shown.contains(vista)), "{with:?} {shown:?}");
+    assert!(region.vistas.iter().any(|vista| !without.contains(vista)), "{without:?}");
+    assert_eq!(with.first(), without.first(), "what is near comes first");
+}
+
+#[test]
 fn who_flies_sees_every_cell_near_by_as_itself_and_the_others_from_afar() {
     let index = read_index(&DirReader::new(sample_city()).expect("a city")).expect("whole");
     let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));

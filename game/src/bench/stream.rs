@@ -63,7 +63,7 @@ pub(super) fn stream(scene: &Path, json: bool) -> Result<(), Failure> {
     tell("worst_frame_ms", worst(&fast) / 1e3, "ms");
     tell("worst_frame_naive_ms", worst(&naive) / 1e3, "ms");
     // Without those of levels 3 and 4.
-    tell("walk_bytes_before_level3", small.bytes_by_kind[..5].iter().sum::<u64>() as f64, "B");
+    tell("walk_bytes_before_level3", small.bytes_by_kind[..6].iter().sum::<u64>() as f64, "B");
     tell("walk_bytes", small.bytes as f64, "B");
     for level in [Level::One, Level::Two] {
         let bytes = stats.bytes_per_house(level).unwrap_or(0.0);

@@ -88,8 +88,10 @@ fn thing(words: &Words, what: What) -> String {
     let numbered = |message: &str, n: u32| words.say_with(message, &[("n", n.into())]);
     match what {
         What::Index => words.say("expert-index"),
+        What::Leaf(n) => numbered("expert-leaf", n),
         What::Region(n) => numbered("expert-region", n),
         What::Overview(n) => numbered("expert-overview", n),
+        What::Houses(n) => numbered("expert-houses", n),
         What::File(n) => numbered("expert-file", n),
         What::Packet { cell, level } => words.say_with("expert-packet", &[("cell", cell.into()), ("level", (level as u8).into())]),
     }
@@ -141,15 +143,18 @@ mod tests {
         }
     }
 
-    const THINGS: [What; 5] = [What::Index, What::Region(2), What::Overview(2), What::File(2), PACKET];
+    const THINGS: [What; 7] =
+        [What::Index, What::Leaf(2), What::Region(2), What::Overview(2), What::Houses(2), What::File(2), PACKET];
 
     fn thing_kind(what: &What) -> usize {
         match what {
             What::Index => 0,
-            What::Region(_) => 1,
-            What::Overview(_) => 2,
-            What::File(_) => 3,
-            What::Packet { .. } => 4,
+            What::Leaf(_) => 1,
+            What::Region(_) => 2,
+            What::Overview(_) => 3,
+            What::Houses(_) => 4,
+            What::File(_) => 5,
+            What::Packet { .. } => 6,
         }
     }
 

@@ -1,7 +1,8 @@
 //! Truth of visible sets: rays through the meshes that walkers see.
 //!
 //! Eyes stand at random 1.6 m to 3 m above the floors of a cell, and look about, mostly along the ground. What a ray ends at, and the
-//! trees and furniture before it, is drawn with some cell: that cell must be in the visible set of the eye's, or on the skyline.
+//! trees and furniture before it, is drawn with some cell: that cell must be in the visible set of the eye's, or on the skyline, or in a
+//! district that walkers have about them or see from afar. Districts have no trees and no furniture: rays that see some there are counted apart.
 
 mod scene;
 
@@ -16,7 +17,7 @@ use veduta_store::{CellEntry, CityIndex};
 use scene::{Hit, Scene};
 
 /// How visible sets are put to the proof.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProofSettings {
     /// Rays from eyes all over the city.
     pub rays: u64,
@@ -24,11 +25,15 @@ pub struct ProofSettings {
     pub eyes_a_cell: u32,
     /// Seed of the eyes.
     pub seed: u64,
+    /// Walkers have districts within this distance at least, metres, as streaming's `overview_m`; less than 0 for none.
+    pub districts_m: f64,
+    /// And of so many regions that are seen from afar, the nearest, as streaming's `vistas`.
+    pub vistas: usize,
 }
 
 impl Default for ProofSettings {
     fn default() -> Self {
-        Self { rays: 1_000_000, eyes_a_cell: 0, seed: 1 }
+        Self { rays: 1_000_000, eyes_a_cell: 0, seed: 1, districts_m: 500.0, vistas: 48 }
     }
 }
 
@@ -43,8 +48,6 @@ pub struct Missing {
     pub eye: (DVec2, f64),
     /// What it sees.
     pub seen: (DVec2, f64),
-    /// Whether it is told in the overview that walkers have about them: what is solid of it is seen as a district.
-    pub is_district: bool,
 }
 
 /// What a proof found.
@@ -56,10 +59,12 @@ pub struct Proof {
     pub rays: u64,
     /// Rays that met something.
     pub hits: u64,
-    /// Rays that saw a cell that is missing.
+    /// Rays that saw a cell that is missing: in neither visible set nor skyline nor district.
     pub misses: u64,
-    /// Those of them for whom the district of every such cell is within reach.
-    pub misses_with_districts: u64,
+    /// Rays that saw nothing missing, but something that only a district tells of.
+    pub by_districts: u64,
+    /// Rays that saw a tree or furniture there, which districts are without.
+    pub bare: u64,
     /// One of them for each pair of cells.
     pub missing: Vec<Missing>,
     /// Area of what the visible sets hold, square metres, summed over all cells; the skyline apart. With
@@ -84,8 +89,6 @@ const TRIES: u64 = 64;
 /// What only a ray sees, and none beside it, is seen through a crack between two meshes that is no pixel wide: how far the rays beside
 /// it are turned, radians.
 const BESIDE: f64 = 1e-4;
-/// Walkers have the overview within this distance at least, metres: streaming's `overview_m`.
-const OVERVIEW_M: f64 = 500.0;
 /// Rays of an eye that look about, besides those to the cells that it should see.
 const ABOUT: u64 = 32;
 /// Eyes after which nothing new was seen are the last.
@@ -100,7 +103,7 @@ pub fn prove(index: &CityIndex, shells: &[CellShell], settings: &ProofSettings) 
     let cells: Vec<&CellEntry> = index.cells().map(|(_, cell)| cell).collect();
     let mut is_skyline = vec![false; cells.len()];
     index.regions_here().flat_map(|(_, region)| &region.skyline).for_each(|&cell| is_skyline[cell as usize] = true);
-    let town = Town { index, cells, is_skyline, shells, scene: Scene::new(shells), seed: settings.seed };
+    let town = Town { index, cells, is_skyline, shells, scene: Scene::new(shells), settings };
     let ray = |number: u64| {
         let cell = Draw::new(settings.seed, Id(number), "cell").below("cell", shells.len()) as u32;
         town.look_once(cell, number)
@@ -111,8 +114,8 @@ pub fn prove(index: &CityIndex, shells: &[CellShell], settings: &ProofSettings) 
     for look in looks {
         proof.hits += u64::from(look.hit);
         proof.misses += u64::from(!look.missing.is_empty());
-        let is_filled = !look.missing.is_empty() && look.missing.iter().all(|missing| missing.is_district);
-        proof.misses_with_districts += u64::from(is_filled);
+        proof.by_districts += u64::from(look.is_by_district && look.missing.is_empty());
+        proof.bare += u64::from(look.is_bare && look.missing.is_empty());
         proof.missing.extend(look.missing.into_iter().filter(|missing| pairs.insert((missing.from, missing.cell))));
     }
     if settings.eyes_a_cell > 0 {
@@ -127,6 +130,10 @@ pub fn prove(index: &CityIndex, shells: &[CellShell], settings: &ProofSettings) 
 struct Look {
     hit: bool,
     missing: Vec<Missing>,
+    /// Whether it saw something that is in no set, but in a district.
+    is_by_district: bool,
+    /// Whether that is a tree or furniture.
+    is_bare: bool,
 }
 
 struct Town<'a> {
@@ -135,12 +142,12 @@ struct Town<'a> {
     is_skyline: Vec<bool>,
     shells: &'a [CellShell],
     scene: Scene,
-    seed: u64,
+    settings: &'a ProofSettings,
 }
 
 impl Town<'_> {
     fn look_once(&self, cell: u32, number: u64) -> Option<Look> {
-        let draw = Draw::new(self.seed, Id(number), "eye");
+        let draw = Draw::new(self.settings.seed, Id(number), "eye");
         let eye = self.eye(cell, draw)?;
         let direction = about(draw);
         let mut seen = Vec::new();
@@ -148,30 +155,35 @@ impl Town<'_> {
         let hit = !seen.is_empty();
         let is_missing = |met: &Hit| !self.sees(cell, met.cell);
         if !seen.iter().any(is_missing) || !self.is_wide(eye, direction, cell) {
-            return Some(Look { hit, missing: Vec::new() });
+            return Some(Look { hit, missing: Vec::new(), is_by_district: false, is_bare: false });
         }
-        let told = |met: Hit| Missing {
-            from: cell,
-            cell: met.cell,
-            eye: plan(eye),
-            seen: plan(eye + direction * met.distance_m),
-            is_district: self.is_district(met.cell, plan(eye).0),
-        };
-        Some(Look { hit, missing: seen.into_iter().filter(is_missing).map(told).collect() })
+        let is_district = |met: &Hit| self.is_district(met.cell, cell, plan(eye).0);
+        let is_by_district = seen.iter().any(|met| is_missing(met) && is_district(met));
+        let is_bare = seen.iter().any(|met| met.is_loose && is_missing(met) && is_district(met));
+        let told = |met: Hit| Missing { from: cell, cell: met.cell, eye: plan(eye), seen: plan(eye + direction * met.distance_m) };
+        let missing = seen.into_iter().filter(|met| is_missing(met) && !is_district(met)).map(told).collect();
+        Some(Look { hit, missing, is_by_district, is_bare })
     }
 
-    /// Whether a cell is in the visible set of another, or on the skyline.
+    /// Whether a cell is in the visible set of another, or rises above the roofs.
     fn sees(&self, from: u32, cell: u32) -> bool {
         self.cells[from as usize].visible.binary_search(&cell).is_ok() || self.is_skyline(cell)
     }
 
-    /// Whether the overview that tells of a cell is about an eye.
-    fn is_district(&self, cell: u32, eye: DVec2) -> bool {
-        let region = self.index.region_of(cell).and_then(|number| self.index.regions.get(number as usize));
-        region.is_some_and(|region| {
-            let (low, high) = (region.bounds.0.to_metres(), region.bounds.1.to_metres());
-            eye.distance(eye.clamp(low, high)) <= OVERVIEW_M
-        })
+    /// Whether a cell is seen as a district: its region's overview is about an eye, or told to be seen from the region of the eye's cell.
+    fn is_district(&self, cell: u32, from: u32, eye: DVec2) -> bool {
+        let Some((number, home)) = self.index.region_of(cell).zip(self.index.region_of(from)) else { return false };
+        let (lo, hi) = self.index.regions[number as usize].bounds;
+        let is_near = eye.distance(eye.clamp(lo.to_metres(), hi.to_metres())) <= self.settings.districts_m;
+        let vistas = self.index.region(home).map_or(&[][..], |region| &region.vistas);
+        if is_near || vistas.binary_search(&number).is_err() {
+            return is_near;
+        }
+        let off_m = |number: u32| {
+            let (lo, hi) = self.index.regions[number as usize].bounds;
+            eye.distance(eye.clamp(lo.to_metres(), hi.to_metres()))
+        };
+        vistas.iter().filter(|&&other| off_m(other) < off_m(number)).count() < self.settings.vistas
     }
 
     fn is_skyline(&self, cell: u32) -> bool {
@@ -221,7 +233,7 @@ impl Town<'_> {
             if unseen.is_empty() || number >= eyes && number - last > IN_VAIN {
                 break;
             }
-            let draw = Draw::new(self.seed, Id(u64::from(cell) << 32 | u64::from(number)), "all that is seen");
+            let draw = Draw::new(self.settings.seed, Id(u64::from(cell) << 32 | u64::from(number)), "all that is seen");
             let Some(eye) = self.eye(cell, draw) else { continue };
             let to = |n: u64, other: u32| {
                 let draw = draw.part(n);

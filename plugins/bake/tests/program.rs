@@ -307,9 +307,9 @@ fn every_part_of_a_city_is_inspected() {
     let mut forged = index.clone();
     let stored = veduta_store::encode_region(&region, 0, &index.regions);
     let mut regions = index.regions.to_vec();
-    regions[0].blob = veduta_store::BlobRef::of(&stored);
+    regions[0].blob = Some(veduta_store::BlobRef::of(&stored));
     forged.regions = regions.into();
-    let path = city.join(forged.regions[0].blob.path());
+    let path = city.join(forged.regions[0].blob.expect("told").path());
     std::fs::create_dir_all(path.parent().unwrap_or(&city)).unwrap_or_else(|e| panic!("{e}"));
     std::fs::write(path, stored).unwrap_or_else(|e| panic!("{e}"));
     let bytes = veduta_store::encode_index(&forged);

@@ -10,12 +10,16 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use ground_proof::{prove_mesh, prove_partition};
-use veduta_bake::{BakeError, BakeSettings, Baked, Input, bake, cut, plan};
+use veduta_bake::{BakeError, BakeSettings, Baked, Input, ProofSettings, bake, cut, plan, prove};
 use veduta_city::{CellShell, GridPos, Level, Overview, PlaceKind};
 use veduta_store::{CellEntry, CityIndex, DirReader, Packet, Reader, decode_packet, decode_styles, read_index, read_overview};
 
 /// How far one sees in Portland, whose extract spans 70 km²: the test is to stay short. Metres.
 const PORTLAND_SIGHT_M: f64 = 120.0;
+/// Rays that look for what visible sets and skyline lack, in each city.
+const RAYS: u64 = 30_000;
+/// So many of those that meet something may see over the roofs what is in no visible set.
+const MOST_OVER_ROOFS: f64 = 0.002;
 
 /// A file and what its city has at least: houses, named streets, squares with a name.
 struct Expected {
@@ -105,6 +109,7 @@ struct Opened {
     yards: Vec<Vec<Box2>>,
     /// By cell: whether a tunnel leads below it. Who sees a part of a tunnel sees all of it, and who is above it what its ramps see.
     has_tunnel: Vec<bool>,
+    shells: Vec<CellShell>,
 }
 
 /// How far a crown reaches from its stem, grid steps.
@@ -141,7 +146,7 @@ fn opened(city: &Path) -> Opened {
     assert!(!styles.0.is_empty());
     let overview = read_overview(&reader, &index).unwrap_or_else(|e| panic!("{e}"));
     let named: BTreeSet<&str> = overview.streets.iter().map(|s| s.name.as_str()).filter(|name| !name.is_empty()).collect();
-    let (mut roofs, mut things, mut yards, mut has_tunnel) = (0, Vec::new(), Vec::new(), Vec::new());
+    let (mut roofs, mut things, mut yards, mut has_tunnel, mut shells) = (0, Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (i, cell) in index.cells() {
         let mut walls = 0;
         for level in Level::ALL {
@@ -157,6 +162,7 @@ fn opened(city: &Path) -> Opened {
                     assert!(!shell.ground.is_empty(), "cell {i} of {} has no ground", index.name);
                     roofs += shell.houses.iter().filter(|h| h.volumes.iter().any(|v| v.has_roof)).count() as u64;
                     walls = shell.houses.iter().flat_map(|h| &h.volumes).map(|v| v.walls.len()).sum();
+                    shells.push(*shell);
                 }
                 Packet::Facades(sheet) => assert_eq!(sheet.walls.len(), walls, "cell {i}"),
                 Packet::Pictures(_) => panic!("cell {i} of {} is painted", index.name),
@@ -167,7 +173,7 @@ fn opened(city: &Path) -> Opened {
     }
     assert_eq!(roofs, index.cells().map(|(_, cell)| u64::from(cell.houses)).sum::<u64>());
     let named = named.len();
-    Opened { index, overview, named, things, yards, has_tunnel }
+    Opened { index, overview, named, things, yards, has_tunnel, shells }
 }
 
 /// Of what is seen from cells, so much may be seen from one side alone: walls and roofs that are drawn with a cell round the corner.
@@ -256,12 +262,22 @@ fn every_extract_becomes_a_city() {
         let began = Instant::now();
         let mut settings = BakeSettings::default();
         if expected.file.starts_with("portland") {
-            settings.partition.sight_m = PORTLAND_SIGHT_M;
+            (settings.partition.sight_m, settings.partition.far_m) = (PORTLAND_SIGHT_M, PORTLAND_SIGHT_M);
         }
         let baked = bake(&data.join(expected.file), &out, &settings, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
         let seconds = began.elapsed().as_secs_f64();
         let opened = opened(&out);
         check_index(&opened);
+        if !expected.file.starts_with("portland") {
+            let proof = prove(&opened.index, &opened.shells, &ProofSettings { rays: RAYS, ..ProofSettings::default() });
+            assert!(proof.hits > RAYS / 3, "{}: {} hits", expected.file, proof.hits);
+            assert_eq!(proof.misses, 0, "{}: {:?}", expected.file, proof.missing);
+            // Without districts near by, only what is seen over roofs is missing.
+            let alone = ProofSettings { rays: RAYS, districts_m: -1.0, ..ProofSettings::default() };
+            let alone = prove(&opened.index, &opened.shells, &alone);
+            println!("{}: {} of {} rays see what districts near by tell of", expected.file, alone.misses, alone.hits);
+            assert!(alone.misses as f64 <= MOST_OVER_ROOFS * alone.hits as f64, "{}: {} misses", expected.file, alone.misses);
+        }
         let Opened { index, overview, named: streets, .. } = opened;
         let squares = overview.places.iter().filter(|p| p.kind == PlaceKind::Square).count();
         let seen: usize = index.cells().map(|(_, cell)| cell.visible.len()).sum();

@@ -48,7 +48,7 @@ fn make(overview: &Overview) -> VecDeque<Made> {
     made.collect()
 }
 
-/// Begins with the parts that have come, and lets go of those that are gone or far away.
+/// Begins with the parts that have come, and lets go of those that are gone, or far away and out of sight.
 pub(crate) fn start(
     mut commands: Commands,
     city: Option<Res<City>>,
@@ -67,8 +67,11 @@ pub(crate) fn start(
         return;
     }
     let overviews = city.as_ref().map(|city| &city.overviews);
-    let parts_near =
-        |all: &Overviews| about.iter().flat_map(|&circle| all.within(circle).collect::<Vec<_>>()).collect::<Vec<u32>>();
+    let parts_near = |all: &Overviews| {
+        let near = about.iter().flat_map(|&circle| all.within(circle).collect::<Vec<_>>());
+        let far = all.vistas().iter().copied().filter(|_| reach_m > 0.0);
+        near.chain(far).collect::<Vec<u32>>()
+    };
     let wanted: BTreeMap<u32, &Arc<Overview>> =
         overviews.into_iter().flat_map(|all| parts_near(all).into_iter().filter_map(|part| Some((part, all.get(part)?)))).collect();
     districts.parts.retain(|part, of| {

@@ -84,9 +84,11 @@ pub enum CellsError {
         /// How many cells have it.
         cells: usize,
     },
-    /// There is not one visible set a cell.
-    #[error("there are {sets} visible sets for {cells} cells")]
+    /// There is not one list of what is seen a cell.
+    #[error("there are {sets} lists of {what} for {cells} cells")]
     VisibleCount {
+        /// Lists of what.
+        what: &'static str,
         /// Number of sets.
         sets: usize,
         /// Number of cells.
@@ -173,6 +175,17 @@ fn check_lists(plan: &CityPlan, cells: &Cells, errors: &mut Vec<CellsError>) {
         indices("spans of ways", &cell.spans, plan.spans.len());
         if !cell.walls.is_sorted_by(|a, b| a < b) {
             errors.push(CellsError::Unsorted { cell: cell.id, what: "walls" });
+        }
+    }
+    if !cells.far.is_empty() && cells.far.len() != cells.cells.len() {
+        errors.push(CellsError::VisibleCount { what: "cells far away", sets: cells.far.len(), cells: cells.cells.len() });
+    }
+    for (cell, far) in cells.cells.iter().zip(&cells.far) {
+        if !far.is_sorted_by(|a, b| a < b) {
+            errors.push(CellsError::Unsorted { cell: cell.id, what: "cells far away" });
+        }
+        if let Some(&index) = far.iter().find(|&&i| i as usize >= cells.cells.len()) {
+            errors.push(CellsError::Unknown { cell: cell.id, what: "cell far away", index: index as usize });
         }
     }
     if !cells.skyline.is_sorted_by(|a, b| a < b) {
@@ -266,7 +279,7 @@ fn check_owners(plan: &CityPlan, cells: &Cells, errors: &mut Vec<CellsError>) {
 
 fn check_visible(cells: &Cells, errors: &mut Vec<CellsError>) {
     if cells.visible.len() != cells.cells.len() {
-        errors.push(CellsError::VisibleCount { sets: cells.visible.len(), cells: cells.cells.len() });
+        errors.push(CellsError::VisibleCount { what: "visible cells", sets: cells.visible.len(), cells: cells.cells.len() });
     }
     for (i, (cell, seen)) in (0..).zip(cells.cells.iter().zip(&cells.visible)) {
         if !seen.is_sorted_by(|a, b| a < b) {

@@ -3,7 +3,7 @@
 //! Where a line crosses the first portal is forgotten, only its slope is kept: an interval that holds the slopes of all lines
 //! through the first portal, the present one, and all between. It never lacks one, but may hold some of no line.
 
-use crate::lines::{Frame, SLACK_M, STEEPEST};
+use crate::lines::{Frame, Lines, SLACK_M, STEEPEST};
 
 /// An interval of slopes in a portal's frame, least and greatest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,6 +15,12 @@ pub(crate) struct Directions {
 impl Directions {
     /// Every slope.
     pub(crate) const ALL: Self = Self { low: -STEEPEST, high: STEEPEST };
+
+    /// Those of some lines.
+    pub(crate) fn of(lines: &Lines) -> Self {
+        let (low, high) = lines.slopes();
+        Self { low, high }
+    }
 
     /// The slopes that lines through the frame's portal and a further one may have, the ends of which are given in the frame;
     /// `None` if there is no such line.
@@ -57,6 +63,19 @@ impl Directions {
         self.low <= other.low && other.high <= self.high
     }
 
+    /// By the least slope.
+    pub(crate) fn order(&self, other: &Self) -> core::cmp::Ordering {
+        self.low.total_cmp(&other.low)
+    }
+
+    /// Whether a line through the frame's portal in one of them may reach a convex polygon, whose corners are given in the frame.
+    pub(crate) fn reach(self, frame: &Frame, corners: [(f64, f64); 4]) -> bool {
+        let (least, most) = (-SLACK_M, frame.width_m() + SLACK_M);
+        let lies = |is_so: fn(f64, f64) -> bool, s: f64, m: f64| corners.iter().all(|&(x, y)| is_so(y, s + m * x));
+        let is_behind = corners.iter().all(|corner| corner.0 < -SLACK_M);
+        !is_behind && !lies(|y, line| y < line, least, self.low) && !lies(|y, line| y > line, most, self.high)
+    }
+
     fn is_any(self) -> bool {
         self.low <= self.high
     }
@@ -68,7 +87,6 @@ mod tests {
     use veduta_city::GridPos;
 
     use super::*;
-    use crate::lines::Lines;
 
     fn at(x: i32, y: i32) -> GridPos {
         GridPos(x * 512, y * 512)

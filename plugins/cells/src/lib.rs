@@ -50,9 +50,10 @@
 //! * One floor: passages under hanging volumes are free space, and so is what lies under bridges: a span belongs to the cell that its
 //!   middle lies over, and whoever is on it is in the cell below. Tunnels' spans belong to the cells above them; who sees a
 //!   ramp's sees them all.
-//! * Visibility is in plan, as far as [`PartitionSettings::sight_m`]: what rises above the roofs is told by
-//!   [`veduta_city::Cells::skyline`], everything lower is taken to be hidden by any house. `veduta-bake inspect --prove` tells where that is
-//!   not so. Walls inside one cell hide nothing. Both only matter to what is loaded, never to what is drawn. On slopes
+//! * Visibility is in plan: what rises above the roofs is told by [`veduta_city::Cells::skyline`], everything lower is taken to be hidden by
+//!   any house, and seen as a district where it is not. Visible sets reach as far as [`PartitionSettings::sight_m`]; what is seen along the
+//!   ground beyond is told in squares ([`veduta_city::Cells::far`]), by directions alone, as far as [`PartitionSettings::far_m`].
+//!   `veduta-bake inspect --prove` tells what all of them lack. Walls inside one cell hide nothing. Both only matter to what is loaded, never to what is drawn. On slopes
 //!   it is not so: who looks down over roofs may see farther than what is loaded.
 //! * Water is free space (one looks across it); its ground patches tell the walker where it is.
 //! * The extent may span 260 km and lie within 1,000 km of the anchor.
@@ -72,6 +73,7 @@ mod afar;
 mod assign;
 mod check;
 mod directions;
+mod far;
 mod free;
 mod ground;
 mod guests;
@@ -94,10 +96,10 @@ mod visible;
 mod widen;
 
 /// Version of the partition: the same plan gives the same cells, portals and visible sets by one version; another may differ.
-pub const PARTITION_VERSION: u32 = 5;
+pub const PARTITION_VERSION: u32 = 6;
 
 pub use afar::ground_from_afar;
 pub use check::{CellsError, check};
 pub use partition::{Partition, PartitionSettings, partition};
 pub use shell::{Contents, cell_shells, facade_sheets};
-pub use visible::visible_sets;
+pub use visible::{Seen, visible_sets};

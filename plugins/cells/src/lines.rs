@@ -8,7 +8,7 @@ use veduta_city::{GridPos, metres};
 
 /// Lines that pass a portal's end this far on the wrong side still count: touching is seeing, and rounding loses nothing. Metres.
 pub(crate) const SLACK_M: f64 = 1e-3;
-/// Steepest slope: a line this close to the portal's own direction is off by less than the slack within a kilometre.
+/// Steepest slope: a line this close to the portal's own direction is off by less than the slack within a kilometre, and by 6 mm in six.
 pub(crate) const STEEPEST: f64 = 1e6;
 
 /// The frame of a portal that is crossed forward.
@@ -26,6 +26,11 @@ impl Frame {
         let (x, y) = offset(right, left);
         let width_m = libm::sqrt(x * x + y * y);
         (width_m > 0.0).then(|| Self { origin: right, left: (x / width_m, y / width_m), width_m })
+    }
+
+    /// The portal's right end.
+    pub(crate) const fn origin(&self) -> GridPos {
+        self.origin
     }
 
     /// Distance between the portal's ends.
@@ -108,6 +113,11 @@ impl Lines {
             }
         }
         Self(corners)
+    }
+
+    /// Least and greatest slope.
+    pub(crate) fn slopes(&self) -> (f64, f64) {
+        self.0.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &[_, m]| (low.min(m), high.max(m)))
     }
 
     /// Area in the dual plane: a measure of how many lines there are.

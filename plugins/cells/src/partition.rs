@@ -26,8 +26,10 @@ pub struct PartitionSettings {
     pub clearance_m: f64,
     /// How many sets of lines are told apart at one portal from one other. More: tighter visible sets, more work.
     pub line_sets: usize,
-    /// How far one sees: whatever is farther lies in haze, and only the skyline tells of it. Metres.
+    /// How far visible sets reach: of what is farther the skyline tells, and [`Cells::far`]. Metres.
     pub sight_m: f64,
+    /// How far one sees at all, metres; no farther than `sight_m` if that is more.
+    pub far_m: f64,
     /// How many steps from portal to portal the lines through one portal are followed with care. Where there are more (gardens with
     /// houses strewn over them, where one sees a little of everything), only the lines' directions are told apart: visible sets
     /// may then hold more than can be seen, and lack nothing.
@@ -48,6 +50,7 @@ impl Default for PartitionSettings {
             clearance_m: 2.2,
             line_sets: 6,
             sight_m: 600.0,
+            far_m: 6_000.0,
             sight_steps: 3_000,
         }
     }
@@ -89,8 +92,8 @@ pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     drop(rest);
     assign::floors(&patches, &mut cells);
     drop(patches);
-    let (visible, notes) = visible::visible_sets(plan, &cells, settings);
-    cells.visible = visible;
+    let (seen, notes) = visible::visible_sets(plan, &cells, settings);
+    (cells.visible, cells.far) = (seen.sets, seen.far);
     findings.extend(notes);
     tunnels::see_through(plan, &mut cells);
     cells.skyline = skyline::skyline(plan, &cells);

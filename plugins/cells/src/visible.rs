@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use veduta_city::{Cells, CityPlan, Finding, GridPos, Id, PortalSide, Severity};
 
 use crate::directions::Directions;
+use crate::far::{Square, squares};
 use crate::guests::{Guest, Guests};
 use crate::lines::{Frame, Lines};
 use crate::partition::PartitionSettings;
@@ -16,21 +17,33 @@ const MOST_MERGES: u8 = 24;
 /// After how many growths of the directions at one portal all directions are let pass.
 const MOST_GROWTHS: u8 = 4;
 
-/// Visible set of every cell of a partition, ascending, and what is to be said of them: what [`crate::partition`] notes as
-/// [`Cells::visible`], but for what is seen through tunnels. Sound in plan: no cell is missing of which something can be seen within the
-/// settings' sight along a straight line that crosses no house. The same for any number of threads.
+/// What is seen from the cells of a partition.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Seen {
+    /// What [`crate::partition`] notes as [`Cells::visible`], but for what is seen through tunnels.
+    pub sets: Vec<Vec<u32>>,
+    /// What it notes as [`Cells::far`].
+    pub far: Vec<Vec<u32>>,
+}
+
+/// What is seen from every cell of a partition, and what is to be said of it. Sound in plan: no cell is missing of which something can be
+/// seen along a straight line that crosses no house, in the sets within the settings' sight and beyond it in the squares that are told as
+/// far away. The same for any number of threads.
 ///
 /// # Panics
 /// If portals name cells that are not there, which [`crate::check`] tells.
 #[must_use]
-pub fn visible_sets(plan: &CityPlan, cells: &Cells, settings: &PartitionSettings) -> (Vec<Vec<u32>>, Vec<Finding>) {
+pub fn visible_sets(plan: &CityPlan, cells: &Cells, settings: &PartitionSettings) -> (Seen, Vec<Finding>) {
     let mut findings = Vec::new();
     let rooms = rooms(cells);
     let (guests, web) = rayon::join(|| Guests::new(plan, cells, &rooms), || Web::new(cells, &rooms));
-    let (mut seen, rest): (Vec<Vec<u32>>, Vec<Rest>) = (0..cells.cells.len() as u32)
+    let squares = squares(plan, cells);
+    let (mut seen, mut rest): (Vec<Vec<u32>>, Vec<Rest>) = (0..cells.cells.len() as u32)
         .into_par_iter()
-        .map_init(|| Search::new(&web, &guests, settings), |search, cell| search.seen_from(cell))
+        .map_init(|| Search::new(&web, &guests, &squares, settings), |search, cell| search.seen_from(cell))
         .unzip();
+    let cells_of = |far: Vec<u32>| far.into_iter().map(|square| squares[square as usize].cell).collect();
+    let far = rest.iter_mut().map(|rest| cells_of(core::mem::take(&mut rest.far))).collect();
     let coarse = rest.iter().filter(|rest| rest.is_coarse).count();
     if coarse > 0 {
         let message = format!(
@@ -55,11 +68,13 @@ pub fn visible_sets(plan: &CityPlan, cells: &Cells, settings: &PartitionSettings
         set.dedup();
         set.shrink_to_fit();
     }
-    (seen, findings)
+    (Seen { sets: seen, far }, findings)
 }
 
 /// What a search found besides the cells that are looked into.
 struct Rest {
+    /// Squares that are seen beyond the sight.
+    far: Vec<u32>,
     /// Whether the coarse search was needed.
     is_coarse: bool,
     /// A room that is looked into, and another cell to which something in it belongs.
@@ -118,7 +133,7 @@ struct Reached {
 #[derive(Clone, Copy)]
 struct Coarse {
     growths: u8,
-    /// Those of all lines that cross both the first crossing and this one; `None` if there are none, or it is out of sight.
+    /// Those of all lines that cross both the first crossing and this one; `None` if there are none.
     all: Option<Directions>,
     known: Option<Directions>,
 }
@@ -128,13 +143,14 @@ struct Coarse {
 struct Ahead {
     left: (f64, f64),
     right: (f64, f64),
+    is_in_sight: bool,
 }
 
 /// What is known of one crossing of those that are followed from one first crossing.
 struct Known {
     crossing: u32,
-    /// Where it lies, if it is in sight.
-    ahead: Option<Ahead>,
+    /// Where it lies.
+    ahead: Ahead,
     reached: Reached,
     coarse: Option<Coarse>,
 }
@@ -153,7 +169,7 @@ impl About {
     }
 
     /// What is known of a crossing, `ahead` telling where it lies when it is first asked for.
-    fn of(&mut self, crossing: u32, ahead: impl FnOnce() -> Option<Ahead>) -> &mut Known {
+    fn of(&mut self, crossing: u32, ahead: impl FnOnce() -> Ahead) -> &mut Known {
         let mut slot = self.slots[crossing as usize] as usize;
         if self.known.get(slot).is_none_or(|known| known.crossing != crossing) {
             slot = self.known.len();
@@ -173,23 +189,32 @@ struct Search<'a> {
     most_sets: usize,
     most_steps: usize,
     sight_m: f64,
+    far_m: f64,
     about: About,
     is_seen: Vec<bool>,
+    /// Directions of the lines through one first crossing that leave the sight.
+    leaving: Vec<Directions>,
+    squares: &'a [Square],
+    is_far: Vec<bool>,
     /// Guests that are seen, by room, and whether each is.
     met: Vec<(u32, u32)>,
     is_met: Vec<bool>,
 }
 
 impl<'a> Search<'a> {
-    fn new(web: &'a Web, guests: &'a Guests, settings: &PartitionSettings) -> Self {
+    fn new(web: &'a Web, guests: &'a Guests, squares: &'a [Square], settings: &PartitionSettings) -> Self {
         Self {
             web,
             guests,
             most_sets: settings.line_sets.max(1),
             most_steps: settings.sight_steps,
             sight_m: settings.sight_m,
+            far_m: settings.far_m,
             about: About::new(web.crossings.len()),
             is_seen: vec![false; web.first.len()],
+            leaving: Vec::new(),
+            squares,
+            is_far: vec![false; squares.len()],
             met: Vec::new(),
             is_met: vec![false; guests.len()],
         }
@@ -197,7 +222,7 @@ impl<'a> Search<'a> {
 
     /// Rooms looked into from a cell, ascending, and the rest that was found.
     fn seen_from(&mut self, cell: u32) -> (Vec<u32>, Rest) {
-        let mut seen = vec![cell];
+        let (mut seen, mut far) = (vec![cell], Vec::new());
         self.see_guests(cell, |_| true);
         let mut is_coarse = false;
         self.is_seen[cell as usize] = true;
@@ -210,13 +235,17 @@ impl<'a> Search<'a> {
             if is_coarse {
                 self.follow_directions(cell, first, &frame, &mut seen);
             }
+            self.look_far(&frame, &mut far);
         }
         if is_coarse {
             seen.iter().for_each(|&cell| self.see_guests(cell, |_| true));
         }
+        far.iter().for_each(|&square| self.is_far[square as usize] = false);
         for &cell in &seen {
             self.is_seen[cell as usize] = false;
         }
+        far.sort_unstable();
+        far.shrink_to_fit();
         seen.sort_unstable();
         seen.shrink_to_fit();
         let mut beside: Vec<(u32, u32)> = Vec::new();
@@ -227,7 +256,7 @@ impl<'a> Search<'a> {
         beside.sort_unstable();
         beside.dedup();
         beside.shrink_to_fit();
-        (seen, Rest { is_coarse, beside })
+        (seen, Rest { far, is_coarse, beside })
     }
 
     /// Notes what in a room belongs to other cells, as far as it is reached.
@@ -254,11 +283,12 @@ impl<'a> Search<'a> {
             }
             self.see_guests(here, |guest| lines.meet(frame.local(guest.left), frame.local(guest.right)));
             for next in web.out(here) {
-                let Some(Ahead { left, right, .. }) = self.onward(frame, next, from, source) else { continue };
-                steps += 1;
-                if let Some(lines) = lines.through(left, right)
-                    && let Some(lines) = self.add(frame, next, lines, || Lines::all(frame).through(left, right))
-                {
+                let Some(Ahead { left, right, is_in_sight }) = self.onward(frame, next, from, source) else { continue };
+                steps += usize::from(is_in_sight);
+                let Some(lines) = lines.through(left, right) else { continue };
+                if !is_in_sight {
+                    self.leaving.push(Directions::of(&lines));
+                } else if let Some(lines) = self.add(frame, next, lines, || Lines::all(frame).through(left, right)) {
                     queue.push_back((next, here, lines));
                 }
             }
@@ -279,15 +309,50 @@ impl<'a> Search<'a> {
                 continue;
             }
             for next in web.out(here) {
-                let into = web.crossings[next as usize].into;
-                if into == from || into == source {
-                    continue;
-                }
-                if let Some(slopes) = self.add_directions(next, slopes, frame) {
+                let Some(Ahead { left, right, is_in_sight }) = self.onward(frame, next, from, source) else { continue };
+                if !is_in_sight {
+                    self.leaving.extend(Directions::between(frame, left, right).and_then(|across| across.both(slopes)));
+                } else if let Some(slopes) = self.add_directions(next, slopes, frame) {
                     queue.push_back((next, here, slopes));
                 }
             }
         }
+    }
+
+    /// Notes the squares that lines which have left the sight may reach.
+    fn look_far(&mut self, frame: &Frame, far: &mut Vec<u32>) {
+        if self.leaving.is_empty() || self.far_m <= self.sight_m {
+            self.leaving.clear();
+            return;
+        }
+        self.leaving.sort_by(Directions::order);
+        self.leaving.dedup_by(|next, last| {
+            let joins = last.both(*next).is_some();
+            if joins {
+                *last = last.hull(*next);
+            }
+            joins
+        });
+        let reach = GridPos::steps(self.far_m + frame.width_m());
+        let is_new = |square: &Square, n: u32| !self.is_far[n as usize] && square.is_about(frame.origin(), reach);
+        let about = self.squares.iter().zip(0..).filter(|&(square, n)| is_new(square, n));
+        for (square, n) in about {
+            let corners = square.corners().map(|corner| frame.local(corner));
+            if self.is_beyond(frame, corners) && self.leaving.iter().any(|slopes| slopes.reach(frame, corners)) {
+                far.push(n);
+            }
+        }
+        far.iter().for_each(|&n| self.is_far[n as usize] = true);
+        self.leaving.clear();
+    }
+
+    /// Whether something in a box lies beyond the sight from a frame's portal, and one sees so far.
+    fn is_beyond(&self, frame: &Frame, corners: [(f64, f64); 4]) -> bool {
+        let half_m = 0.5 * frame.width_m();
+        let off_m = |corner: (f64, f64)| libm::hypot(corner.0, corner.1 - half_m);
+        let farthest_m = corners.into_iter().map(off_m).fold(0.0, f64::max);
+        let across_m = libm::hypot(corners[0].0 - corners[2].0, corners[0].1 - corners[2].1);
+        farthest_m + half_m > self.sight_m && farthest_m - across_m - half_m <= self.far_m
     }
 
     fn see(&mut self, cell: u32, seen: &mut Vec<u32>) {
@@ -296,10 +361,10 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Where a crossing lies in the frame of the first, if it leads on and lies within sight.
+    /// Where a crossing lies in the frame of the first, if it leads on.
     fn onward(&mut self, frame: &Frame, crossing: u32, from: u32, source: u32) -> Option<Ahead> {
         let into = self.web.crossings[crossing as usize].into;
-        if into == from || into == source { None } else { self.known(frame, crossing).ahead }
+        (into != from && into != source).then(|| self.known(frame, crossing).ahead)
     }
 
     /// What is known of a crossing.
@@ -309,9 +374,8 @@ impl<'a> Search<'a> {
             let Crossing { left, right, .. } = web.crossings[crossing as usize];
             let (left, right) = (frame.local(left), frame.local(right));
             let middle = (0.5 * (left.0 + right.0), 0.5 * (left.1 + right.1 - frame.width_m()));
-            let reach_m = sight_m + 0.5 * (frame.width_m() + libm::hypot(left.0 - right.0, left.1 - right.1));
-            let is_in_sight = middle.0 * middle.0 + middle.1 * middle.1 <= reach_m * reach_m;
-            is_in_sight.then_some(Ahead { left, right })
+            let off_m = libm::hypot(middle.0, middle.1) - 0.5 * (frame.width_m() + libm::hypot(left.0 - right.0, left.1 - right.1));
+            Ahead { left, right, is_in_sight: off_m <= sight_m }
         })
     }
 
@@ -319,9 +383,10 @@ impl<'a> Search<'a> {
     fn add_directions(&mut self, crossing: u32, slopes: Directions, frame: &Frame) -> Option<Directions> {
         let known = self.known(frame, crossing);
         let ahead = known.ahead;
-        let coarse = known.coarse.get_or_insert_with(|| {
-            let all = ahead.and_then(|ahead| Directions::between(frame, ahead.left, ahead.right));
-            Coarse { growths: 0, all, known: None }
+        let coarse = known.coarse.get_or_insert_with(|| Coarse {
+            growths: 0,
+            all: Directions::between(frame, ahead.left, ahead.right),
+            known: None,
         });
         let all = coarse.all?;
         let slopes = slopes.both(all)?;

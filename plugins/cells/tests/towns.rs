@@ -231,6 +231,36 @@ fn visible_sets_are_not_much_larger_than_what_rays_find() {
 }
 
 #[test]
+fn what_is_seen_beyond_the_sight_is_told_by_squares() {
+    let plan = common::town(10);
+    let square = |cells: &Cells, cell: u32| cells.cells[cell as usize].outline.middle().morton() >> 34;
+    // No lines are merged: whatever is told is seen.
+    let exact = PartitionSettings { line_sets: 10_000, sight_steps: 1_000_000, sight_m: 2_000.0, ..PartitionSettings::default() };
+    let whole = partition(&plan, &exact).cells;
+    assert!(whole.far.iter().all(Vec::is_empty), "nothing is so far away");
+    let cells = partition(&plan, &PartitionSettings { sight_m: 80.0, ..exact.clone() }).cells;
+    assert_eq!(check(&plan, &cells), []);
+    assert_eq!(cells.cells, whole.cells);
+    let (mut told, mut held) = (0, 0);
+    let squares: BTreeSet<u64> = (0..cells.cells.len() as u32).map(|cell| square(&cells, cell)).collect();
+    for (cell, seen) in (0..).zip(&whole.visible) {
+        let far: BTreeSet<u64> = cells.far[cell].iter().map(|&other| square(&cells, other)).collect();
+        assert_eq!(far.len(), cells.far[cell].len(), "one cell a square");
+        for &other in seen.iter().filter(|other| cells.visible[cell].binary_search(other).is_err()) {
+            assert!(far.contains(&square(&cells, other)), "cell {cell} sees {other}");
+            told += 1;
+        }
+        held += far.len();
+    }
+    assert!(told > 500, "{told} pairs are farther away");
+    let share = held as f64 / (cells.cells.len() * squares.len()) as f64;
+    println!("{told} pairs are farther away, and a cell sees {share:.2} of all squares there");
+    assert!(share < 0.6, "a cell sees {share} of all squares there");
+    let none = partition(&plan, &PartitionSettings { sight_m: 80.0, far_m: 80.0, ..exact }).cells;
+    assert!(none.far.iter().all(Vec::is_empty), "nobody sees farther");
+}
+
+#[test]
 fn the_number_of_threads_changes_nothing() {
     let plan = common::town(5);
     let on = |threads| {

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    CityPlan, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, Place, PlanRoof, PlanStreet, PlanTerrain, Rgb,
+    CityPlan, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch, House, Place, PlanRoof, PlanStreet, PlanTerrain, Rgb,
     RoofShape, SurfaceKind, Volume, WaySpan,
 };
 
@@ -20,7 +20,7 @@ pub struct Overview {
     /// What covers the ground but openings, and where, in multiples of [`MAP_STEP`], without the courses that it is laid along. Of a city
     /// with cells what is paved is one piece a cell.
     pub ground: Vec<GroundPatch>,
-    /// Houses. One of several volumes has an entry for each outline that differs, one after another.
+    /// Houses [as maps show them](Massing::on_map). One of several volumes has an entry for each outline that differs, one after another.
     pub houses: Vec<Massing>,
     /// Names and numbers of those houses that have them.
     pub names: Vec<HouseName>,
@@ -49,22 +49,23 @@ pub struct District {
     pub spans: u32,
 }
 
-/// A house or a part of it on maps and from afar: an outline, raised to the eaves, under a roof.
+/// A house or a part of it on maps and from afar: an outline, raised to the eaves, under a roof. As precise as a plan, or, in overviews,
+/// [as maps show it](Self::on_map).
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Massing {
-    /// In multiples of [`MAP_STEP`].
+    /// In plan; on maps in multiples of [`MAP_STEP`].
     pub outline: GridPolygon,
-    /// How high its top, the ridge of its roof, stands above the ground at its first vertex, in multiples of [`MAP_STEP`].
+    /// How high its top, the ridge of its roof, stands above the ground at its first vertex; on maps in multiples of [`MAP_STEP`].
     pub height: i32,
-    /// Its roof: height in multiples of [`MAP_STEP`], along or across the longest edge of the outline.
+    /// Its roof; on maps its height in multiples of [`MAP_STEP`], and along or across the longest edge of the outline.
     pub roof: PlanRoof,
     /// Of its walls.
     pub colour: Rgb,
 }
 
 impl Massing {
-    /// Colours are told in so many steps a channel.
+    /// Colours are told in so many steps a channel on maps.
     const COLOURS: u8 = 15;
 
     /// A white block, so high, for maps alone.
@@ -74,13 +75,35 @@ impl Massing {
         Self { outline, height, roof: PlanRoof { shape: RoofShape::Flat, height: 0, direction: 0, colour: white }, colour: white }
     }
 
-    /// Of a volume; `None` if nothing of it is left on maps.
+    /// Of a volume.
     #[must_use]
-    pub fn of(volume: &Volume, terrain: &PlanTerrain) -> Option<Self> {
-        let outline = on_map(&volume.footprint)?;
+    pub fn of(volume: &Volume, terrain: &PlanTerrain) -> Self {
         let ground = volume.footprint.outer.first().map_or(0, |&pos| terrain.height(pos));
-        let height = rounded(volume.top().saturating_sub(ground));
-        let PlanRoof { shape, height: rise, direction, colour } = volume.roof;
+        let height = volume.top().saturating_sub(ground);
+        Self { outline: volume.footprint.clone(), height, roof: volume.roof, colour: volume.colour }
+    }
+
+    /// Of the volumes of a house of which something is left on maps, in their order: of those that have one outline there, the highest.
+    #[must_use]
+    pub fn of_house(house: &House, terrain: &PlanTerrain) -> Vec<Self> {
+        let mut told: Vec<(GridPolygon, Self)> = Vec::new();
+        for volume in &house.volumes {
+            let Some(outline) = on_map(&volume.footprint) else { continue };
+            let massing = Self::of(volume, terrain);
+            match told.iter_mut().find(|(known, _)| *known == outline) {
+                Some((_, known)) if known.height < massing.height => *known = massing,
+                Some(_) => {}
+                None => told.push((outline, massing)),
+            }
+        }
+        told.into_iter().map(|(_, massing)| massing).collect()
+    }
+
+    /// As maps show it; `None` if nothing of it is left there.
+    #[must_use]
+    pub fn on_map(&self) -> Option<Self> {
+        let outline = on_map(&self.outline)?;
+        let PlanRoof { shape, height: rise, direction, colour } = self.roof;
         let quarter = Self::nearest_quarter(&outline, direction);
         let roof = PlanRoof {
             shape,
@@ -88,7 +111,7 @@ impl Massing {
             direction: Self::quarter_deg(&outline, quarter),
             colour: coarse(colour),
         };
-        Some(Self { outline, height, roof, colour: coarse(volume.colour) })
+        Some(Self { outline, height: rounded(self.height), roof, colour: coarse(self.colour) })
     }
 
     /// The direction that lies so many quarter turns from that of the outline's longest edge, whole degrees clockwise from north.
@@ -172,16 +195,6 @@ impl Overview {
         }
         Self { terrain: PlanTerrain::joined(&terrains), ..whole }
     }
-
-    /// Adds a volume of a house, or raises that of an equal outline that the house has already from `first` on.
-    fn add_volume(&mut self, first: usize, volume: &Volume, terrain: &PlanTerrain) {
-        let Some(massing) = Massing::of(volume, terrain) else { return };
-        match self.houses.iter_mut().skip(first).find(|known| known.outline == massing.outline) {
-            Some(known) if known.height < massing.height => *known = massing,
-            Some(_) => {}
-            None => self.houses.push(massing),
-        }
-    }
 }
 
 /// What of a plan belongs to a cell, as an overview is to tell it.
@@ -259,7 +272,7 @@ impl<'a> OverviewParts<'a> {
             overview.spans.extend(of.spans.iter().filter_map(|&i| plan.spans.get(i as usize)).cloned());
             for house in of.houses.iter().filter_map(|&i| plan.houses.get(i as usize)) {
                 let first = overview.houses.len();
-                house.volumes.iter().for_each(|volume| overview.add_volume(first, volume, &plan.terrain));
+                overview.houses.extend(Massing::of_house(house, &plan.terrain).iter().filter_map(Massing::on_map));
                 let is_called = !house.name.is_empty() || !house.number.is_empty();
                 if is_called && overview.houses.len() > first {
                     let (name, number) = (house.name.clone(), house.number.clone());
@@ -295,7 +308,7 @@ pub fn on_map(polygon: &GridPolygon) -> Option<GridPolygon> {
 
 #[cfg(test)]
 mod tests {
-    use crate::{House, Id};
+    use crate::Id;
 
     use super::*;
 
@@ -334,7 +347,10 @@ mod tests {
 
     #[test]
     fn roofs_follow_their_outlines_and_colours_are_few() {
-        let massing = Massing::of(&volume(0, 1000), &PlanTerrain::default()).expect("an area");
+        let precise = Massing::of(&volume(0, 1000), &PlanTerrain::default());
+        let told = (&precise.outline, precise.height, precise.roof.direction, precise.colour);
+        assert_eq!(told, (&outline(0), 1300, 350, Rgb(200, 101, 7)));
+        let massing = precise.on_map().expect("an area");
         // The longest edge leads from (2304, 0) to (0, 2048).
         let leads = libm::round(libm::atan2(-9.0, 8.0).to_degrees()) as i32 + 360;
         assert_eq!(i32::from(massing.roof.direction), leads, "the nearest to 350 of it and its quarter turns");

@@ -59,6 +59,7 @@ pub struct Overviews {
     /// Of all parts.
     bounds: Vec<Bounds>,
     here: BTreeMap<u32, Arc<Overview>>,
+    vistas: Vec<u32>,
 }
 
 impl Overviews {
@@ -66,13 +67,13 @@ impl Overviews {
     #[must_use]
     pub fn whole(overview: Overview) -> Self {
         let everywhere = (GridPos(i32::MIN, i32::MIN), GridPos(i32::MAX, i32::MAX));
-        Self { bounds: vec![everywhere], here: [(0, Arc::new(overview))].into() }
+        Self { bounds: vec![everywhere], here: [(0, Arc::new(overview))].into(), vistas: Vec::new() }
     }
 
     /// Parts that lie within bounds, none of which has come.
     #[must_use]
     pub fn awaited(bounds: impl IntoIterator<Item = (GridPos, GridPos)>) -> Self {
-        Self { bounds: bounds.into_iter().collect(), here: BTreeMap::new() }
+        Self { bounds: bounds.into_iter().collect(), ..Self::default() }
     }
 
     /// Puts a part where it belongs, or takes it away.
@@ -81,6 +82,17 @@ impl Overviews {
             Some(overview) if (part as usize) < self.bounds.len() => drop(self.here.insert(part, overview)),
             _ => drop(self.here.remove(&part)),
         }
+    }
+
+    /// Parts that viewers see from afar, however far away they lie.
+    #[must_use]
+    pub fn vistas(&self) -> &[u32] {
+        &self.vistas
+    }
+
+    /// Replaces the list of parts that viewers see from afar.
+    pub fn set_vistas(&mut self, parts: Vec<u32>) {
+        self.vistas = parts;
     }
 
     /// A part that is here.

@@ -14,7 +14,7 @@ use crate::code::{Outlines, Prior, Source, Unread, press, unpress, unpress_with}
 pub(crate) const STORED_CAP: u64 = 64 << 20;
 /// Most values that any one thing may have.
 pub(crate) const VALUES_CAP: u64 = 16 << 20;
-/// The same of a packet or a region: lower, because several are decoded at a time.
+/// The same of a packet, a region or what is read with them: lower, because several are decoded at a time.
 const PACKET_CAP: u64 = 16 << 20;
 const PACKET_VALUES_CAP: u64 = 4 << 20;
 
@@ -23,7 +23,7 @@ const PACKET_VALUES_CAP: u64 = 4 << 20;
 pub struct BlobRef {
     /// Beginning of the blake3 hash of the bytes as stored: nobody finds other bytes for a given one.
     pub hash: [u8; Self::HASH_BYTES],
-    /// Bytes as stored, which is what travels. An index is refused in which a packet or a region claims more than some 16 MiB, or
+    /// Bytes as stored, which is what travels. An index is refused in which a packet, a region, its houses or a leaf claims more than some 16 MiB, or
     /// the overview or the styles more than some 64 MiB.
     pub bytes: u32,
 }
@@ -100,6 +100,8 @@ pub(crate) enum BlobKind {
     Styles = 17,
     Region = 18,
     File = 19,
+    Houses = 20,
+    Leaf = 21,
 }
 
 impl BlobKind {
@@ -113,11 +115,13 @@ impl BlobKind {
             Self::Styles => "the styles",
             Self::Region => "a region of the index",
             Self::File => "a file of the city",
+            Self::Houses => "the houses of a region",
+            Self::Leaf => "a leaf of the index",
         }
     }
 
     const fn is_piece(self) -> bool {
-        matches!(self, Self::Shell | Self::Facades | Self::Pictures | Self::Region)
+        matches!(self, Self::Shell | Self::Facades | Self::Pictures | Self::Region | Self::Houses | Self::Leaf)
     }
 
     /// Most values that a blob of the kind may have.
@@ -135,14 +139,15 @@ impl BlobKind {
             Self::Shell => Prior::Shell,
             Self::Facades => Prior::Sheet,
             Self::Overview => Prior::Overview,
-            Self::Pictures | Self::Styles | Self::File => Prior::None,
+            Self::Pictures | Self::Styles | Self::File | Self::Leaf => Prior::None,
             Self::Region => Prior::Region,
+            Self::Houses => Prior::Houses,
         }
     }
 
     fn of(byte: u8) -> Option<Self> {
         let packets = [Self::Shell, Self::Facades, Self::Pictures];
-        let all = packets.into_iter().chain([Self::Overview, Self::Styles, Self::Region, Self::File]);
+        let all = packets.into_iter().chain([Self::Overview, Self::Styles, Self::Region, Self::File, Self::Houses, Self::Leaf]);
         all.into_iter().find(|&kind| kind as u8 == byte)
     }
 }

@@ -1,10 +1,16 @@
+mod event;
+mod slot;
+
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
-use veduta_city::{Level, Overview};
+use veduta_city::Level;
+
+pub use event::{ClientEvent, ClientStats};
+use slot::{RegionSlot, Slot, State, back_off_s};
 
 use crate::index::WHAT as INDEX;
-use crate::{BlobRef, CityIndex, INDEX_NAME, Packet, Payload, Request, RequestId, StoreError, What};
+use crate::{BlobRef, CityIndex, INDEX_NAME, Payload, Request, RequestId, StoreError, What};
 
 /// How a [`Client`] asks.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,119 +42,17 @@ impl Default for ClientSettings {
     }
 }
 
-/// What a delivery meant.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ClientEvent {
-    /// The index is there, without its regions.
-    Opened,
-    /// What the index tells of the cells of a region is there.
-    RegionReady(
-        /// Which region.
-        u32,
-    ),
-    /// The overview of a region is there. It may no longer be wanted: then call [`Client::forget_overview`].
-    OverviewReady {
-        /// Which region.
-        region: u32,
-        /// It.
-        overview: Arc<Overview>,
-    },
-    /// A file is there.
-    FileReady {
-        /// Which, in the order of the index.
-        number: u32,
-        /// Its bytes.
-        content: Arc<[u8]>,
-    },
-    /// A packet is there. It may no longer be wanted: then call [`Client::forget`].
-    Arrived {
-        /// Which cell.
-        cell: u32,
-        /// Which level.
-        level: Level,
-        /// Its content.
-        packet: Packet,
-    },
-    /// A request failed.
-    Failed {
-        /// What it asked for.
-        what: What,
-        /// Why.
-        error: Arc<StoreError>,
-        /// Seconds until it is tried again; `None` if that cannot help, and so never.
-        again_in_s: Option<f64>,
-    },
-}
-
-/// What a client has done so far.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct ClientStats {
-    /// Requests made.
-    pub requests: u64,
-    /// Answers that were what was asked for.
-    pub delivered: u64,
-    /// Bytes of those answers as stored.
-    pub bytes: u64,
-    /// Of those, bytes of packets by [`Level::index`].
-    pub bytes_level: [u64; 4],
-    /// Requests that failed.
-    pub failures: u64,
-    /// Requests that were taken back before they were sent.
-    pub cancelled: u64,
-    /// Deliveries of requests that were not on their way: a mistake of whoever does the I/O.
-    pub unexpected: u64,
-    /// Requests on their way now.
-    pub in_flight: usize,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-enum State {
-    #[default]
-    Missing,
-    InFlight,
-    Here,
-    /// Trying again cannot help.
-    Dead,
-}
-
-/// How it stands with one thing that can be asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Slot {
-    state: State,
-    /// Failures in a row.
-    failures: u32,
-    /// When the first of them was told.
-    failing_since_s: f64,
-    /// Not asked for before this time.
-    again_s: f64,
-}
-
-impl Slot {
-    fn is_due(&self, now_s: f64) -> bool {
-        self.state == State::Missing && (self.failures == 0 || now_s >= self.again_s)
-    }
-
-    fn gave_up(&self, now_s: f64, patience_s: f64) -> bool {
-        self.state == State::Dead || (self.failures > 0 && now_s - self.failing_since_s >= patience_s)
-    }
-}
-
-/// How it stands with a region and with its cells, by level.
-#[derive(Debug, Clone, PartialEq, Default)]
-struct RegionSlot {
-    slot: Slot,
-    /// None as long as the region is not here.
-    cells: Vec<[Slot; 4]>,
-}
-
-/// Decides what to ask for and when: index, regions, then packets in the order wanted, each after the region that tells of it and
-/// after the level before it, and when nothing of these is due, overviews of regions. It does no I/O, reads no clock (`now_s` is any clock
-/// that does not go back), and answers the same for the same calls.
+/// Decides what to ask for and when: the index, then regions, each after its leaf of the index, then packets in the order wanted, each after
+/// its region, that region's houses and the level before it, and when nothing of these is due, overviews of regions. It does no I/O, reads
+/// no clock (`now_s` is any clock that does not go back), and answers the same for the same calls.
 #[derive(Debug)]
 pub struct Client {
     settings: ClientSettings,
     index: Option<CityIndex>,
     index_slot: Slot,
+    leaves: Vec<Slot>,
+    /// By region, and not forgotten with it if they fail: else they would be asked for without a pause.
+    houses: Vec<Slot>,
     /// By region.
     overviews: Vec<Slot>,
     regions: Vec<RegionSlot>,
@@ -173,6 +77,8 @@ impl Client {
             settings,
             index: None,
             index_slot: Slot::default(),
+            leaves: Vec::new(),
+            houses: Vec::new(),
             overviews: Vec::new(),
             regions: Vec::new(),
             files: Vec::new(),
@@ -287,9 +193,11 @@ impl Client {
 
     /// Lets everything that failed and waits be tried again at once, as after a lost connection that stands again.
     pub fn retry_now(&mut self) {
-        let cells = self.regions.iter_mut().flat_map(|region| region.cells.iter_mut().flatten().chain([&mut region.slot]));
-        for slot in cells
+        let regions = self.regions.iter_mut().flat_map(RegionSlot::slots_mut);
+        for slot in regions
             .chain([&mut self.index_slot])
+            .chain(&mut self.leaves)
+            .chain(&mut self.houses)
             .chain(&mut self.overviews)
             .chain(&mut self.files)
             .filter(|slot| slot.state == State::Missing)
@@ -298,10 +206,14 @@ impl Client {
         }
     }
 
-    /// A region, if it is to be asked for now.
+    /// A region, or the leaf that is to tell of it, if it is to be asked for now.
     fn region_due(&self, number: u32, now_s: f64) -> Option<(What, BlobRef)> {
-        let entry = self.index.as_ref()?.regions.get(number as usize)?;
-        self.regions.get(number as usize)?.slot.is_due(now_s).then_some((What::Region(number), entry.blob))
+        let index = self.index.as_ref()?;
+        let (slot, asked) = match index.missing_leaf(number) {
+            Some(leaf) => (self.leaves.get(leaf as usize)?, (What::Leaf(leaf), *index.leaves.get(leaf as usize)?)),
+            None => (&self.regions.get(number as usize)?.slot, (What::Region(number), index.regions.get(number as usize)?.blob?)),
+        };
+        slot.is_due(now_s).then_some(asked)
     }
 
     /// A file, if it is to be asked for now.
@@ -310,25 +222,39 @@ impl Client {
         self.files.get(number as usize)?.is_due(now_s).then_some((What::File(number), file.blob))
     }
 
-    /// The overview of a region, or the region that is to tell of it, if it is to be asked for now.
+    /// The houses of a region, if it has some that are not here.
+    fn missing_houses(&self, number: u32) -> Option<(&Slot, BlobRef)> {
+        let blob = self.index.as_ref()?.region(number)?.houses?;
+        let slot = self.houses.get(number as usize)?;
+        (slot.state != State::Here).then_some((slot, blob))
+    }
+
+    /// The overview of a region, or what it is read with, if it is to be asked for now.
     fn overview_due(&self, number: u32, now_s: f64) -> Option<(What, BlobRef)> {
         if !self.overviews.get(number as usize)?.is_due(now_s) {
             return None;
         }
-        match self.index.as_ref()?.region(number) {
-            Some(region) => Some((What::Overview(number), region.overview)),
-            None => self.region_due(number, now_s),
+        let Some(region) = self.index.as_ref()?.region(number) else { return self.region_due(number, now_s) };
+        match self.missing_houses(number) {
+            Some((slot, blob)) => slot.is_due(now_s).then_some((What::Houses(number), blob)),
+            None => Some((What::Overview(number), region.overview)),
         }
     }
 
-    /// A packet, or the region that is to tell of it, if it is to be asked for now.
+    /// A packet, or what it is read with, if it is to be asked for now.
     fn packet_due(&self, cell: u32, level: Level, now_s: f64) -> Option<(What, BlobRef)> {
         let index = self.index.as_ref()?;
         let number = index.region_of(cell)?;
         let Some(slots) = self.slots(cell) else { return self.region_due(number, now_s) };
         let blob = index.cell(cell)?.packet(level)?;
         let is_next = level.index().checked_sub(1).is_none_or(|before| slots[before].state == State::Here);
-        (is_next && slots[level.index()].is_due(now_s)).then_some((What::Packet { cell, level }, *blob))
+        if !is_next || !slots[level.index()].is_due(now_s) {
+            return None;
+        }
+        match self.missing_houses(number) {
+            Some((slot, blob)) => slot.is_due(now_s).then_some((What::Houses(number), blob)),
+            None => Some((What::Packet { cell, level }, *blob)),
+        }
     }
 
     /// How it stands with a cell's levels, if its region is here.
@@ -374,13 +300,19 @@ impl Client {
         }
     }
 
-    /// Says that a region that had arrived was released: it may be asked for again. Does nothing as long as packets of its cells are there
-    /// or on their way.
+    /// Says that a region that had arrived was released, with its houses: it may be asked for again. Does nothing as long as they, or packets
+    /// of its cells, are on their way, or packets are there.
     pub fn forget_region(&mut self, number: u32) {
-        let (Some(region), Some(index)) = (self.regions.get_mut(number as usize), &mut self.index) else { return };
+        let at = number as usize;
+        let (Some(region), Some(houses)) = (self.regions.get_mut(at), self.houses.get_mut(at)) else { return };
+        let Some(index) = &mut self.index else { return };
         let is_idle = |slot: &Slot| matches!(slot.state, State::Missing | State::Dead);
-        if region.slot.state == State::Here && region.cells.iter().flatten().all(is_idle) {
+        let is_free = houses.state != State::InFlight && region.cells.iter().flatten().all(is_idle);
+        if region.slot.state == State::Here && is_free {
             *region = RegionSlot::default();
+            if houses.state == State::Here {
+                *houses = Slot::default();
+            }
             index.forget(number);
             self.all_here_before = 0;
         }
@@ -413,9 +345,10 @@ impl Client {
     /// Whether the overview of a region, or what tells of it, cannot be had, as with [`Client::gave_up`].
     #[must_use]
     pub fn gave_up_overview(&self, region: u32, now_s: f64) -> bool {
+        let Some(slot) = self.overviews.get(region as usize).filter(|slot| slot.state != State::Here) else { return false };
         let is_told_of = self.index.as_ref().is_some_and(|index| index.region(region).is_some());
-        let gave_up = self.overviews.get(region as usize).is_some_and(|slot| slot.gave_up(now_s, self.settings.patience_s));
-        gave_up || (!is_told_of && self.gave_up_region(region, now_s))
+        let lacks_what_tells = if is_told_of { self.gave_up_houses(region, now_s) } else { self.gave_up_region(region, now_s) };
+        lacks_what_tells || slot.gave_up(now_s, self.settings.patience_s)
     }
 
     /// Whether a packet has arrived and was not forgotten.
@@ -424,23 +357,32 @@ impl Client {
         self.slots(cell).is_some_and(|slots| slots[level.index()].state == State::Here)
     }
 
-    /// Whether a packet, or the region that tells of it, cannot be had: asking again cannot help, or has not helped for
+    /// Whether a packet, or what it is read with, cannot be had: asking again cannot help, or has not helped for
     /// [`ClientSettings::patience_s`].
     #[must_use]
     pub fn gave_up(&self, cell: u32, level: Level, now_s: f64) -> bool {
-        match self.slots(cell) {
-            Some(slots) => slots[level.index()].gave_up(now_s, self.settings.patience_s),
-            None => {
-                let region = self.index.as_ref().and_then(|index| index.region_of(cell));
-                region.is_some_and(|number| self.gave_up_region(number, now_s))
+        let Some(number) = self.index.as_ref().and_then(|index| index.region_of(cell)) else { return false };
+        match self.slots(cell).map(|slots| &slots[level.index()]) {
+            Some(slot) => {
+                let is_here = slot.state == State::Here;
+                slot.gave_up(now_s, self.settings.patience_s) || (!is_here && self.gave_up_houses(number, now_s))
             }
+            None => self.gave_up_region(number, now_s),
         }
+    }
+
+    /// Whether the houses of a region cannot be had, as with [`Client::gave_up`].
+    fn gave_up_houses(&self, number: u32, now_s: f64) -> bool {
+        self.missing_houses(number).is_some_and(|(slot, _)| slot.gave_up(now_s, self.settings.patience_s))
     }
 
     /// Whether a region cannot be had, as with [`Client::gave_up`].
     #[must_use]
     pub fn gave_up_region(&self, number: u32, now_s: f64) -> bool {
-        self.regions.get(number as usize).is_some_and(|region| region.slot.gave_up(now_s, self.settings.patience_s))
+        let leaf = self.index.as_ref().and_then(|index| index.missing_leaf(number));
+        let leaf = leaf.and_then(|leaf| self.leaves.get(leaf as usize));
+        let region = self.regions.get(number as usize).map(|region| &region.slot);
+        leaf.into_iter().chain(region).any(|slot| slot.gave_up(now_s, self.settings.patience_s))
     }
 
     /// What it has done so far.
@@ -452,7 +394,9 @@ impl Client {
     fn slot_mut(&mut self, what: What) -> Option<&mut Slot> {
         match what {
             What::Index => Some(&mut self.index_slot),
+            What::Leaf(leaf) => self.leaves.get_mut(leaf as usize),
             What::Overview(number) => self.overviews.get_mut(number as usize),
+            What::Houses(number) => self.houses.get_mut(number as usize),
             What::File(number) => self.files.get_mut(number as usize),
             What::Region(number) => self.regions.get_mut(number as usize).map(|region| &mut region.slot),
             What::Packet { cell, level } => {
@@ -490,8 +434,15 @@ impl Client {
             regions: index.map_or_else(|| [].into(), |index| Arc::clone(&index.regions)),
             home: match what {
                 What::Packet { cell, .. } => home(cell),
-                What::Overview(number) => index.and_then(|index| Some((Arc::clone(index.region(number)?), 0))),
-                What::Index | What::Region(_) | What::File(_) => None,
+                What::Overview(number) | What::Houses(number) => {
+                    index.and_then(|index| Some((Arc::clone(index.region(number)?), 0)))
+                }
+                What::Index | What::Leaf(_) | What::Region(_) | What::File(_) => None,
+            },
+            houses: match what {
+                What::Packet { cell, .. } => index.and_then(|index| index.houses(index.region_of(cell)?).cloned()),
+                What::Overview(number) => index.and_then(|index| index.houses(number).cloned()),
+                What::Index | What::Leaf(_) | What::Region(_) | What::Houses(_) | What::File(_) => None,
             },
             palettes: index.map_or_else(|| [].into(), |index| Arc::clone(&index.palettes)),
         }
@@ -508,12 +459,14 @@ impl Client {
                 self.stats.bytes += bytes;
                 self.regions = vec![RegionSlot::default(); index.regions.len()];
                 self.overviews = vec![Slot::default(); index.regions.len()];
+                self.leaves = vec![Slot::default(); index.leaves.len()];
+                self.houses = vec![Slot::default(); index.regions.len()];
                 self.files = vec![Slot::default(); index.files.len()];
                 self.index = Some(*index);
                 Ok(ClientEvent::Opened)
             }
             (What::Region(number), Payload::Region(region)) => {
-                self.stats.bytes += self.blob_bytes(|index| index.regions.get(number as usize).map(|entry| entry.blob));
+                self.stats.bytes += self.blob_bytes(|index| index.regions.get(number as usize)?.blob);
                 if let (Some(slots), Some(index)) = (self.regions.get_mut(number as usize), &mut self.index) {
                     slots.cells = vec![[Slot::default(); 4]; region.cells.len()];
                     index.put(number, region);
@@ -523,6 +476,20 @@ impl Client {
             (What::Overview(region), Payload::Overview(overview)) => {
                 self.stats.bytes += self.blob_bytes(|index| Some(index.region(region)?.overview));
                 Ok(ClientEvent::OverviewReady { region, overview })
+            }
+            (What::Houses(number), Payload::Houses(houses)) => {
+                self.stats.bytes += self.blob_bytes(|index| index.region(number)?.houses);
+                if let Some(index) = &mut self.index {
+                    index.put_houses(number, houses);
+                }
+                Ok(ClientEvent::Ready(what))
+            }
+            (What::Leaf(leaf), Payload::Leaf(regions)) => {
+                self.stats.bytes += self.blob_bytes(|index| index.leaves.get(leaf as usize).copied());
+                if let Some(index) = &mut self.index {
+                    index.put_leaf(leaf, &regions);
+                }
+                Ok(ClientEvent::Ready(what))
             }
             (What::File(number), Payload::File(content)) => {
                 self.stats.bytes += self.blob_bytes(|index| index.files.get(number as usize).map(|file| file.blob));
@@ -537,8 +504,10 @@ impl Client {
             (what, _) => Err(StoreError::Kind {
                 expected: match what {
                     What::Index => INDEX,
+                    What::Leaf(_) => "a leaf of the index",
                     What::Region(_) => "a region of the index",
                     What::Overview(_) => "an overview",
+                    What::Houses(_) => "the houses of a region",
                     What::File(_) => "a file of the city",
                     What::Packet { .. } => "a packet of the level asked for",
                 },
@@ -568,11 +537,4 @@ impl Client {
         }
         ClientEvent::Failed { what, error: Arc::new(error), again_in_s }
     }
-}
-
-/// Seconds to wait after so many failures in a row: doubled each time, up to the cap.
-fn back_off_s(settings: &ClientSettings, failures: u32) -> f64 {
-    // Beyond 2^60 times anything the cap holds.
-    let doublings = failures.saturating_sub(1).min(60);
-    (settings.retry_first_s * (1_u64 << doublings) as f64).min(settings.retry_cap_s)
 }

@@ -4,14 +4,16 @@ use veduta_city::{Anchor, GridPolygon, GridPos, Palette, Portal, Viewpoint};
 
 use crate::blob::{STORED_CAP, VALUES_CAP};
 use crate::code::{Prior, press, unpress_with};
+use crate::leaf::LEAF;
 use crate::region::decode_region;
 use crate::wire::WireIndex;
 use crate::{
-    BlobRef, CellEntry, CityFile, FORMAT_VERSION, INDEX_NAME, OverviewContext, PacketContext, Reader, Region, RegionEntry,
-    StoreError, valid,
+    BlobRef, CellEntry, CityFile, FORMAT_VERSION, HousesContext, INDEX_NAME, OverviewContext, PacketContext, Reader, Region,
+    RegionEntry, RegionHouses, StoreError, decode_houses, decode_leaf, valid,
 };
 
-/// What a walker must know of a whole city before asking for any part of it, and, as they come, the [`Region`]s that tell of its cells.
+/// What a walker must know of a whole city before asking for any part of it, and, as they come, the [`Region`]s that tell of its cells
+/// and their houses.
 /// It comes only out of [`decode_index`], [`read_index`] or a [`crate::Client`], which make sure that every index in it points at
 /// something.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +36,8 @@ pub struct CityIndex {
     pub extent: GridPolygon,
     /// Its regions, at least one, in the order of their squares' Morton codes and of their cells' numbers.
     pub regions: Arc<[RegionEntry]>,
+    /// Leaves, each of which tells where 64 regions are stored; none if the index does.
+    pub leaves: Vec<BlobRef>,
     /// What houses are painted with, style by style.
     pub palettes: Arc<[Palette]>,
     /// The styles that the city was baked with.
@@ -42,12 +46,15 @@ pub struct CityIndex {
     pub files: Vec<CityFile>,
     /// Of each region, what is here.
     pub(crate) pages: Vec<Option<Arc<Region>>>,
+    /// Of each region, its houses if they are here.
+    pub(crate) houses: Vec<Option<Arc<RegionHouses>>>,
 }
 
 impl CityIndex {
     /// The same, of which no region is here.
     pub(crate) fn without_pages(mut self) -> Self {
         self.pages = vec![None; self.regions.len()];
+        self.houses = vec![None; self.regions.len()];
         self
     }
 
@@ -83,10 +90,41 @@ impl CityIndex {
         }
     }
 
-    /// Takes a region away.
+    /// Number of the leaf that tells where a region is stored; `None` if that is known, or there is no such region.
+    #[must_use]
+    pub fn missing_leaf(&self, region: u32) -> Option<u32> {
+        let entry = self.regions.get(region as usize)?;
+        entry.blob.is_none().then_some(region / LEAF as u32)
+    }
+
+    /// How many regions a leaf tells of.
+    pub(crate) fn leaf_count(regions: usize, leaf: u32) -> usize {
+        regions.saturating_sub(leaf as usize * LEAF).min(LEAF)
+    }
+
+    /// Puts what [`decode_leaf`](crate::decode_leaf) told where it belongs.
+    pub fn put_leaf(&mut self, leaf: u32, regions: &[BlobRef]) {
+        let entries = Arc::make_mut(&mut self.regions).iter_mut().skip(leaf as usize * LEAF).take(LEAF);
+        entries.zip(regions).for_each(|(entry, &blob)| entry.blob = Some(blob));
+    }
+
+    /// Takes a region away, and its houses.
     pub fn forget(&mut self, number: u32) {
-        if let Some(page) = self.pages.get_mut(number as usize) {
-            *page = None;
+        if let (Some(page), Some(houses)) = (self.pages.get_mut(number as usize), self.houses.get_mut(number as usize)) {
+            (*page, *houses) = (None, None);
+        }
+    }
+
+    /// The houses of a region, if they are here.
+    #[must_use]
+    pub fn houses(&self, number: u32) -> Option<&Arc<RegionHouses>> {
+        self.houses.get(number as usize)?.as_ref()
+    }
+
+    /// Puts houses where [`decode_houses`](crate::decode_houses) or a change of it belongs; nothing happens if there is no such number.
+    pub fn put_houses(&mut self, number: u32, houses: Arc<RegionHouses>) {
+        if let Some(page) = self.houses.get_mut(number as usize) {
+            *page = Some(houses);
         }
     }
 
@@ -105,14 +143,28 @@ impl CityIndex {
     /// What a cell's packets are read with.
     #[must_use]
     pub fn packet_context(&self, cell: u32) -> PacketContext<'_> {
-        PacketContext { outline: self.cell(cell).map(|entry| &entry.outline), palettes: &self.palettes }
+        let number = self.region_of(cell);
+        let houses = number.and_then(|number| self.houses(number));
+        PacketContext {
+            outline: self.cell(cell).map(|entry| &entry.outline),
+            palettes: &self.palettes,
+            houses: houses.map(|houses| &**houses),
+            place: number.map_or(0, |number| (cell - self.regions[number as usize].first) as usize),
+        }
+    }
+
+    /// What a region's houses are read with.
+    #[must_use]
+    pub fn houses_context(&self, region: u32) -> HousesContext<'_> {
+        HousesContext { cells: self.region(region).map_or(&[], |region| &region.cells), palettes: &self.palettes }
     }
 
     /// What a region's overview is read with.
     #[must_use]
     pub fn overview_context(&self, region: u32) -> OverviewContext<'_> {
         let first = self.regions.get(region as usize).map_or(0, |entry| entry.first);
-        OverviewContext { first, cells: self.region(region).map_or(&[], |region| &region.cells) }
+        let cells = self.region(region).map_or(&[][..], |region| &region.cells);
+        OverviewContext { first, cells, houses: self.houses(region).map(|houses| &**houses) }
     }
 
     /// Portals on a cell's border, if its region is here.
@@ -158,11 +210,24 @@ fn is_in((lo, hi): (GridPos, GridPos), pos: GridPos) -> bool {
 pub fn read_index(reader: &dyn Reader) -> Result<CityIndex, StoreError> {
     let stored = reader.read(INDEX_NAME, STORED_CAP)?;
     let mut index = decode_index(&stored).map_err(|error| error.in_file(reader.describe(), INDEX_NAME))?;
+    for leaf in 0..index.leaves.len() as u32 {
+        let blob = index.leaves[leaf as usize];
+        let stored = reader.read(&blob.path(), u64::from(blob.bytes))?;
+        let regions = decode_leaf(&stored, &blob, CityIndex::leaf_count(index.regions.len(), leaf));
+        index.put_leaf(leaf, &regions.map_err(|error| error.in_file(reader.describe(), &blob.path()))?);
+    }
     for number in 0..index.regions.len() as u32 {
-        let blob = index.regions[number as usize].blob;
+        let blob = index.regions[number as usize].blob.unwrap_or_default();
         let stored = reader.read(&blob.path(), u64::from(blob.bytes))?;
         let region = decode_region(&stored, number, &index.regions);
-        index.put(number, Arc::new(region.map_err(|error| error.in_file(reader.describe(), &blob.path()))?));
+        let region = region.map_err(|error| error.in_file(reader.describe(), &blob.path()))?;
+        let houses = region.houses;
+        index.put(number, Arc::new(region));
+        if let Some(blob) = houses {
+            let stored = reader.read(&blob.path(), u64::from(blob.bytes))?;
+            let houses = decode_houses(&stored, &blob, index.houses_context(number));
+            index.put_houses(number, Arc::new(houses.map_err(|error| error.in_file(reader.describe(), &blob.path()))?));
+        }
     }
     Ok(index)
 }
@@ -276,13 +341,17 @@ mod tests {
                 cells: vec![cell(0), cell(1)],
                 portals: vec![portal(0), portal(1)],
                 skyline: vec![1],
+                vistas: vec![1],
                 overview: BlobRef { hash: [75; 12], bytes: 11 },
+                houses: Some(BlobRef { hash: [77; 12], bytes: 15 }),
             },
             Region {
                 cells: vec![cell(2)],
                 portals: vec![portal(1)],
                 skyline: vec![],
+                vistas: vec![],
                 overview: BlobRef { hash: [76; 12], bytes: 12 },
+                houses: None,
             },
         ];
         let bounds = (GridPos(-1024, 0), GridPos(2048, 8192));
@@ -293,11 +362,11 @@ mod tests {
             skyline,
             tallest: 20 * 1024 * skyline as i32,
             bounds,
-            blob: BlobRef::default(),
+            blob: None,
         };
         let mut regions = [entry(0b1_11_00_00, 0, 2, 1), entry(0b1_11_00_01, 2, 1, 0)];
         for n in 0..2 {
-            regions[n].blob = BlobRef::of(&encode_region(&pages[n], n as u32, &regions));
+            regions[n].blob = Some(BlobRef::of(&encode_region(&pages[n], n as u32, &regions)));
         }
         let mut index = CityIndex {
             format: FORMAT_VERSION,
@@ -309,10 +378,12 @@ mod tests {
             start: Viewpoint::default(),
             extent: square(-100),
             regions: regions.into(),
+            leaves: Vec::new(),
             palettes: [Palette { walls: vec![Rgb(200, 190, 170)], roofs: vec![Rgb(140, 70, 50)], trim: 1.1 }].into(),
             styles: Some(BlobRef { hash: [78; 12], bytes: 13 }),
             files: vec![CityFile { path: "t.guide.ron".to_owned(), blob: BlobRef { hash: [79; 12], bytes: 14 } }],
             pages: Vec::new(),
+            houses: Vec::new(),
         }
         .without_pages();
         for (n, page) in (0..).zip(pages) {
@@ -342,7 +413,7 @@ mod tests {
             hasher.update(&encode_region(region, number, &index().regions));
         }
         let form = hasher.finalize().to_hex();
-        assert_eq!((FORMAT_VERSION, &form[..16]), (20, "0ffd837b76feb4a8"), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((FORMAT_VERSION, &form[..16]), (21, "ec91512488bc2cbf"), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]
@@ -378,7 +449,7 @@ mod tests {
     #[test]
     fn an_index_that_claims_gigabytes_is_refused() {
         let claims: [(&str, fn(&mut CityIndex) -> &mut BlobRef, u32); 2] = [
-            ("a region of the index", |index| &mut Arc::make_mut(&mut index.regions)[1].blob, 17 << 20),
+            ("a region of the index", |index| Arc::make_mut(&mut index.regions)[1].blob.as_mut().expect("told"), 17 << 20),
             ("the styles", |index| index.styles.as_mut().expect("styles"), u32::MAX),
         ];
         for (what, blob, bytes) in claims {
@@ -393,7 +464,7 @@ mod tests {
         let mut region = Region::clone(index.region(0).expect("here"));
         region.cells[1].packets[0].as_mut().expect("a packet").bytes = 17 << 20;
         let stored = encode_region(&region, 0, &index.regions);
-        Arc::make_mut(&mut index.regions)[0].blob = BlobRef::of(&stored);
+        Arc::make_mut(&mut index.regions)[0].blob = Some(BlobRef::of(&stored));
         let error = decode_region(&stored, 0, &index.regions).expect_err("a large packet").to_string();
         assert!(error.contains("a packet of level 1 claims 17825792 bytes"), "{error}");
     }
@@ -423,7 +494,7 @@ mod tests {
             }
             let mut index = index();
             let stored = forge(encode_region(index.region(0).expect("here"), 0, &index.regions));
-            Arc::make_mut(&mut index.regions)[0].blob = BlobRef::of(&stored);
+            Arc::make_mut(&mut index.regions)[0].blob = Some(BlobRef::of(&stored));
             if let Ok(region) = decode_region(&stored, 0, &index.regions) {
                 prop_assert_eq!(valid::check_region(&region, &index.regions[0], &index.regions), Ok(()));
                 index.put(0, Arc::new(region));

@@ -47,18 +47,21 @@
 //! | file | bytes |
 //! |---|---|
 //! | `city.veduta` | `VEDUTA`, 0; kind 1; version, u32; blake3 of all that follows, 32 bytes; the index |
-//! | `blobs/ab/abcdef….bin` | kind: 1 level 1, 2 level 2, 16 overview, 17 styles, 18 region; the content |
+//! | `blobs/ab/abcdef….bin` | kind: 1, 2, 4 packets of levels 1 to 3, 16 overview, 17 styles, 18 region, 19 file, 20 houses of a region, 21 leaf of the index; the content |
 //!
 //! Numbers are little-endian. A blob is named by the first 12 bytes of the blake3 hash of its bytes, so a copy that answers to its name is
 //! whole. Contents are structures of numbers (differences, each vertex and wall told once, colours by the palettes of styles) behind how
 //! many values they have, as a varint; they go through an adaptive range coder that begins with what such numbers are like on average.
 //! A cell's packet does not tell what the index does: its outline, the palettes ([`PacketContext`]); nor does an overview
-//! ([`OverviewContext`]). Positions are told in steps of a quarter of a metre, of the plan or of the grid, whatever all of them lie on.
+//! ([`OverviewContext`]). Both leave out footprints, heights, roofs and colours of the houses of their region, which are in a blob of
+//! their own ([`RegionHouses`]) that is read before. Positions are told in steps of a quarter of a metre, of the plan or of the grid, whatever
+//! all of them lie on.
 //!
-//! The index lists regions: squares of a quadtree over the whole grid with at most 128 cells each. What it tells of these cells (outlines,
-//! portals, visible sets, packets) is in the regions' blobs, which name the overview of each
-//! region too. Opening a city reads the list and the region in which a visit begins, however large it is. Cells are numbered along the quadtree's curve; in a region's blob those of others are named by the other's
-//! square, so that what is built at one end of a city changes no bytes at the other.
+//! The index lists regions: squares of the whole grid, or halves of them, with at most 128 cells each. What it tells of these cells
+//! (outlines, portals, visible sets, packets) is in the regions' blobs, which name the overview and the houses of each region too. Where the regions of a
+//! larger city are stored is told in leaves, each of 64 regions ([`CityIndex::leaves`]). Opening a city reads the list, a leaf, and
+//! the region in which a visit begins, however large it is. Cells are numbered along the quadtree's curve; in a region's blob those of others are
+//! named by the other's square, so that what is built at one end of a city changes no bytes at the other.
 //!
 //! # Failures
 //! What is damaged or missing is asked for again, after 0.5 s at first, then twice as long each time, 4 s at most; the others
@@ -67,7 +70,7 @@
 //! points at something, but for bays and storeys of ornaments and doors: whoever draws them leaves out what a wall does not have.
 //!
 //! # Limits
-//! The list of regions (some 19 bytes each) is read whole. A walk that goes on while its city is baked again sees packets missing until it is opened anew. A power cut right after writing may lose blobs; writing
+//! The list of regions (some 5 bytes each) is read whole. A walk that goes on while its city is baked again sees packets missing until it is opened anew. A power cut right after writing may lose blobs; writing
 //! again mends them. Two programs must not write to one directory at a time. A packet tells neither ids of houses nor of objects:
 //! whoever needs them takes the plan.
 //!
@@ -86,9 +89,11 @@ mod compose;
 mod disk;
 mod error;
 mod file;
+mod houses;
 #[cfg(not(target_arch = "wasm32"))]
 mod http;
 mod index;
+mod leaf;
 mod overview;
 mod packet;
 mod reader;
@@ -106,9 +111,11 @@ pub use client::{Client, ClientEvent, ClientSettings, ClientStats};
 pub use compose::CellParts;
 pub use error::{ReadError, StoreError};
 pub use file::{CityFile, FILE_CAP, decode_file, encode_file};
+pub use houses::{HousePart, HousesContext, RegionHouses, decode_houses, encode_houses};
 #[cfg(not(target_arch = "wasm32"))]
 pub use http::{HttpReader, HttpSettings};
 pub use index::{CityIndex, decode_index, encode_index, read_index};
+pub use leaf::{decode_leaf, encode_leaf};
 pub use overview::{OverviewContext, decode_overview, encode_overview, read_overview};
 pub use packet::{Packet, PacketContext, decode_packet, decode_styles, encode_packet, sheet_fits, wall_count};
 pub use reader::{DirReader, Fresh, Reader, open_reader};
@@ -122,7 +129,7 @@ pub use write::{CityWriter, write_city};
 extern crate self as veduta_store;
 
 /// Version of the format that this program writes and reads.
-pub const FORMAT_VERSION: u32 = 20;
+pub const FORMAT_VERSION: u32 = 21;
 
 /// Name of the index's file in a city's directory.
 pub const INDEX_NAME: &str = "city.veduta";

@@ -2,7 +2,7 @@ use veduta_city::Overview;
 
 use crate::blob::{BlobKind, pack_with, unpack_with};
 use crate::wire::WireOverview;
-use crate::{BlobRef, CellEntry, CityIndex, Reader, StoreError, valid};
+use crate::{BlobRef, CellEntry, CityIndex, Reader, RegionHouses, StoreError, valid};
 
 /// What an overview need not tell, because its region does. It is read with what it was written with, as a packet is.
 #[derive(Debug, Clone, Copy, Default)]
@@ -11,6 +11,8 @@ pub struct OverviewContext<'a> {
     pub first: u32,
     /// The region's cells.
     pub cells: &'a [CellEntry],
+    /// The region's houses.
+    pub houses: Option<&'a RegionHouses>,
 }
 
 /// Stored form of an overview. Outlines and heights must be multiples of [`veduta_city::MAP_STEP`].
@@ -130,7 +132,7 @@ mod tests {
     #[test]
     fn a_form_that_changed_has_a_new_version() {
         let form = blake3::hash(&encode_overview(&full(), OverviewContext::default())).to_hex();
-        assert_eq!((crate::FORMAT_VERSION, &form[..16]), (20, "e289003cdb318d23"), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((crate::FORMAT_VERSION, &form[..16]), (21, "b1bcf56ffc032b90"), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

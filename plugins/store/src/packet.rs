@@ -2,7 +2,7 @@ use veduta_city::{CellShell, FacadeSheet, GridPolygon, Level, Palette, PictureFi
 
 use crate::blob::{BlobKind, open, pack, pack_with, unpack, unpack_with};
 use crate::wire::{WireSheet, WireShell};
-use crate::{BlobRef, StoreError, valid};
+use crate::{BlobRef, RegionHouses, StoreError, valid};
 
 /// What is transferred for one cell at one level.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,7 +27,7 @@ impl Packet {
     }
 }
 
-/// What a packet need not tell, because the index does. A packet is read with what it was written with; with anything else it is
+/// What a packet need not tell, because the index and the houses of its region do. A packet is read with what it was written with; with anything else it is
 /// refused, or another cell comes of it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PacketContext<'a> {
@@ -35,6 +35,10 @@ pub struct PacketContext<'a> {
     pub outline: Option<&'a GridPolygon>,
     /// Colours of houses by their styles: [`CityIndex::palettes`](crate::CityIndex::palettes).
     pub palettes: &'a [Palette],
+    /// Houses of the cell's region.
+    pub houses: Option<&'a RegionHouses>,
+    /// Place of the cell in its region.
+    pub place: usize,
 }
 
 /// Stored form of a packet. The same packet gives the same bytes on every platform.
@@ -152,12 +156,13 @@ mod tests {
     };
     use veduta_city::{
         Arcade, Articulation, Balconies, BoreEnd, Course, Design, Gable, GridPolygon, GridPos, GroundFloor, GroundPatch,
-        HouseShell, Id, Marking, MarkingKind, Niche, ObjectKind, ObjectShell, Opening, Oriel, Ornament, Parapet, PlacedMonument,
-        PlanRoof, PlanTerrain, Rgb, RoofShape, SpanForm, SpanMarking, SpanStation, Storey, SurfaceKind, Tile, VolumeShell, Wall,
-        WallKind, WaySpan,
+        HouseShell, Id, Marking, MarkingKind, Massing, Niche, ObjectKind, ObjectShell, Opening, Oriel, Ornament, Parapet,
+        PlacedMonument, PlanRoof, PlanTerrain, Rgb, RoofShape, SpanForm, SpanMarking, SpanStation, Storey, SurfaceKind, Tile,
+        VolumeShell, Wall, WallKind, WaySpan,
     };
 
     use super::*;
+    use crate::HousePart;
 
     const NEAR: i32 = 1 << 27;
 
@@ -372,12 +377,41 @@ mod tests {
         })
     }
 
+    /// Houses of a region that tell of some volumes of a shell: of its own cell, the second of three, or of the first.
+    fn houses_of(shell: &CellShell, picks: &[(prop::sample::Index, bool)]) -> RegionHouses {
+        let volumes: Vec<(u16, &VolumeShell)> =
+            shell.houses.iter().flat_map(|house| house.volumes.iter().map(|volume| (house.style, volume))).collect();
+        let picked = picks.iter().filter(|_| !volumes.is_empty()).map(|(pick, is_own)| (pick.get(&volumes), *is_own));
+        let part = |&(style, volume): &(u16, &VolumeShell)| {
+            let ground = shell.terrain.height(volume.footprint.outer[0]);
+            let height = volume.eaves.saturating_add(volume.roof.height.max(0)).wrapping_sub(ground);
+            let outline = volume.footprint.map(|pos| pos.wrapping_add(shell.origin));
+            HousePart { style, massing: Massing { outline, height, roof: volume.roof, colour: volume.colour } }
+        };
+        let of = |own: bool| picked.clone().filter(move |(_, is_own)| *is_own == own).map(move |(volume, _)| part(volume));
+        let mut houses = RegionHouses::default();
+        houses.push(of(false));
+        houses.push(of(true));
+        houses.push([]);
+        houses
+    }
+
+    fn any_picks() -> impl Strategy<Value = Vec<(prop::sample::Index, bool)>> {
+        vec((any::<prop::sample::Index>(), any::<bool>()), 0..9)
+    }
+
     proptest! {
         #[test]
-        fn shells_survive(shell in any_shell(), outline in any_polygon(), walls in vec(any_colour(), 0..4)) {
+        fn shells_survive(
+            shell in any_shell(),
+            outline in any_polygon(),
+            walls in vec(any_colour(), 0..4),
+            picks in any_picks(),
+        ) {
             let palettes = [Palette { roofs: walls.clone(), walls, trim: 1.2 }];
+            let houses = houses_of(&shell, &picks);
             let packet = Packet::Shell(Box::new(shell));
-            let context = PacketContext { outline: Some(&outline), palettes: &palettes };
+            let context = PacketContext { outline: Some(&outline), palettes: &palettes, houses: Some(&houses), place: 1 };
             let stored = encode_packet(&packet, context);
             prop_assert_eq!(decode_packet(&stored, &BlobRef::of(&stored), Level::One, context), Ok(packet));
         }
@@ -396,9 +430,12 @@ mod tests {
             walls in vec(any_wall(), 0..4),
             edits in vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
             cut in any::<prop::sample::Index>(),
+            picks in any_picks(),
         ) {
+            let houses = houses_of(&shell, &picks);
+            let context = PacketContext { houses: Some(&houses), place: 1, ..PacketContext::default() };
             let forge = |packet: &Packet| {
-                let mut stored = write(packet);
+                let mut stored = encode_packet(packet, context);
                 for (at, byte) in &edits {
                     // Behind the kind.
                     let at = 1 + at.index(stored.len() - 1);
@@ -409,7 +446,7 @@ mod tests {
                 stored
             };
             let stored = forge(&Packet::Shell(Box::new(shell)));
-            if let Ok(Packet::Shell(shell)) = read(&stored, Level::One) {
+            if let Ok(Packet::Shell(shell)) = decode_packet(&stored, &BlobRef::of(&stored), Level::One, context) {
                 prop_assert_eq!(valid::check_shell(&shell), Ok(()));
                 // Decoded positions may be added without overflow.
                 let _sum = shell.outline.outer.iter().map(|&p| p + shell.origin).max();
@@ -535,8 +572,8 @@ mod tests {
         let (shell, sheet) = full();
         let hash = |packet: &Packet| blake3::hash(&write(packet)).to_hex()[..16].to_owned();
         let forms = (hash(&Packet::Shell(Box::new(shell))), hash(&Packet::Facades(sheet)));
-        let expected = ("2d16a1d2cba153b2".to_owned(), "fb13120a768e30fd".to_owned());
-        assert_eq!((crate::FORMAT_VERSION, forms), (20, expected), "raise FORMAT_VERSION if this is on purpose");
+        let expected = ("c6a8e305316b2ecf".to_owned(), "fb13120a768e30fd".to_owned());
+        assert_eq!((crate::FORMAT_VERSION, forms), (21, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

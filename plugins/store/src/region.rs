@@ -7,36 +7,40 @@ use crate::code::Source;
 use crate::wire::WireRegion;
 use crate::{BlobRef, StoreError, valid};
 
-/// A square of the quadtree over the whole grid, named by the way down to it: a one, then two bits a step (north, east). The squares
-/// are the same for every city, so that what is built at one end changes no names at the other.
+/// A square of the whole grid or a half of one, named by the way down to it: a one, then a bit for each time that it was halved (north,
+/// east, north, …). They are the same for every city, so that what is built at one end changes no names at the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RegionKey(pub u32);
 
-/// Steps down to the smallest squares, which measure 128 m.
-const DEEPEST: u32 = 15;
-/// A square with more cells than this is cut into four.
+/// How often the smallest squares were halved: they measure 128 m.
+const DEEPEST: u32 = 30;
+/// What has more cells than this is halved.
 const MOST_CELLS: usize = 128;
 
 impl RegionKey {
-    /// The square so many steps down in which a Morton code lies.
+    /// The square or half so many steps down in which a Morton code lies.
     fn of(code: u64, depth: u32) -> Self {
-        Self(1 << (2 * depth) | code.checked_shr(u64::BITS - 2 * depth).unwrap_or_default() as u32)
+        Self(1 << depth | code.checked_shr(u64::BITS - depth).unwrap_or_default() as u32)
+    }
+
+    /// How many steps down it lies.
+    const fn depth(self) -> u32 {
+        u32::BITS - 1 - self.0.leading_zeros()
     }
 
     /// The Morton code of its south-western corner, which is the least in it.
     pub(crate) fn first_code(self) -> u64 {
-        let bits = u32::BITS - 1 - self.0.leading_zeros();
-        u64::from(self.0 ^ 1 << bits).checked_shl(u64::BITS - bits).unwrap_or_default()
+        u64::from(self.0 ^ 1 << self.depth()).checked_shl(u64::BITS - self.depth()).unwrap_or_default()
     }
 
     /// Whether a plan position lies in it.
     pub(crate) fn holds(self, pos: GridPos) -> bool {
-        self.is_sound() && Self::of(pos.morton(), (u32::BITS - 1 - self.0.leading_zeros()) / 2) == self
+        self.is_sound() && Self::of(pos.morton(), self.depth()) == self
     }
 
-    /// Whether any square is called so.
+    /// Whether anything is called so.
     pub(crate) const fn is_sound(self) -> bool {
-        self.0 != 0 && self.0.leading_zeros() % 2 == 1
+        self.0 != 0 && self.depth() <= DEEPEST
     }
 }
 
@@ -55,8 +59,8 @@ pub struct RegionEntry {
     pub tallest: i32,
     /// Least and greatest corner in plan of all that is drawn with its cells, on whole metres.
     pub bounds: (GridPos, GridPos),
-    /// Its [`Region`].
-    pub blob: BlobRef,
+    /// Its [`Region`]; none as long as the leaf of the index that tells of it is not here.
+    pub blob: Option<BlobRef>,
 }
 
 impl RegionEntry {
@@ -76,8 +80,12 @@ pub struct Region {
     pub portals: Vec<Portal>,
     /// Those of its cells whose tallest things are seen from (almost) everywhere, by their numbers in the city, ascending.
     pub skyline: Vec<u32>,
+    /// Regions of which something is seen from its cells along the ground, farther away than visible sets reach: by their numbers, ascending.
+    pub vistas: Vec<u32>,
     /// The [`veduta_city::Overview`] of what lies in its square, or beyond all squares and nearest to it.
     pub overview: BlobRef,
+    /// Its [`crate::RegionHouses`]; none if there are no houses.
+    pub houses: Option<BlobRef>,
 }
 
 /// What the index says of a cell.
@@ -131,8 +139,8 @@ fn cut(codes: &[u64], cells: Range<usize>, depth: u32, squares: &mut Vec<(Region
     }
     let mut from = cells.start;
     while from < cells.end {
-        let quarter = RegionKey::of(codes[from], depth + 1);
-        let until = from + codes[from..cells.end].partition_point(|&code| RegionKey::of(code, depth + 1) <= quarter);
+        let half = RegionKey::of(codes[from], depth + 1);
+        let until = from + codes[from..cells.end].partition_point(|&code| RegionKey::of(code, depth + 1) <= half);
         cut(codes, from..until, depth + 1, squares);
         from = until;
     }
@@ -152,8 +160,10 @@ pub fn decode_region(stored: &[u8], number: u32, regions: &[RegionEntry]) -> Res
     let what = BlobKind::Region.words();
     let none = || StoreError::Invalid { what, reason: format!("there is no region {number} of {}", regions.len()) };
     let entry = regions.get(number as usize).ok_or_else(none)?;
+    let unknown = || StoreError::Invalid { what, reason: format!("the leaf that tells of region {number} is not here") };
+    let blob = entry.blob.as_ref().ok_or_else(unknown)?;
     let pull = |wire: WireRegion, outlines: &mut Source<'_, '_>| wire.pull(number as usize, regions, outlines);
-    let region = unpack_with(BlobKind::Region, stored, &entry.blob, pull)?;
+    let region = unpack_with(BlobKind::Region, stored, blob, pull)?;
     valid::check_region(&region, entry, regions).map_err(|reason| StoreError::Invalid { what, reason })?;
     Ok(region)
 }
@@ -163,7 +173,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn crowded_squares_are_cut_into_four() {
+    fn crowded_squares_are_halved() {
         let at = |x: i32, y: i32| GridPos(x * 1024, y * 1024).morton();
         let few: Vec<u64> = (0..100).map(|i| at(i, 0)).collect();
         assert_eq!(squares(&few), [(RegionKey(1), 0..100)]);
@@ -189,7 +199,7 @@ mod tests {
         };
         let (small, large) = (town(16), town(40));
         let kept = small.iter().filter(|square| large.contains(square)).count();
-        assert_eq!((kept, small.len(), large.len()), (4, 4, 9));
+        assert_eq!((kept, small.len(), large.len()), (2, 2, 5));
     }
 
     #[test]
@@ -209,6 +219,6 @@ mod tests {
                 assert!(key.first_code() <= pos.morton());
             }
         }
-        assert!(![0, 2, 3, 1 << 31].map(RegionKey).iter().any(|key| key.is_sound()));
+        assert!(![0, 1 << 31, u32::MAX].map(RegionKey).iter().any(|key| key.is_sound()));
     }
 }

@@ -24,6 +24,8 @@ pub struct CityStats {
     pub bytes_index: u64,
     /// Bytes of the overview.
     pub bytes_overview: u64,
+    /// Bytes of what regions tell of their houses.
+    pub bytes_houses: u64,
     /// Bytes of the styles.
     pub bytes_styles: u64,
     /// Bytes of the files that travel with the city.
@@ -33,10 +35,11 @@ pub struct CityStats {
 }
 
 impl CityStats {
-    /// Bytes of a level's packets for each house; `None` without houses.
+    /// Bytes of a level's packets for each house, at level 1 with what regions tell of it; `None` without houses.
     #[must_use]
     pub fn bytes_per_house(&self, level: Level) -> Option<f64> {
-        (self.houses > 0).then(|| self.bytes_level[level.index()] as f64 / self.houses as f64)
+        let houses = if level == Level::One { self.bytes_houses } else { 0 };
+        (self.houses > 0).then(|| (houses + self.bytes_level[level.index()]) as f64 / self.houses as f64)
     }
 }
 
@@ -48,11 +51,15 @@ impl fmt::Display for CityStats {
             self.houses, self.cells, self.bytes_index, self.bytes_overview
         )?;
         for level in Level::ALL {
-            let bytes = self.bytes_level[level.index()];
+            let houses = if level == Level::One { self.bytes_houses } else { 0 };
+            let bytes = houses + self.bytes_level[level.index()];
             if bytes > 0 {
                 write!(f, "; {level} {bytes} B")?;
                 if let Some(each) = self.bytes_per_house(level) {
                     write!(f, " ({each:.1} B a house)")?;
+                }
+                if houses > 0 {
+                    write!(f, ", {houses} B of them for the overview, too")?;
                 }
             }
         }

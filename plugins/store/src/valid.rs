@@ -10,7 +10,8 @@ use veduta_city::{
 
 use crate::blob::BlobKind;
 use crate::file::check_files;
-use crate::{BlobRef, CellEntry, CityIndex, Region, RegionEntry};
+use crate::leaf::LEAF;
+use crate::{BlobRef, CellEntry, CityIndex, Region, RegionEntry, RegionHouses};
 
 /// A reason in a sentence without a full stop.
 type Check = Result<(), String>;
@@ -232,16 +233,26 @@ fn check_spans(spans: &[WaySpan], reach: u32, cells: usize) -> Check {
     Ok(())
 }
 
+fn check_massing((i, Massing { outline, height, roof, .. }): (usize, &Massing)) -> Check {
+    check_polygon("it", outline, FAR)
+        .and_then(|()| check_height("its top", *height))
+        .and_then(|()| check_height("its roof", roof.height))
+        .map_err(|reason| format!("outline {i} of a house: {reason}"))
+}
+
+/// Houses of so many cells.
+pub(crate) fn check_houses(houses: &RegionHouses, cells: usize) -> Check {
+    if houses.cell_count() != cells {
+        return Err(format!("they tell of {} cells, and there are {cells}", houses.cell_count()));
+    }
+    houses.parts().iter().map(|part| &part.massing).enumerate().try_for_each(check_massing)
+}
+
 pub(crate) fn check_overview(overview: &Overview) -> Check {
     if squares(&overview.ground, &overview.terrain) > MOST_SQUARES_AFAR {
         return Err(format!("its ground lies on more than {MOST_SQUARES_AFAR} squares of its terrain"));
     }
-    for (i, Massing { outline, height, roof, .. }) in overview.houses.iter().enumerate() {
-        check_polygon("it", outline, FAR)
-            .and_then(|()| check_height("its top", *height))
-            .and_then(|()| check_height("its roof", roof.height))
-            .map_err(|reason| format!("outline {i} of a house: {reason}"))?;
-    }
+    overview.houses.iter().enumerate().try_for_each(check_massing)?;
     for (i, patch) in overview.ground.iter().enumerate() {
         check_polygon("it", &patch.outline, FAR)
             .and_then(|()| check_height("it", patch.z))
@@ -333,12 +344,24 @@ pub(crate) fn check_index(index: &CityIndex) -> Check {
         if region.skyline > region.cells {
             return Err(format!("region {i} has more cells on the skyline than cells"));
         }
-        check_blob(BlobKind::Region, Some(&region.blob))?;
+        check_blob(BlobKind::Region, region.blob.as_ref())?;
     }
+    if !index.leaves.is_empty() && index.leaves.len() != index.regions.len().div_ceil(LEAF) {
+        return Err(format!("it has {} leaves for {} regions", index.leaves.len(), index.regions.len()));
+    }
+    index.leaves.iter().try_for_each(|leaf| check_blob(BlobKind::Leaf, Some(leaf)))?;
     if !index.regions.is_sorted_by(|a, b| a.key.first_code() < b.key.first_code()) {
         return Err("its regions are out of order".to_owned());
     }
     Ok(())
+}
+
+/// Where so many regions are stored.
+pub(crate) fn check_leaf(regions: &[BlobRef], count: usize) -> Check {
+    if regions.len() != count {
+        return Err(format!("it tells of {} regions in place of {count}", regions.len()));
+    }
+    regions.iter().try_for_each(|region| check_blob(BlobKind::Region, Some(region)))
 }
 
 fn check_bounds((lo, hi): (GridPos, GridPos)) -> Check {
@@ -360,6 +383,7 @@ pub(crate) fn check_region(region: &Region, entry: &RegionEntry, regions: &[Regi
         return Err(format!("it has {cells} cells, {skyline} of them on the skyline; the index says {told} and {told_skyline}"));
     }
     check_blob(BlobKind::Overview, Some(&region.overview))?;
+    check_blob(BlobKind::Houses, region.houses.as_ref())?;
     let count = regions.last().map_or(0, |last| last.first as usize + last.cells as usize);
     for (cell, number) in region.cells.iter().zip(entry.first..) {
         check_cell(region, number, count, cell).map_err(|reason| format!("cell {number} ({}): {reason}", cell.id))?;
@@ -382,6 +406,7 @@ pub(crate) fn check_region(region: &Region, entry: &RegionEntry, regions: &[Regi
         }
     }
     check_ascending("cells of the skyline", &region.skyline, count)?;
+    check_ascending("regions far away", &region.vistas, regions.len())?;
     if let Some(cell) = region.skyline.iter().find(|cell| !entry.numbers().contains(cell)) {
         return Err(format!("cell {cell} of the skyline is another region's"));
     }

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use veduta_city::{CellShell, Cells, CityPlan, FacadeSheet};
 
-use crate::compose::{self, CellParts, invalid};
+use crate::compose::{self, CellParts, Division, invalid};
 use crate::disk::Disk;
 use crate::file::check_files;
 use crate::{BlobRef, CellEntry, CityFile, CityIndex, CityStats, INDEX_NAME, StoreError, encode_file};
@@ -56,6 +56,7 @@ pub struct CityWriter {
     entries: Vec<CellEntry>,
     /// Of each region.
     overviews: Vec<BlobRef>,
+    houses: Vec<Option<BlobRef>>,
     stats: CityStats,
 }
 
@@ -72,10 +73,10 @@ impl CityWriter {
         let files = Files::new(disk, dir)?;
         let mut stats = CityStats::default();
         let index = compose::head(plan, &mut stats, &|blob, stored| files.add(blob, stored))?;
-        Ok(Self { dir: dir.to_owned(), files, index, entries: Vec::new(), overviews: Vec::new(), stats })
+        Ok(Self { dir: dir.to_owned(), files, index, entries: Vec::new(), overviews: Vec::new(), houses: Vec::new(), stats })
     }
 
-    /// Writes the packets of all cells, and the overviews of their regions. `contents` makes the parts of each when they are wanted, on
+    /// Writes the packets of all cells, the houses and the overviews of their regions. `contents` makes the parts of each when they are wanted, on
     /// several threads: of shells and sheets no more are in memory at once than there are threads, the ground of all until the overviews are
     /// written.
     ///
@@ -89,8 +90,10 @@ impl CityWriter {
     ) -> Result<(), StoreError> {
         let files = &self.files;
         let sink = |blob: &BlobRef, stored: &[u8]| files.add(blob, stored);
-        let (entries, ground) = compose::entries(plan, cells, contents, &mut self.stats, &sink)?;
-        self.overviews = compose::overviews(plan, cells, (&entries, &ground), &mut self.stats, &sink)?;
+        let division = Division::new(plan, &cells.cells, &mut self.stats, &sink)?;
+        let (entries, ground) = compose::entries((plan, &division), cells, contents, &mut self.stats, &sink)?;
+        self.overviews = compose::overviews((plan, &division), cells, (&entries, &ground), &mut self.stats, &sink)?;
+        self.houses = division.blobs();
         self.entries = entries;
         Ok(())
     }
@@ -117,7 +120,7 @@ impl CityWriter {
     pub fn finish(mut self, cells: Cells) -> Result<CityStats, StoreError> {
         let files = &self.files;
         let sink = |blob: &BlobRef, stored: &[u8]| files.add(blob, stored);
-        let stored = compose::index(self.index, self.entries, &self.overviews, cells, &mut self.stats, &sink)?;
+        let stored = compose::index(self.index, self.entries, (&self.overviews, &self.houses), cells, &mut self.stats, &sink)?;
         self.files.put(&self.files.site.join(INDEX_NAME), &stored)?;
         if self.files.is_new {
             self.files.disk.rename(&self.files.site, &self.dir).map_err(failed("move into place", &self.dir))?;

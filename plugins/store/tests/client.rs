@@ -22,12 +22,12 @@ impl Walk {
         Self { _temp: temp, reader, client: Client::new(settings), now_s: 0.0 }
     }
 
-    /// A walk whose index is there, with its only region, and the overview.
+    /// A walk whose index is there, with its only region, the houses and the overview.
     fn open(cells: usize, settings: ClientSettings) -> Self {
         let mut walk = Self::new(cells, settings);
         walk.client.want_regions([0], []);
         walk.client.want_overviews([0]);
-        for expected in [What::Index, What::Region(0), What::Overview(0)] {
+        for expected in [What::Index, What::Region(0), What::Houses(0), What::Overview(0)] {
             let request = walk.next().expect("a request");
             assert_eq!(request.what, expected);
             assert_eq!(walk.answer(&request).len(), 1);
@@ -78,7 +78,7 @@ fn dead() -> StoreError {
 }
 
 #[test]
-fn the_index_comes_first_then_regions_then_packets_then_overviews() {
+fn the_index_comes_first_then_regions_then_houses_then_packets_then_overviews() {
     let mut walk = Walk::new(3, ClientSettings::default());
     walk.client.want([(0, One), (1, One)]);
     walk.client.want_overviews([0]);
@@ -92,6 +92,9 @@ fn the_index_comes_first_then_regions_then_packets_then_overviews() {
     assert!(!walk.client.has(0, One) && !walk.client.gave_up(0, One, 1e9));
     assert_eq!(walk.answer(&region[0]), [ClientEvent::RegionReady(0)]);
     assert_eq!(walk.client.index().map(|index| index.cells().count()), Some(3));
+    let houses = walk.burst();
+    assert_eq!(houses.iter().map(|request| request.what).collect::<Vec<_>>(), [What::Houses(0)], "all else is read with them");
+    assert_eq!(walk.answer(&houses[0]), [ClientEvent::Ready(What::Houses(0))]);
     let packet = walk.burst();
     let asked: Vec<What> = packet.iter().map(|request| request.what).collect();
     assert_eq!(asked, [What::Packet { cell: 0, level: One }, What::Packet { cell: 1, level: One }, What::Overview(0)]);
@@ -125,6 +128,27 @@ fn a_region_that_does_not_come_is_tried_again_and_its_cells_wait() {
     let request = walk.next().expect("due");
     walk.answer(&request);
     assert!(!walk.client.gave_up(1, One, 1e9));
+    for expected_s in [0.5, 1.0, 2.0, 4.0] {
+        let request = walk.next().expect("due");
+        assert_eq!(request.what, What::Houses(0));
+        assert_eq!(again(&walk.refuse(&request, dead())), Some(expected_s));
+        assert_eq!(walk.next(), None, "not yet");
+        walk.now_s += expected_s;
+    }
+    let gave_up = |walk: &Walk, s: f64| walk.client.gave_up(1, One, s) && walk.client.gave_up_overview(0, s);
+    assert!(!gave_up(&walk, 65.0) && gave_up(&walk, 69.0), "nor for its houses");
+    // A region that goes and comes again does not make them due.
+    let request = walk.next().expect("due");
+    walk.refuse(&request, dead());
+    walk.client.forget_region(0);
+    let region = walk.next().expect("it is wanted");
+    assert_eq!(walk.answer(&region), [ClientEvent::RegionReady(0)]);
+    assert_eq!(walk.next(), None, "not yet");
+    walk.client.retry_now();
+    let request = walk.next().expect("at once");
+    walk.client.forget_region(0);
+    assert_eq!(walk.answer(&request), [ClientEvent::Ready(What::Houses(0))], "a region whose houses are on their way stays");
+    assert!(!gave_up(&walk, 1e9));
     assert_eq!(packets(&walk.burst()), [(1, One)]);
 }
 
@@ -205,6 +229,9 @@ fn an_overview_on_its_way_is_in_nobodys_way_and_later_regions_come_after_packets
     let region = walk.next().expect("nothing else is due");
     assert_eq!(region.what, What::Region(0));
     walk.answer(&region);
+    let houses = walk.next().expect("nothing else is due");
+    assert_eq!(houses.what, What::Houses(0));
+    walk.answer(&houses);
     let overview = walk.next().expect("nothing else is due");
     assert_eq!(overview.what, What::Overview(0));
     walk.client.want([(0, One)]);
@@ -404,7 +431,10 @@ fn bytes_are_counted_as_stored() {
     let mut walk = Walk::open(2, ClientSettings::default());
     let index = walk.client.index().expect("open").clone();
     let index_bytes = std::fs::metadata(walk._temp.join(INDEX_NAME)).expect("a file").len();
-    let opened = index_bytes + u64::from(index.regions[0].blob.bytes) + u64::from(index.region(0).expect("here").overview.bytes);
+    let opened = index_bytes
+        + u64::from(index.regions[0].blob.expect("told").bytes)
+        + u64::from(index.region(0).expect("here").houses.expect("some").bytes)
+        + u64::from(index.region(0).expect("here").overview.bytes);
     assert_eq!(walk.client.stats().bytes, opened);
     walk.client.want([(0, One), (1, One)]);
     for request in walk.burst() {
@@ -413,7 +443,7 @@ fn bytes_are_counted_as_stored() {
     let level_1: u64 = index.cells().map(|(_, cell)| u64::from(cell.packets[0].expect("a packet").bytes)).sum();
     let stats = walk.client.stats();
     assert_eq!((stats.bytes, stats.bytes_level), (opened + level_1, [level_1, 0, 0, 0]));
-    assert_eq!((stats.requests, stats.delivered, stats.failures, stats.in_flight), (5, 5, 0, 0));
+    assert_eq!((stats.requests, stats.delivered, stats.failures, stats.in_flight), (6, 6, 0, 0));
 }
 
 #[test]
@@ -456,4 +486,33 @@ fn files_that_travel_with_a_city_come_when_they_are_asked_for_and_go_with_the_ne
     let before = stats.blobs;
     let stats = write(&[]).expect("written");
     assert_eq!((stats.blobs, stats.blobs_removed), (before - 2, 2));
+}
+
+#[test]
+fn a_region_of_a_large_city_comes_after_the_leaf_that_tells_where_it_is() {
+    let temp = TempDir::new("leaves");
+    city(1, 1).write(&temp.0).expect("written");
+    let mut index = read_index(&DirReader::new(&temp.0).expect("a city")).expect("an index");
+    let region = |n: u32| RegionEntry { key: RegionKey(1 << 8 | n), first: 1, cells: 0, blob: None, ..index.regions[0].clone() };
+    let mut regions: Vec<RegionEntry> = (0..65).map(region).collect();
+    (regions[0].first, regions[0].cells) = (0, 1);
+    let page = encode_region(&Region::default(), 64, &regions);
+    let leaf = encode_leaf(&[BlobRef::of(&page)]);
+    (index.regions, index.leaves) = (regions.into(), vec![BlobRef { bytes: 9, ..BlobRef::default() }, BlobRef::of(&leaf)]);
+    let mut client = Client::new(ClientSettings::default());
+    client.want_regions([64], []);
+    let ask = |client: &mut Client, what: What, bytes: &[u8]| {
+        let request = client.next_request(0.0).expect("a request");
+        assert_eq!((request.what, client.next_request(0.0)), (what, None), "nothing else can be asked for");
+        client.deliver(request.id, request.decode(bytes.to_vec()), 0.0)
+    };
+    assert_eq!(ask(&mut client, What::Index, &encode_index(&index)), [ClientEvent::Opened]);
+    assert!(again(&ask(&mut client, What::Leaf(1), b"another leaf")).is_some());
+    assert!(client.gave_up_region(64, 70.0) && !client.gave_up_region(63, 70.0));
+    client.retry_now();
+    assert_eq!(ask(&mut client, What::Leaf(1), &leaf), [ClientEvent::Ready(What::Leaf(1))]);
+    assert_eq!(ask(&mut client, What::Region(64), &page), [ClientEvent::RegionReady(64)]);
+    let told = client.index().expect("open");
+    assert_eq!(encode_index(told), encode_index(&index), "what leaves told is not told again");
+    assert_eq!(client.stats().bytes, (encode_index(&index).len() + leaf.len() + page.len()) as u64);
 }

@@ -34,7 +34,7 @@ fn walk(reader: &dyn Reader) -> (Vec<(What, String)>, ClientStats, f64) {
     client.want((0..CELLS as u32).flat_map(|cell| [(cell, Level::One), (cell, Level::Two)]));
     client.want_overviews([0]);
     let (mut arrived, mut now_s) = (Vec::new(), 0.0);
-    while arrived.len() < 3 + 2 * CELLS && now_s < 30.0 {
+    while arrived.len() < 4 + 2 * CELLS && now_s < 30.0 {
         while let Some(request) = client.next_request(now_s) {
             let answer = request.fetch(reader);
             for event in client.deliver(request.id, answer, now_s) {
@@ -62,7 +62,7 @@ fn any_one_read_may_fail() {
         |path| ReadError::Status { place: "a line".to_owned(), path: path.to_owned(), status: 500 },
     ];
     let (whole, stats, _) = walk(&reader(usize::MAX, told[0]));
-    assert_eq!((whole.len(), stats.failures), (3 + 2 * CELLS, 0));
+    assert_eq!((whole.len(), stats.failures), (4 + 2 * CELLS, 0));
     for failing in 0..whole.len() {
         for how in told {
             let (arrived, stats, took_s) = walk(&reader(failing, how));

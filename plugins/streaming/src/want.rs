@@ -352,33 +352,62 @@ pub(crate) fn plan_wanted(
     };
 }
 
-/// Plans which parts of the overview are wanted: those about the viewers, nearest first, then what plugins ask for.
+/// Plans which parts of the overview are wanted: those about the viewers, then what plugins ask for, then what viewers see from afar, nearest
+/// first.
 pub(crate) fn plan_overviews(
-    city: Option<Res<City>>,
+    (city, store): (Option<ResMut<City>>, Option<Res<Store>>),
     settings: Res<StreamingSettings>,
     wants: Res<OverviewWants>,
-    viewers: Query<&Eye, With<Viewer>>,
+    viewers: Query<(&Eye, Option<&CurrentCell>), With<Viewer>>,
     mut wanted: ResMut<Wanted>,
-    mut planned: Local<Vec<Around>>,
+    mut planned: Local<(Vec<Around>, Vec<u32>)>,
 ) {
-    let Some(city) = city else { return };
+    let Some(mut city) = city else { return };
     let radius_m = |eye_m: f64| if eye_m >= settings.flying_from_m { settings.overview_flying_m } else { settings.overview_m };
-    let about = viewers.iter().map(|eye| Around::coarsely(eye.plan_pos, radius_m(eye.eye_m)));
-    let circles: Vec<Around> = about.chain(wants.0.values().copied()).collect();
+    let about: Vec<Around> = viewers.iter().map(|(eye, _)| Around::coarsely(eye.plan_pos, radius_m(eye.eye_m))).collect();
+    let index = store.as_ref().and_then(|store| store.client.index());
+    // The regions that viewers stand in or fly over and that are here to tell what is seen from them.
+    let grounds = viewers.iter().filter_map(|(eye, current)| {
+        let index = index?;
+        let is_here = |number: &u32| index.region(*number).is_some();
+        let of_cell = current.and_then(|current| index.region_of(current.0?));
+        of_cell.or_else(|| index.regions_at(GridPos::from_metres(eye.plan_pos)).find(is_here)).filter(is_here)
+    });
+    let asked = (about.iter().chain(wants.0.values()).copied().collect(), grounds.collect());
     // A city just opened has no list yet.
-    if *planned == circles && !wanted.overviews.is_empty() {
+    if *planned == asked && !wanted.overviews.is_empty() && !settings.is_changed() {
         return;
     }
-    let mut overviews = Vec::new();
-    for &circle in &circles {
-        let new: Vec<u32> = city.overviews.within(circle).filter(|part| !overviews.contains(part)).collect();
-        overviews.extend(new);
+    *planned = asked;
+    let mut vistas = index.map_or_else(Vec::new, |index| vistas(index, &planned.1, &about));
+    vistas.truncate(settings.vistas);
+    let within = |&circle: &Around| city.overviews.within(circle).collect::<Vec<_>>();
+    let mut overviews: Vec<u32> = Vec::new();
+    for part in about.iter().chain(wants.0.values()).flat_map(within).chain(vistas.iter().copied()) {
+        if !overviews.contains(&part) {
+            overviews.push(part);
+        }
     }
-    *planned = circles;
+    if city.overviews.vistas() != vistas {
+        city.overviews.set_vistas(vistas);
+    }
     if wanted.overviews != overviews {
         wanted.overviews = overviews;
         wanted.generation += 1;
     }
+}
+
+/// What is seen far away from some regions, nearest to any of the viewers first.
+fn vistas(index: &CityIndex, grounds: &[u32], about: &[Around]) -> Vec<u32> {
+    let seen = grounds.iter().filter_map(|&number| index.region(number)).flat_map(|region| &region.vistas);
+    let seen: BTreeSet<u32> = seen.copied().collect();
+    let off_m = |number: u32| {
+        let bounds = index.regions[number as usize].bounds;
+        about.iter().map(|circle| distance_to(bounds, circle.middle)).fold(f64::INFINITY, f64::min)
+    };
+    let mut seen: Vec<(f64, u32)> = seen.into_iter().map(|number| (off_m(number), number)).collect();
+    seen.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    seen.into_iter().map(|(_, number)| number).collect()
 }
 
 /// Cells seen from one; none as long as its region has not come.

@@ -45,7 +45,8 @@ pub(crate) fn inspect(city: &str, json: bool, proving: &Proving) -> Result<(), F
     let reader = open_reader(city)?;
     let index = read_index(&*reader)?;
     let found = look(&*reader, &index);
-    let settings = ProofSettings { rays: proving.rays, eyes_a_cell: proving.eyes, seed: proving.proof_seed };
+    let settings =
+        ProofSettings { rays: proving.rays, eyes_a_cell: proving.eyes, seed: proving.proof_seed, ..ProofSettings::default() };
     let proof = (proving.prove && found.broken.is_empty()).then(|| prove(&index, &found.shells, &settings));
     let houses: u64 = index.cells().map(|(_, cell)| u64::from(cell.houses)).sum();
     let seen: usize = index.cells().map(|(_, cell)| cell.visible.len()).sum();
@@ -55,19 +56,20 @@ pub(crate) fn inspect(city: &str, json: bool, proving: &Proving) -> Result<(), F
     let told = index.regions_here().flat_map(|(number, region)| region.portals.iter().map(move |portal| (number, portal)));
     let portals = told.filter(|(number, portal)| index.region_of(portal.cell) == Some(*number)).count();
     let skyline: usize = index.regions_here().map(|(_, region)| region.skyline.len()).sum();
+    let vistas: usize = index.regions_here().map(|(_, region)| region.vistas.len()).sum();
     if json {
         let mut figures = serde_json::json!({
             "name": index.name, "cells": cells, "regions": regions, "portals": portals, "houses": houses,
-            "places": found.places, "visible_mean": visible_mean, "skyline": skyline,
+            "places": found.places, "visible_mean": visible_mean, "skyline": skyline, "vistas": vistas,
             "packets": found.packets, "bytes": found.bytes, "broken": found.broken.len(),
         });
         if let Some(proof) = &proof {
             figures["proof"] = serde_json::json!({
                 "rays": proof.rays, "hits": proof.hits, "misses": proof.misses, "missing_pairs": proof.missing.len(),
-                "misses_with_districts": proof.misses_with_districts,
+                "by_districts": proof.by_districts, "bare": proof.bare,
                 "excess": proof.excess(),
                 "missing": proof.missing.iter().map(|missing| serde_json::json!({
-                    "from": missing.from, "cell": missing.cell, "is_district": missing.is_district,
+                    "from": missing.from, "cell": missing.cell,
                     "eye": [missing.eye.0.x, missing.eye.0.y, missing.eye.1],
                     "seen": [missing.seen.0.x, missing.seen.0.y, missing.seen.1],
                 })).collect::<Vec<_>>(),
@@ -77,7 +79,9 @@ pub(crate) fn inspect(city: &str, json: bool, proving: &Proving) -> Result<(), F
     } else {
         println!("{} ({})", index.name, reader.describe());
         println!("  {cells} cells in {regions} regions, {portals} portals, {houses} houses, {} places", found.places);
-        println!("  {visible_mean:.1} cells seen from a cell, {skyline} on the skyline");
+        println!(
+            "  {visible_mean:.1} cells seen from a cell, {skyline} on the skyline; {vistas} times a region sees another from afar"
+        );
         for level in Level::ALL.into_iter().filter(|l| found.packets[l.index()] > 0) {
             println!("  {level}: {} packets, {} bytes", found.packets[level.index()], found.bytes[level.index()]);
         }
@@ -102,14 +106,15 @@ const MOST_TOLD: usize = 10;
 fn tell(proof: &Proof, index: &CityIndex, json: bool) {
     if !json {
         println!(
-            "  {} rays through {} triangles: {} met something, {} saw what is missing from a visible set ({} pairs of cells), {} \
-             of these where its district is within reach",
+            "  {} rays through {} triangles: {} met something, {} saw what is in neither visible set nor skyline nor district ({} pairs of \
+             cells), {} what only districts tell of, {} of them trees or furniture",
             proof.rays,
             proof.triangles,
             proof.hits,
             proof.misses,
             proof.missing.len(),
-            proof.misses_with_districts
+            proof.by_districts,
+            proof.bare
         );
         if let Some(excess) = proof.excess() {
             println!("  visible sets hold {excess:.3} times the area that is seen, the skyline apart");

@@ -29,6 +29,8 @@ pub(super) struct Hit {
     pub(super) distance_m: f64,
     /// The cell that the face is drawn with.
     pub(super) cell: u32,
+    /// Whether it hides nothing for certain.
+    pub(super) is_loose: bool,
 }
 
 impl Scene {
@@ -161,7 +163,7 @@ impl Faces {
             }
             best.map_or(f64::INFINITY, |(best, _)| best)
         });
-        best.map(|(times, cell)| Hit { distance_m: times * direction.length(), cell })
+        best.map(|(times, cell)| Hit { distance_m: times * direction.length(), cell, is_loose: false })
     }
 
     /// A face of each cell that a ray meets within a distance.
@@ -170,7 +172,7 @@ impl Faces {
         let most = within_m / length_m;
         self.visit(eye, direction, |times, cell| {
             if times < most && seen.iter().all(|hit| hit.cell != cell) {
-                seen.push(Hit { distance_m: times * length_m, cell });
+                seen.push(Hit { distance_m: times * length_m, cell, is_loose: true });
             }
             most
         });

@@ -95,6 +95,8 @@ pub fn cells(cells: &Cells) -> String {
     line(format!("# {} portals, {}", cells.portals.len(), hash_of(&cells.portals)));
     let seen: usize = cells.visible.iter().map(Vec::len).sum();
     line(format!("# {seen} times a cell sees another, {}", hash_of(&cells.visible)));
+    let far: usize = cells.far.iter().map(Vec::len).sum();
+    line(format!("# {far} times a cell sees a square far away, {}", hash_of(&cells.far)));
     line(format!("skyline {}", list(&cells.skyline)));
     for (i, (cell, seen)) in cells.cells.iter().zip(&cells.visible).enumerate() {
         let yards = cell.yards.iter().map(GridPolygon::area_m2).fold(0.0, |sum, m2| sum + m2);

@@ -18,6 +18,8 @@ pub(crate) enum Prior {
     Overview,
     /// A region of the index.
     Region,
+    /// The houses of a region.
+    Houses,
 }
 
 impl Prior {
@@ -28,6 +30,7 @@ impl Prior {
             Self::Sheet => Models::after(&PRIORS.sheet),
             Self::Overview => Models::after(&PRIORS.overview),
             Self::Region => Models::after(&PRIORS.region),
+            Self::Houses => Models::after(&PRIORS.houses),
         }
     }
 }
@@ -41,6 +44,7 @@ struct Priors {
     sheet: Vec<Column<Chance>>,
     overview: Vec<Column<Chance>>,
     region: Vec<Column<Chance>>,
+    houses: Vec<Column<Chance>>,
 }
 
 impl Priors {
@@ -49,10 +53,10 @@ impl Priors {
         if bytes.is_empty() {
             return Self::default();
         }
-        match super::unpress::<[WirePrior; 4]>("the priors", bytes, Prior::None, 1 << 20) {
+        match super::unpress::<[WirePrior; 5]>("the priors", bytes, Prior::None, 1 << 20) {
             Ok(priors) => {
-                let [shell, sheet, overview, region] = priors.map(WirePrior::columns);
-                Self { shell, sheet, overview, region }
+                let [shell, sheet, overview, region, houses] = priors.map(WirePrior::columns);
+                Self { shell, sheet, overview, region, houses }
             }
             // They are part of the program.
             Err(error) => unreachable!("{error}"),

@@ -22,7 +22,7 @@ use super::priors::{Prior, WireColumn, WirePrior, WireSlot};
 use super::range::{Bits, Chance};
 use super::ser::Writer;
 use super::{Outlines, press};
-use crate::wire::{WireOverview, WireRegion, WireSheet, WireShell};
+use crate::wire::{WireHouses, WireOverview, WireRegion, WireSheet, WireShell};
 use crate::{BlobRef, DirReader, Packet, Reader, decode_overview, decode_packet, read_index};
 
 /// Bits of one kind, packet by packet.
@@ -115,6 +115,7 @@ struct All {
     sheets: Vec<(WireSheet, Outlines)>,
     overviews: Vec<(WireOverview, Outlines)>,
     regions: Vec<(WireRegion, Outlines)>,
+    houses: Vec<(WireHouses, Outlines)>,
 }
 
 impl All {
@@ -138,6 +139,7 @@ impl All {
                 decode_overview(&stored(&region.overview), &region.overview, index.overview_context(number)).expect("whole");
             self.overviews.push(WireOverview::of(&overview, index.overview_context(number)));
             self.regions.push(WireRegion::of(region, number as usize, &index.regions));
+            self.houses.extend(index.houses(number).map(|houses| WireHouses::of(houses, index.houses_context(number))));
         }
     }
 }
@@ -148,7 +150,7 @@ fn train_priors() {
     let mut all = All::default();
     let cities = std::env::var("VEDUTA_CITIES").expect("folders of cities in VEDUTA_CITIES");
     cities.split_whitespace().for_each(|dir| all.read(Path::new(dir)));
-    let priors = [train(&all.shells), train(&all.sheets), train(&all.overviews), train(&all.regions)];
+    let priors = [train(&all.shells), train(&all.sheets), train(&all.overviews), train(&all.regions), train(&all.houses)];
     let mut bytes = Vec::new();
     press(&priors, None, Prior::None, &mut bytes);
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/code/priors.bin");

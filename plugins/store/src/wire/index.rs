@@ -6,7 +6,7 @@ use super::{
     columns::{Deltas, Pull, Texts},
 };
 use crate::code::{Outlines, Source, Unread};
-use crate::{BlobRef, CityFile, CityIndex, FORMAT_VERSION, RegionEntry, RegionKey};
+use crate::{CityFile, CityIndex, FORMAT_VERSION, RegionEntry, RegionKey};
 
 /// A [`CityIndex`] in columns, without the regions themselves.
 #[derive(Serialize, Deserialize)]
@@ -18,6 +18,7 @@ pub(crate) struct WireIndex {
     /// Name and attribution of the city, then the paths of its files.
     texts: Texts,
     regions: WireRegions,
+    leaves: WireBlobs,
     palettes: Vec<Palette>,
     styles: WireBlobs,
     files: WireBlobs,
@@ -32,6 +33,7 @@ struct WireRegions {
     tallest: Deltas,
     /// Metres: western, southern, eastern, northern.
     bounds: [Deltas; 4],
+    /// None of a city with leaves.
     blobs: WireBlobs,
 }
 
@@ -49,7 +51,8 @@ impl WireIndex {
             growth_version: index.growth_version,
             start: index.start,
             texts: Texts::of([index.name.as_str(), index.attribution.as_str()].into_iter().chain(paths)),
-            regions: WireRegions::of(&index.regions),
+            regions: WireRegions::of(&index.regions, !index.leaves.is_empty()),
+            leaves: WireBlobs::of(&index.leaves),
             palettes: index.palettes.to_vec(),
             styles: WireBlobs::of(&index.styles),
             files: WireBlobs::of(index.files.iter().map(|file| &file.blob)),
@@ -59,7 +62,7 @@ impl WireIndex {
 }
 
 impl WireRegions {
-    fn of(regions: &[RegionEntry]) -> Self {
+    fn of(regions: &[RegionEntry], has_leaves: bool) -> Self {
         let side = |side: fn(&RegionEntry) -> i32| Deltas::of(regions.iter().map(|region| side(region).div_euclid(GRID_PER_METRE)));
         let tall = regions.iter().filter(|region| region.skyline > 0);
         Self {
@@ -68,11 +71,11 @@ impl WireRegions {
             skyline: regions.iter().map(|region| region.skyline).collect(),
             tallest: Deltas::of(tall.map(|region| region.tallest.div_euclid(GRID_PER_METRE))),
             bounds: [side(|r| r.bounds.0.0), side(|r| r.bounds.0.1), side(|r| r.bounds.1.0), side(|r| r.bounds.1.1)],
-            blobs: WireBlobs::of(regions.iter().map(|region| &region.blob)),
+            blobs: WireBlobs::of(regions.iter().filter_map(|region| region.blob.as_ref().filter(|_| !has_leaves))),
         }
     }
 
-    fn pull(self) -> Result<Vec<RegionEntry>, Malformed> {
+    fn pull(self, has_leaves: bool) -> Result<Vec<RegionEntry>, Malformed> {
         let mut cells = Pull::new("numbers of cells", self.cells);
         let mut skyline = Pull::new("skylines of regions", self.skyline);
         let mut tallest = Pull::new("heights of skylines", self.tallest.numbers());
@@ -90,7 +93,7 @@ impl WireRegions {
                 skyline,
                 tallest: if skyline == 0 { 0 } else { tallest.take()?.saturating_mul(GRID_PER_METRE) },
                 bounds: (GridPos(side(0)?, side(1)?), GridPos(side(2)?, side(3)?)),
-                blob: blobs.take()?,
+                blob: if has_leaves { None } else { Some(blobs.take()?) },
             });
             first = first.checked_add(count).ok_or(Malformed::Reason("there are more cells than have numbers"))?;
         }
@@ -108,19 +111,15 @@ impl WireIndex {
         let wire = self;
         let mut texts = wire.texts.pull()?;
         let (name, attribution) = (texts.take()?, texts.take()?);
-        let mut blobs = wire.files.pull("files");
-        let mut files = Vec::new();
-        while !blobs.is_empty() {
-            files.push(CityFile { path: texts.take()?, blob: blobs.take()? });
-        }
+        let files = wire.files.all("files")?.into_iter().map(|blob| Ok(CityFile { path: texts.take()?, blob }));
+        let files = files.collect::<Result<_, Malformed>>()?;
         texts.finish()?;
-        blobs.finish()?;
         let extent = outlines.polygon(EXTENT)?;
-        let one = |blobs: WireBlobs, name| -> Result<Option<BlobRef>, Malformed> {
-            let mut blobs = blobs.pull(name);
-            let blob = if blobs.is_empty() { None } else { Some(blobs.take()?) };
-            blobs.finish()?;
-            Ok(blob)
+        let leaves = wire.leaves.all("leaves of the index")?;
+        let styles = match wire.styles.all("styles")?[..] {
+            [] => None,
+            [styles] => Some(styles),
+            _ => return Err(Malformed::Reason("it has several styles").into()),
         };
         Ok(CityIndex {
             format: FORMAT_VERSION,
@@ -131,11 +130,13 @@ impl WireIndex {
             growth_version: wire.growth_version,
             start: wire.start,
             extent,
-            regions: wire.regions.pull()?.into(),
+            regions: wire.regions.pull(!leaves.is_empty())?.into(),
+            leaves,
             palettes: wire.palettes.into(),
-            styles: one(wire.styles, "styles")?,
+            styles,
             files,
             pages: Vec::new(),
+            houses: Vec::new(),
         }
         .without_pages())
     }

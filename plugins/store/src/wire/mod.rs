@@ -8,6 +8,7 @@
 //! multiple of how many values there are, and all columns must be used up.
 
 mod columns;
+mod houses;
 mod index;
 mod overview;
 mod paint;
@@ -16,7 +17,9 @@ mod region;
 mod sheet;
 mod shell;
 mod terrain;
+mod volumes;
 
+pub(crate) use houses::WireHouses;
 pub(crate) use index::WireIndex;
 pub(crate) use overview::WireOverview;
 pub(crate) use region::{WireRegion, bounds_beyond, metres_beyond};
@@ -57,6 +60,21 @@ impl Malformed {
     }
 }
 
+/// Numbers told as steps from one to the next; wraps, so that any numbers survive.
+#[derive(Default)]
+struct Steps(i32);
+
+impl Steps {
+    fn to(&mut self, n: i32) -> i32 {
+        n.wrapping_sub(core::mem::replace(&mut self.0, n))
+    }
+
+    fn by(&mut self, step: i32) -> i32 {
+        self.0 = self.0.wrapping_add(step);
+        self.0
+    }
+}
+
 /// A hash as a number about which nothing can be known.
 fn noise_of(hash: [u8; BlobRef::HASH_BYTES]) -> u128 {
     hash.iter().rev().fold(0, |noise, &byte| noise << 8 | u128::from(byte))
@@ -70,9 +88,19 @@ pub(crate) struct WireBlobs {
 }
 
 impl WireBlobs {
-    fn of<'a>(blobs: impl IntoIterator<Item = &'a BlobRef>) -> Self {
+    pub(crate) fn of<'a>(blobs: impl IntoIterator<Item = &'a BlobRef>) -> Self {
         let (bytes, hashes) = blobs.into_iter().map(|blob| (blob.bytes, noise_of(blob.hash))).unzip();
         Self { bytes, hashes }
+    }
+
+    /// All of them.
+    pub(crate) fn all(self, name: &'static str) -> Result<Vec<BlobRef>, Malformed> {
+        let mut blobs = self.pull(name);
+        let mut all = Vec::with_capacity(blobs.bytes.left());
+        while !blobs.is_empty() {
+            all.push(blobs.take()?);
+        }
+        Ok(all)
     }
 
     fn pull(self, name: &'static str) -> PullBlobs {

@@ -37,8 +37,8 @@ pub(crate) struct WireOverview {
     places: WirePlaces,
     /// Cells of districts.
     cells: Deltas,
-    /// How many pieces of ground, houses and spans each has.
-    districts: Vec<(u32, u32, u32)>,
+    /// How many pieces of ground, houses and spans each has; none told: the houses that are known of its cell.
+    districts: Vec<(u32, Option<u32>, u32)>,
     /// Of streets.
     classes: Vec<StreetClass>,
     /// How many entries each named house has.
@@ -79,21 +79,30 @@ impl WireMassing {
 impl WireOverview {
     pub(crate) fn of(overview: &Overview, context: OverviewContext<'_>) -> (Self, Outlines) {
         let mut outlines = Outlines::default();
-        let (mut houses, mut ground) = (overview.houses.iter(), overview.ground.iter());
+        let (mut rest, mut ground) = (&overview.houses[..], overview.ground.iter());
+        let (mut houses, mut districts) = (Vec::new(), Vec::with_capacity(overview.districts.len()));
         for district in &overview.districts {
             if let Some(outline) = known(context, district.cell) {
                 outlines.know(&outline);
             }
-            let here = houses.by_ref().take(district.houses as usize);
-            here.for_each(|massing| outlines.polygon(HOUSES, &in_map_steps(&massing.outline)));
+            let (here, after) = rest.split_at_checked(district.houses as usize).unwrap_or((rest, &[]));
+            rest = after;
+            let is_known = here.len() == district.houses as usize && known_houses(context, district.cell) == here;
+            for massing in here {
+                let outline = in_map_steps(&massing.outline);
+                if is_known { outlines.know(&outline) } else { outlines.polygon(HOUSES, &outline) }
+            }
+            houses.extend(if is_known { &[] } else { here });
+            districts.push((district.ground, (!is_known).then_some(district.houses), district.spans));
             let here = ground.by_ref().take(district.ground as usize);
             here.for_each(|patch| outlines.polygon(GROUND, &in_map_steps(&patch.outline)));
         }
-        houses.for_each(|massing| outlines.polygon(HOUSES, &in_map_steps(&massing.outline)));
+        rest.iter().for_each(|massing| outlines.polygon(HOUSES, &in_map_steps(&massing.outline)));
+        houses.extend(rest);
         ground.for_each(|patch| outlines.polygon(GROUND, &in_map_steps(&patch.outline)));
         let mut paints = TableWriter::default();
-        let colours = overview.houses.iter().map(|massing| massing.colour);
-        colours.chain(overview.houses.iter().map(|massing| massing.roof.colour)).for_each(|Rgb(r, g, b)| paints.push(&(r, g, b)));
+        let colours = houses.iter().map(|massing| massing.colour);
+        colours.chain(houses.iter().map(|massing| massing.roof.colour)).for_each(|Rgb(r, g, b)| paints.push(&(r, g, b)));
         let mut street_ids = Ids::default();
         for street in &overview.streets {
             street_ids.push(street.id);
@@ -109,13 +118,13 @@ impl WireOverview {
             walkable: overview.streets.iter().map(|street| street.walkable).collect(),
             layers: overview.streets.iter().map(|street| street.layer).collect(),
             ground: overview.ground.iter().map(|patch| WireGround { surface: patch.surface, z: patch.z }).collect(),
-            houses: overview.houses.iter().map(WireMassing::of).collect(),
+            houses: houses.into_iter().map(WireMassing::of).collect(),
             paints: paints.finish(),
             named: Deltas::of(overview.names.iter().map(|name| name.house as i32)),
             spans: overview.spans.clone(),
             places: WirePlaces::of(&overview.places),
             cells: Deltas::of(overview.districts.iter().map(|district| district.cell as i32)),
-            districts: overview.districts.iter().map(|district| (district.ground, district.houses, district.spans)).collect(),
+            districts,
             classes: overview.streets.iter().map(|street| street.class).collect(),
             parts: overview.names.iter().map(|name| name.parts).collect(),
         };
@@ -128,9 +137,10 @@ impl WireOverview {
         if cells.len() != wire.districts.len() {
             return Err(Malformed::Reason("there are not as many districts as cells").into());
         }
-        let district =
-            |(cell, (ground, houses, spans)): (i32, (u32, u32, u32))| District { cell: cell as u32, ground, houses, spans };
-        let districts: Vec<District> = cells.into_iter().zip(wire.districts).map(district).collect();
+        // Else what is known of one cell would be told again and again.
+        if !cells.is_sorted_by(|&a, &b| (a as u32) < b as u32) {
+            return Err(Malformed::Reason("cells of districts do not ascend").into());
+        }
         let mut texts = wire.texts.pull()?;
         let mut paints = wire.paints.pull();
         let mut paint = || paints.take_ref().map(|&(r, g, b)| Rgb(r, g, b));
@@ -138,22 +148,37 @@ impl WireOverview {
         let mut rows = wire.houses.into_iter().zip(walls);
         let mut patches = wire.ground.into_iter();
         let (mut houses, mut ground) = (Vec::with_capacity(rows.len()), Vec::with_capacity(patches.len()));
-        let mut tell = |outlines: &mut Source<'_, '_>, many: (usize, usize)| -> Result<(), Unread> {
-            for (row, wall) in rows.by_ref().take(many.0) {
+        let mut districts = Vec::with_capacity(cells.len());
+        let mut tell_houses = |houses: &mut Vec<Massing>, outlines: &mut Source<'_, '_>, many: usize| -> Result<(), Unread> {
+            for (row, wall) in rows.by_ref().take(many) {
                 houses.push(row.massing(in_grid_steps(&outlines.polygon(HOUSES)?), [wall, paint()?]));
             }
-            for WireGround { surface, z } in patches.by_ref().take(many.1) {
+            Ok(())
+        };
+        let mut tell_ground = |outlines: &mut Source<'_, '_>, many: usize| -> Result<(), Unread> {
+            for WireGround { surface, z } in patches.by_ref().take(many) {
                 ground.push(GroundPatch { surface, outline: in_grid_steps(&outlines.polygon(GROUND)?), z, course: None });
             }
             Ok(())
         };
-        for district in &districts {
-            if let Some(outline) = known(context, district.cell) {
+        for (cell, (of_ground, of_houses, spans)) in cells.into_iter().map(|cell| cell as u32).zip(wire.districts) {
+            if let Some(outline) = known(context, cell) {
                 outlines.know(&outline);
             }
-            tell(outlines, (district.houses as usize, district.ground as usize))?;
+            let before = houses.len();
+            match of_houses {
+                Some(many) => tell_houses(&mut houses, outlines, many as usize)?,
+                None => houses.extend(known_houses(context, cell)),
+            }
+            if of_houses.is_none() {
+                houses[before..].iter().for_each(|massing| outlines.know(&in_map_steps(&massing.outline)));
+            }
+            tell_ground(outlines, of_ground as usize)?;
+            let many = of_houses.unwrap_or((houses.len() - before) as u32);
+            districts.push(District { cell, ground: of_ground, houses: many, spans });
         }
-        tell(outlines, (usize::MAX, usize::MAX))?;
+        tell_houses(&mut houses, outlines, usize::MAX)?;
+        tell_ground(outlines, usize::MAX)?;
         paints.finish()?;
         let lines = Lines {
             ids: wire.street_ids,
@@ -180,6 +205,13 @@ impl WireOverview {
 fn known(context: OverviewContext<'_>, cell: u32) -> Option<GridPolygon> {
     let cell = context.cells.get(cell.checked_sub(context.first)? as usize)?;
     on_map(&cell.outline).map(|outline| in_map_steps(&outline))
+}
+
+/// What is known of its houses.
+fn known_houses(context: OverviewContext<'_>, cell: u32) -> Vec<Massing> {
+    let place = cell.checked_sub(context.first).map(|place| place as usize);
+    let parts = context.houses.zip(place).map_or(&[][..], |(houses, place)| houses.of_cell(place));
+    parts.iter().filter_map(|part| part.massing.on_map()).collect()
 }
 
 /// An outline on a map, told by the steps of maps.

@@ -23,6 +23,9 @@ pub(crate) struct WireRegion {
     portals: WirePortals,
     skyline: Lists,
     foreign: Foreign,
+    /// Keys of those seen far away.
+    vistas: Vec<u32>,
+    /// The overview, and the houses if there are some.
     overview: WireBlobs,
 }
 
@@ -136,10 +139,7 @@ impl Foreign {
         let mut lists = self.cells.pull();
         let mut all = Vec::new();
         for key in self.keys {
-            let code = RegionKey(key);
-            let by_place = || regions.binary_search_by_key(&code.first_code(), |entry| entry.key.first_code()).ok();
-            let found = code.is_sound().then(by_place).flatten().map(|n| &regions[n]).filter(|entry| entry.key == code);
-            let entry = found.ok_or(Malformed::Reason("a region is named that is not there"))?;
+            let entry = &regions[named(key, regions)?];
             let cells = lists.take()?;
             if cells.is_empty() {
                 return Err(Malformed::Reason("a region is named for no cell"));
@@ -154,6 +154,14 @@ impl Foreign {
         lists.finish()?;
         if all.is_sorted_by(|a, b| a < b) { Ok(all) } else { Err(Malformed::Reason("cells of other regions do not ascend")) }
     }
+}
+
+/// Number of the region with a key.
+fn named(key: u32, regions: &[RegionEntry]) -> Result<usize, Malformed> {
+    let code = RegionKey(key);
+    let by_place = || regions.binary_search_by_key(&code.first_code(), |entry| entry.key.first_code()).ok();
+    let found = code.is_sound().then(by_place).flatten().filter(|&n| regions[n].key == code);
+    found.ok_or(Malformed::Reason("a region is named that is not there"))
 }
 
 impl WireRegion {
@@ -180,7 +188,9 @@ impl WireRegion {
             },
             skyline,
             foreign: Foreign::of(&numbers.foreign, regions),
-            overview: WireBlobs::of([&region.overview]),
+            // What is no region is told as none, and cannot be read back.
+            vistas: region.vistas.iter().map(|&n| regions.get(n as usize).map_or(0, |entry| entry.key.0)).collect(),
+            overview: WireBlobs::of(core::iter::once(&region.overview).chain(&region.houses)),
         };
         (wire, outlines)
     }
@@ -205,10 +215,12 @@ impl WireRegion {
         let mut lists = self.skyline.pull();
         let skyline = lists.take()?.into_iter().map(|cell| numbers.global(cell)).collect::<Result<_, Malformed>>()?;
         lists.finish()?;
-        let mut blobs = self.overview.pull("overviews");
+        let mut blobs = self.overview.pull("overviews and houses");
         let overview = blobs.take()?;
+        let houses = if blobs.is_empty() { None } else { Some(blobs.take()?) };
         blobs.finish()?;
-        Ok(Region { cells, portals, skyline, overview })
+        let vistas = self.vistas.into_iter().map(|key| Ok(named(key, regions)? as u32)).collect::<Result<_, Malformed>>()?;
+        Ok(Region { cells, portals, skyline, vistas, overview, houses })
     }
 }
 

@@ -1,19 +1,19 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{
-    Arcade, CellShell, Course, Design, GRID_PER_METRE, Gable, GridPolygon, GridPos, GroundPatch, HouseShell, Marking, MarkingKind,
-    Massing, ObjectKind, ObjectShell, PlacedMonument, PlanRoof, PlanTerrain, RoofShape, SurfaceKind, VolumeShell, WaySpan,
+    CellShell, Course, Design, GRID_PER_METRE, GridPolygon, GridPos, GroundPatch, Marking, MarkingKind, ObjectKind, ObjectShell,
+    PlacedMonument, PlanTerrain, SurfaceKind, WaySpan,
 };
 
 use super::{
-    paint::{Brush, Paint},
+    Steps,
     terrain::WireTerrain,
+    volumes::{WireHouse, houses, pull_houses},
 };
 use crate::PacketContext;
 use crate::code::{Handmade, Outlines, Source, Unread};
 
-/// Sections of outlines.
+/// Sections of outlines, beside that of footprints.
 const OUTLINE: u8 = 0;
-const FOOTPRINTS: u8 = 1;
 const PATCHES: u8 = 2;
 const PLACES: u8 = 3;
 const BLIND: u8 = 4;
@@ -38,32 +38,6 @@ pub(crate) struct WireShell {
     monuments: Vec<PlacedMonument>,
     spans: Vec<WaySpan>,
     drawn_spans: u32,
-}
-
-#[derive(Serialize, Deserialize)]
-struct WireHouse {
-    style: u16,
-    /// Above that of the house before.
-    floor: i32,
-    is_monument: bool,
-    volumes: Vec<WireVolume>,
-}
-
-#[derive(Serialize, Deserialize)]
-struct WireVolume {
-    /// Above the house's floor.
-    bottom: i32,
-    /// Above the bottom.
-    eaves: i32,
-    /// Its direction: quarter turns from the footprint's longest edge, and degrees beyond.
-    roof: (RoofShape, i32, u8, i16),
-    has_roof: bool,
-    gable: Gable,
-    /// Steps from one to the next.
-    walls: Vec<u16>,
-    arcades: Vec<Arcade>,
-    /// None: as the volume before.
-    paint: Option<Paint>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -93,21 +67,6 @@ struct WireMarking {
     z: i32,
 }
 
-/// Numbers told as steps from one to the next; wraps, so that any numbers survive.
-#[derive(Default)]
-struct Steps(i32);
-
-impl Steps {
-    fn to(&mut self, n: i32) -> i32 {
-        n.wrapping_sub(core::mem::replace(&mut self.0, n))
-    }
-
-    fn by(&mut self, step: i32) -> i32 {
-        self.0 = self.0.wrapping_add(step);
-        self.0
-    }
-}
-
 /// What is known of a cell's vertices, from an origin.
 fn known(context: PacketContext<'_>, origin: GridPos) -> GridPolygon {
     let Some(outline) = context.outline else { return GridPolygon::default() };
@@ -128,7 +87,7 @@ impl WireShell {
         outlines.know(&known(context, origin));
         outlines.polygon(OUTLINE, &shell.outline);
         // Houses first: the ground between them then walks along edges already told.
-        shell.houses.iter().flat_map(|house| &house.volumes).for_each(|volume| outlines.polygon(FOOTPRINTS, &volume.footprint));
+        let houses = houses(shell, context, &mut outlines);
         shell.ground.iter().for_each(|patch| outlines.polygon(PATCHES, &patch.outline));
         shell.objects.iter().for_each(|object| outlines.point(PLACES, object.pos));
         for &(from, to) in &shell.blind {
@@ -154,7 +113,7 @@ impl WireShell {
         let wire = Self {
             origin: GridPos(origin.0.wrapping_sub(middle.0), origin.1.wrapping_sub(middle.1)),
             terrain: WireTerrain::from(&shell.terrain),
-            houses: houses(shell, context),
+            houses,
             ground: shell.ground.iter().map(patch).collect(),
             objects: shell.objects.iter().map(object).collect(),
             blind: shell.blind.len() as u32,
@@ -173,7 +132,8 @@ impl WireShell {
         let origin = GridPos(middle.0.wrapping_add(self.origin.0), middle.1.wrapping_add(self.origin.1));
         outlines.know(&known(context, origin));
         let outline = outlines.polygon(OUTLINE)?;
-        let houses = pull_houses(self.houses, context, outlines)?;
+        let terrain = PlanTerrain::try_from(self.terrain)?;
+        let houses = pull_houses(self.houses, context, (origin, &terrain), outlines)?;
         let (mut z, mut feet, mut paint) = (Steps::default(), Steps::default(), Steps::default());
         let ground = self.ground.into_iter().map(|patch| {
             let course = patch.course.checked_sub(1);
@@ -197,7 +157,7 @@ impl WireShell {
         Ok(CellShell {
             origin,
             outline,
-            terrain: PlanTerrain::try_from(self.terrain)?,
+            terrain,
             ground,
             courses,
             houses,
@@ -210,69 +170,4 @@ impl WireShell {
             monuments: self.monuments,
         })
     }
-}
-
-/// Rows of a shell's houses.
-fn houses(shell: &CellShell, context: PacketContext<'_>) -> Vec<WireHouse> {
-    let mut floors = Steps::default();
-    let mut brush = Brush::new(context.palettes);
-    let mut volume = |house: &HouseShell, volume: &VolumeShell| {
-        let mut next = 0_u16;
-        let step = |&wall: &u16| wall.wrapping_sub(core::mem::replace(&mut next, wall.wrapping_add(1)));
-        let quarter = Massing::nearest_quarter(&volume.footprint, volume.roof.direction);
-        let beyond = (volume.roof.direction.wrapping_sub(Massing::quarter_deg(&volume.footprint, quarter))) as i16;
-        WireVolume {
-            bottom: volume.bottom.wrapping_sub(house.floor),
-            eaves: volume.eaves.wrapping_sub(volume.bottom),
-            roof: (volume.roof.shape, volume.roof.height, quarter, beyond),
-            has_roof: volume.has_roof,
-            gable: volume.gable,
-            walls: volume.walls.iter().map(step).collect(),
-            arcades: volume.arcades.clone(),
-            paint: brush.tell(house.style, [volume.colour, volume.trim, volume.roof.colour]),
-        }
-    };
-    let row = |house: &HouseShell| WireHouse {
-        style: house.style,
-        floor: floors.to(house.floor),
-        is_monument: house.is_monument,
-        volumes: house.volumes.iter().map(|v| volume(house, v)).collect(),
-    };
-    shell.houses.iter().map(row).collect()
-}
-
-fn pull_houses(rows: Vec<WireHouse>, context: PacketContext<'_>, outlines: &mut Source<'_, '_>) -> Result<Vec<HouseShell>, Unread> {
-    let mut floors = Steps::default();
-    let mut brush = Brush::new(context.palettes);
-    let mut volume = |row: WireVolume, style: u16, floor: i32| {
-        let bottom = floor.wrapping_add(row.bottom);
-        let [colour, trim, roof] = brush.paint(style, row.paint)?;
-        let (shape, height, quarter, beyond) = row.roof;
-        let footprint = outlines.polygon(FOOTPRINTS)?;
-        let direction = Massing::quarter_deg(&footprint, quarter & 3).wrapping_add(beyond as u16);
-        let mut next = 0_u16;
-        let wall = |step: u16| {
-            let wall = next.wrapping_add(step);
-            next = wall.wrapping_add(1);
-            wall
-        };
-        Ok(VolumeShell {
-            footprint,
-            bottom,
-            eaves: bottom.wrapping_add(row.eaves),
-            colour,
-            trim,
-            roof: PlanRoof { shape, height, direction, colour: roof },
-            gable: row.gable,
-            has_roof: row.has_roof,
-            walls: row.walls.into_iter().map(wall).collect(),
-            arcades: row.arcades,
-        })
-    };
-    let house = |row: WireHouse| {
-        let (style, floor) = (row.style, floors.by(row.floor));
-        let volumes = row.volumes.into_iter().map(|row| volume(row, style, floor)).collect::<Result<_, Unread>>()?;
-        Ok(HouseShell { style, floor, volumes, is_monument: row.is_monument })
-    };
-    rows.into_iter().map(house).collect()
 }

@@ -49,7 +49,9 @@ pub(crate) fn meshes(bench: &MeshesBench) -> Result<(), Failure> {
     let cells = partition(&plan, &BakeSettings::default().partition).cells;
     let contents = Contents::new(&plan, &cells);
     let palettes: Vec<Palette> = plan.styles.0.iter().map(Style::palette).collect();
-    let context = |cell: usize| PacketContext { outline: Some(&cells.cells[cell].outline), palettes: &palettes };
+    // Each tells its houses itself, which takes more than with what a region tells of them.
+    let context =
+        |cell: usize| PacketContext { outline: Some(&cells.cells[cell].outline), palettes: &palettes, ..PacketContext::default() };
     let sent = |cell: usize| {
         let stored = |packet: &Packet| {
             let stored = encode_packet(packet, context(cell));

@@ -1,0 +1,56 @@
+//! How it stands with what a client asks for.
+
+use super::ClientSettings;
+
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) enum State {
+    #[default]
+    Missing,
+    InFlight,
+    Here,
+    /// Trying again cannot help.
+    Dead,
+}
+
+/// How it stands with one thing that can be asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Slot {
+    pub(super) state: State,
+    /// Failures in a row.
+    pub(super) failures: u32,
+    /// When the first of them was told.
+    pub(super) failing_since_s: f64,
+    /// Not asked for before this time.
+    pub(super) again_s: f64,
+}
+
+impl Slot {
+    pub(super) fn is_due(&self, now_s: f64) -> bool {
+        self.state == State::Missing && (self.failures == 0 || now_s >= self.again_s)
+    }
+
+    pub(super) fn gave_up(&self, now_s: f64, patience_s: f64) -> bool {
+        self.state == State::Dead || (self.failures > 0 && now_s - self.failing_since_s >= patience_s)
+    }
+}
+
+/// How it stands with a region and with its cells, by level.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct RegionSlot {
+    pub(super) slot: Slot,
+    /// None as long as the region is not here.
+    pub(super) cells: Vec<[Slot; 4]>,
+}
+
+impl RegionSlot {
+    pub(super) fn slots_mut(&mut self) -> impl Iterator<Item = &mut Slot> {
+        self.cells.iter_mut().flatten().chain([&mut self.slot])
+    }
+}
+
+/// Seconds to wait after so many failures in a row: doubled each time, up to the cap.
+pub(super) fn back_off_s(settings: &ClientSettings, failures: u32) -> f64 {
+    // Beyond 2^60 times anything the cap holds.
+    let doublings = failures.saturating_sub(1).min(60);
+    (settings.retry_first_s * (1_u64 << doublings) as f64).min(settings.retry_cap_s)
+}
