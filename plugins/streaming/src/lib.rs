@@ -96,7 +96,7 @@ pub struct StreamingSettings {
     pub skyline_cells: u32,
     /// The overview is wanted within this distance of a viewer, metres.
     pub overview_m: f64,
-    /// No more overviews are wanted of what is seen from afar along the ground, nearest first.
+    /// So many more overviews, at most, are wanted of what is seen from afar along the ground, nearest first.
     pub vistas: usize,
     /// The overview is wanted within this distance of a viewer above the roofs, metres. Districts are made of it as far as
     /// `BuildSettings::districts_m` goes.
@@ -132,7 +132,7 @@ impl Default for StreamingSettings {
             skyline_m: 2_000.0,
             skyline_cells: 48,
             overview_m: 500.0,
-            vistas: 48,
+            vistas: 8,
             overview_flying_m: 700.0,
             keep_s: 10.0,
             memory_cap_bytes: 64 << 20,

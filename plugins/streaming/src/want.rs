@@ -379,9 +379,11 @@ pub(crate) fn plan_overviews(
         return;
     }
     *planned = asked;
-    let mut vistas = index.map_or_else(Vec::new, |index| vistas(index, &planned.1, &about));
-    vistas.truncate(settings.vistas);
     let within = |&circle: &Around| city.overviews.within(circle).collect::<Vec<_>>();
+    let near: BTreeSet<u32> = about.iter().flat_map(within).collect();
+    let mut vistas = index.map_or_else(Vec::new, |index| vistas(index, &planned.1, &about));
+    vistas.retain(|part| !near.contains(part));
+    vistas.truncate(settings.vistas);
     let mut overviews: Vec<u32> = Vec::new();
     for part in about.iter().chain(wants.0.values()).flat_map(within).chain(vistas.iter().copied()) {
         if !overviews.contains(&part) {
