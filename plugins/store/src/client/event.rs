@@ -21,7 +21,7 @@ pub enum ClientEvent {
         /// What.
         What,
     ),
-    /// The overview of a region is there. It may no longer be wanted: then call [`Client::forget_overview`].
+    /// The overview of a region is there. It may no longer be wanted: then call [`Client::forget_overview`](crate::Client::forget_overview).
     OverviewReady {
         /// Which region.
         region: u32,
@@ -35,7 +35,7 @@ pub enum ClientEvent {
         /// Its bytes.
         content: Arc<[u8]>,
     },
-    /// A packet is there. It may no longer be wanted: then call [`Client::forget`].
+    /// A packet is there. It may no longer be wanted: then call [`Client::forget`](crate::Client::forget).
     Arrived {
         /// Which cell.
         cell: u32,
