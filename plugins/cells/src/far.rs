@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use veduta_city::{Cells, CityPlan, GRID_PER_METRE, GridPos};
 
-/// Bits of a Morton code that tell where in a square of 128 m a place lies.
+/// Bits of a Morton code that tell where in a square of 128 m a place lies: no larger than the smallest regions of a stored city, so
+/// that none is missed of which something is seen.
 const WITHIN: u32 = 2 * (7 + GRID_PER_METRE.ilog2());
 
 /// What is drawn with the cells whose middles lie in one square of 128 m.

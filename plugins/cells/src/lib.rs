@@ -53,8 +53,8 @@
 //! * Visibility is in plan: what rises above the roofs is told by [`veduta_city::Cells::skyline`], everything lower is taken to be hidden by
 //!   any house, and seen as a district where it is not. Visible sets reach as far as [`PartitionSettings::sight_m`]; what is seen along the
 //!   ground beyond is told in squares ([`veduta_city::Cells::far`]), by directions alone, as far as [`PartitionSettings::far_m`].
-//!   `veduta-bake inspect --prove` tells what all of them lack. Walls inside one cell hide nothing. Both only matter to what is loaded, never to what is drawn. On slopes
-//!   it is not so: who looks down over roofs may see farther than what is loaded.
+//!   `veduta-bake inspect --prove` tells what all of them lack. Walls inside one cell hide nothing. All this only matters to what is
+//!   loaded, never to what is drawn. Who looks down over roofs from a slope may see farther than what is loaded.
 //! * Water is free space (one looks across it); its ground patches tell the walker where it is.
 //! * The extent may span 260 km and lie within 1,000 km of the anchor.
 //!

@@ -376,5 +376,8 @@ fn check_names_what_was_broken() {
     let mut swollen = plan.clone();
     swollen.houses[1].volumes[0].footprint = rect(10.0, 18.0, 200.0, 40.0);
     assert!(matches!(check(&swollen, &good).as_slice(), [CellsError::NotFree { m2 }] if (m2 - 380.0).abs() < 1e-6));
+    assert!(broken(|c| c.far[0] = vec![99_999]).iter().any(|e| matches!(e, CellsError::Unknown { what: "cell far away", .. })));
+    assert!(broken(|c| c.far[0] = vec![1, 0]).iter().any(|e| matches!(e, CellsError::Unsorted { what: "cells far away", .. })));
+    assert!(broken(|c| drop(c.far.pop())).iter().any(|e| matches!(e, CellsError::VisibleCount { what: "cells far away", .. })));
     assert!(broken(|c| c.skyline = vec![99_999]).iter().any(|e| matches!(e, CellsError::Unknown { .. })));
 }

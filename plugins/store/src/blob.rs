@@ -23,8 +23,8 @@ const PACKET_VALUES_CAP: u64 = 4 << 20;
 pub struct BlobRef {
     /// Beginning of the blake3 hash of the bytes as stored: nobody finds other bytes for a given one.
     pub hash: [u8; Self::HASH_BYTES],
-    /// Bytes as stored, which is what travels. An index is refused in which a packet, a region, its houses or a leaf claims more than some 16 MiB, or
-    /// the overview or the styles more than some 64 MiB.
+    /// Bytes as stored, which is what travels. An index is refused in which a packet, a region, its houses or a leaf claims more than
+    /// some 16 MiB, or the overview or the styles more than some 64 MiB.
     pub bytes: u32,
 }
 

@@ -229,16 +229,21 @@ impl Client {
         (slot.state != State::Here).then_some((slot, blob))
     }
 
+    /// Something that is read with the houses of a region, or they, if they are not here and are to be asked for now.
+    fn houses_or(&self, asked: (What, BlobRef), number: u32, now_s: f64) -> Option<(What, BlobRef)> {
+        match self.missing_houses(number) {
+            Some((slot, blob)) => slot.is_due(now_s).then_some((What::Houses(number), blob)),
+            None => Some(asked),
+        }
+    }
+
     /// The overview of a region, or what it is read with, if it is to be asked for now.
     fn overview_due(&self, number: u32, now_s: f64) -> Option<(What, BlobRef)> {
         if !self.overviews.get(number as usize)?.is_due(now_s) {
             return None;
         }
         let Some(region) = self.index.as_ref()?.region(number) else { return self.region_due(number, now_s) };
-        match self.missing_houses(number) {
-            Some((slot, blob)) => slot.is_due(now_s).then_some((What::Houses(number), blob)),
-            None => Some((What::Overview(number), region.overview)),
-        }
+        self.houses_or((What::Overview(number), region.overview), number, now_s)
     }
 
     /// A packet, or what it is read with, if it is to be asked for now.
@@ -251,10 +256,7 @@ impl Client {
         if !is_next || !slots[level.index()].is_due(now_s) {
             return None;
         }
-        match self.missing_houses(number) {
-            Some((slot, blob)) => slot.is_due(now_s).then_some((What::Houses(number), blob)),
-            None => Some((What::Packet { cell, level }, *blob)),
-        }
+        self.houses_or((What::Packet { cell, level }, *blob), number, now_s)
     }
 
     /// How it stands with a cell's levels, if its region is here.

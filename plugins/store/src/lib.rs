@@ -58,10 +58,10 @@
 //! all of them lie on.
 //!
 //! The index lists regions: squares of the whole grid, or halves of them, with at most 128 cells each. What it tells of these cells
-//! (outlines, portals, visible sets, packets) is in the regions' blobs, which name the overview and the houses of each region too. Where the regions of a
-//! larger city are stored is told in leaves, each of 64 regions ([`CityIndex::leaves`]). Opening a city reads the list, a leaf, and
-//! the region in which a visit begins, however large it is. Cells are numbered along the quadtree's curve; in a region's blob those of others are
-//! named by the other's square, so that what is built at one end of a city changes no bytes at the other.
+//! (outlines, portals, visible sets, packets) is in the regions' blobs, which name the overview and the houses of each region too. Where
+//! the regions of a larger city are stored is told in leaves, each of 64 regions ([`CityIndex::leaves`]). Opening a city reads the list, a
+//! leaf, and the region in which a visit begins, however large it is. Cells are numbered along the quadtree's curve; in a region's blob
+//! those of others are named by the other's square, so that what is built at one end of a city changes no bytes at the other.
 //!
 //! # Failures
 //! What is damaged or missing is asked for again, after 0.5 s at first, then twice as long each time, 4 s at most; the others
@@ -70,9 +70,9 @@
 //! points at something, but for bays and storeys of ornaments and doors: whoever draws them leaves out what a wall does not have.
 //!
 //! # Limits
-//! The list of regions (some 5 bytes each) is read whole. A walk that goes on while its city is baked again sees packets missing until it is opened anew. A power cut right after writing may lose blobs; writing
-//! again mends them. Two programs must not write to one directory at a time. A packet tells neither ids of houses nor of objects:
-//! whoever needs them takes the plan.
+//! The list of regions (some 5 bytes each) is read whole. A walk that goes on while its city is baked again sees packets missing until it
+//! is opened anew. A power cut right after writing may lose blobs; writing again mends them. Two programs must not write to one directory
+//! at a time. A packet tells neither ids of houses nor of objects: whoever needs them takes the plan.
 //!
 //! # Rejected
 //! The model's own serde form (it leaves out empty fields, which formats without names do not survive); deflate over columns in

@@ -27,8 +27,8 @@ impl Packet {
     }
 }
 
-/// What a packet need not tell, because the index and the houses of its region do. A packet is read with what it was written with; with anything else it is
-/// refused, or another cell comes of it.
+/// What a packet need not tell, because the index and the houses of its region do. A packet is read with what it was written with; with
+/// anything else it is refused, or another cell comes of it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PacketContext<'a> {
     /// The cell's outline: [`CellEntry::outline`](crate::CellEntry::outline).

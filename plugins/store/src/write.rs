@@ -76,9 +76,9 @@ impl CityWriter {
         Ok(Self { dir: dir.to_owned(), files, index, entries: Vec::new(), overviews: Vec::new(), houses: Vec::new(), stats })
     }
 
-    /// Writes the packets of all cells, the houses and the overviews of their regions. `contents` makes the parts of each when they are wanted, on
-    /// several threads: of shells and sheets no more are in memory at once than there are threads, the ground of all until the overviews are
-    /// written.
+    /// Writes the packets of all cells, the houses and the overviews of their regions. `contents` makes the parts of each when they are
+    /// wanted, on several threads: of shells and sheets no more are in memory at once than there are threads, the ground of all until the
+    /// overviews are written.
     ///
     /// # Errors
     /// As [`write_city`].

@@ -154,10 +154,11 @@ fn forget_idle(world: &mut World, client: &mut Client) {
     // What is to come needs its region, which is not done with until then.
     let city = world.get_resource::<City>();
     let is_to_come = |part: &u32| wanted.overviews.contains(part) && city.is_some_and(|city| city.overviews.get(*part).is_none());
-    let idle: Vec<u32> = index.regions_here().map(|(number, _)| number).filter(|number| !wanted.used.contains(number)).collect();
-    let region = is_too_many(index.regions_here().count(), wanted.used.len())
-        .then(|| farthest(index, idle.into_iter().filter(|number| !is_to_come(number)), wanted));
-    let part = world.get_resource::<City>().and_then(|city| {
+    let region = is_too_many(index.regions_here().count(), wanted.used.len()).then(|| {
+        let here = index.regions_here().map(|(number, _)| number);
+        farthest(index, here.filter(|number| !wanted.used.contains(number) && !is_to_come(number)), wanted)
+    });
+    let part = city.and_then(|city| {
         let here = || city.overviews.iter().map(|(part, _)| part);
         let idle = here().filter(|part| !wanted.overviews.contains(part));
         is_too_many(here().count(), wanted.overviews.len()).then(|| farthest(index, idle, wanted))?
