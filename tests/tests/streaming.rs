@@ -235,18 +235,27 @@ fn two_viewers_are_served_under_one_cap() {
 #[test]
 fn however_many_towers_a_city_has_only_so_many_are_wanted() {
     let index = read_index(&DirReader::new(sample_city()).expect("a city")).expect("whole");
-    let regions_of_skyline = |most: u32| {
+    let tall: Vec<u32> = index.cells().map(|(cell, _)| cell).filter(|&cell| index.is_skyline(cell)).collect();
+    for most in [0, 20, 48] {
         let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
         app.world_mut().resource_mut::<StreamingSettings>().skyline_cells = most;
-        stand(&mut app);
+        let viewer = stand(&mut app);
         (0..40).for_each(|_| app.update());
+        let eye = app.world().get::<Eye>(viewer).expect("spawned");
+        let looks = |cell: &u32| {
+            let entry = index.cell(*cell).expect("told");
+            let (low, high) = (entry.bounds.0.to_metres(), entry.bounds.1.to_metres());
+            (veduta_city::metres(entry.top) - eye.ground_m) / eye.plan_pos.distance(eye.plan_pos.clamp(low, high)).max(1.0)
+        };
+        let mut tall = tall.clone();
+        tall.sort_by(|a, b| looks(b).total_cmp(&looks(a)).then(a.cmp(b)));
+        let (first, rest) = tall.split_at(tall.len().min(most as usize));
         let wanted = app.world().resource::<Wanted>();
-        let tall = index.cells().map(|(cell, _)| cell).filter(|&cell| wanted.why(cell) == Some(Why::Skyline));
-        tall.filter_map(|cell| index.region_of(cell)).collect::<BTreeSet<u32>>()
-    };
-    let (none, one, all) = (regions_of_skyline(0), regions_of_skyline(1), regions_of_skyline(48));
-    assert_eq!((none.len(), one.len()), (0, 1));
-    assert!(all.len() > 1 && all.is_superset(&one), "{one:?} {all:?}");
+        assert!(first.iter().all(|&cell| wanted.why(cell).is_some()), "{most}: {first:?}");
+        assert!(!rest.iter().any(|&cell| wanted.why(cell) == Some(Why::Skyline)), "{most}: {rest:?}");
+        let only = first.iter().filter(|&&cell| wanted.why(cell) == Some(Why::Skyline)).count();
+        assert_eq!((only > 0, rest.is_empty()), (most > 0, most == 48), "{most}: {only} of {}", tall.len());
+    }
 }
 
 #[test]

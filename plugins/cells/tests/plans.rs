@@ -319,6 +319,13 @@ fn towers_make_the_skyline() {
     let made = cut(&plan);
     let roof = made.cells.cells.iter().position(|cell| cell.houses.contains(&0)).unwrap() as u32;
     assert!(made.cells.skyline.contains(&roof), "{:?}", made.cells.skyline);
+    // However many there are, and however broad.
+    plan.houses[2].volumes[0] = volume(rect(120.0, 0.0, 140.0, 20.0), 0.0, 26.0);
+    let made = cut(&plan);
+    for house in [0, 2] {
+        let carries = |&number: &u32| made.cells.cells[number as usize].houses.contains(&house);
+        assert!(made.cells.skyline.iter().any(carries), "house {house}: {:?}", made.cells.skyline);
+    }
 }
 
 #[test]

@@ -92,7 +92,7 @@ pub struct StreamingSettings {
     pub flying_from_m: f64,
     /// Skyline cells are wanted within this distance, metres.
     pub skyline_m: f64,
-    /// No more skyline cells than about so many are wanted, those of the regions whose tallest looks tallest.
+    /// No more skyline cells than these are wanted: those that look tallest, in the regions whose tallest does.
     pub skyline_cells: u32,
     /// The overview is wanted within this distance of a viewer, metres.
     pub overview_m: f64,

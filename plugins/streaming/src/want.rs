@@ -152,6 +152,8 @@ struct Needs<'a> {
 
 /// Cells of the skyline are in sight; a region that has not told of its own keeps nobody in the dark.
 const SKYLINE_RANK: u8 = 1;
+/// As so many cells a region's skyline counts, at most: in a quarter of tall houses others are asked for theirs, too.
+const SKYLINE_A_REGION: u32 = 8;
 
 impl Needs<'_> {
     /// Whether a region is here to tell of cells of a rank.
@@ -221,34 +223,33 @@ impl Needs<'_> {
         self.add_skyline(eye);
     }
 
-    /// Adds what rises above the roofs.
+    /// Adds what rises above the roofs, as far as it looks tallest.
     fn add_skyline(&mut self, eye: &Eye) {
         let (index, settings) = (self.index, self.settings);
-        let distance_m = |bounds: (GridPos, GridPos)| distance_to(bounds, eye.plan_pos);
+        let looks = |top: i32, bounds: (GridPos, GridPos)| {
+            let distance_m = distance_to(bounds, eye.plan_pos);
+            let above_m = (metres(top) - eye.ground_m).max(1.0);
+            (distance_m <= settings.skyline_m).then(|| above_m / distance_m.max(1.0))
+        };
         let with_skyline = (0..).zip(&*index.regions).filter(|(_, region)| region.skyline > 0);
-        let within = with_skyline.filter(|(_, region)| distance_m(region.bounds) <= settings.skyline_m);
-        // By how tall they look.
-        let mut tall: Vec<(f64, u32, u32)> = within
-            .map(|(number, region)| {
-                let above_m = (metres(region.tallest) - eye.ground_m).max(1.0);
-                (above_m / distance_m(region.bounds).max(1.0), number, region.skyline)
-            })
-            .collect();
-        tall.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let mut left = settings.skyline_cells;
-        for (_, number, count) in tall {
+        let regions =
+            tallest_first(with_skyline.filter_map(|(number, region)| Some((looks(region.tallest, region.bounds)?, number))));
+        let (mut left, mut cells) = (settings.skyline_cells, Vec::new());
+        for number in regions {
             if left == 0 {
                 break;
             }
-            left = left.saturating_sub(count);
-            if !self.has(number, SKYLINE_RANK) {
-                continue;
+            left = left.saturating_sub(index.regions[number as usize].skyline.min(SKYLINE_A_REGION));
+            if self.has(number, SKYLINE_RANK) {
+                cells.extend(index.region(number).map_or(&[][..], |page| &page.skyline));
             }
-            for &cell in index.region(number).map_or(&[][..], |page| &page.skyline) {
-                if index.cell(cell).is_some_and(|entry| distance_m(entry.bounds) <= settings.skyline_m) {
-                    self.need(cell, Why::Skyline, 0.0, eye);
-                }
-            }
+        }
+        let cells = cells.into_iter().filter_map(|cell| {
+            let entry = index.cell(cell)?;
+            Some((looks(entry.top, entry.bounds)?, cell))
+        });
+        for cell in tallest_first(cells).take(settings.skyline_cells as usize) {
+            self.need(cell, Why::Skyline, 0.0, eye);
         }
     }
 
@@ -285,6 +286,13 @@ impl Needs<'_> {
             }
         }
     }
+}
+
+/// Numbers in order of how tall what they name looks; of what looks alike the first.
+fn tallest_first(looks: impl Iterator<Item = (f64, u32)>) -> impl Iterator<Item = u32> {
+    let mut looks: Vec<(f64, u32)> = looks.collect();
+    looks.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    looks.into_iter().map(|(_, number)| number)
 }
 
 /// 0 for what is in sight, 1 for what may come into it.
