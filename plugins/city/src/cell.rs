@@ -16,7 +16,7 @@ pub struct Cells {
     /// 128 m ([`GridPos::morton`]) in which something is, ascending.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub far: Vec<Vec<u32>>,
-    /// Cells whose tallest things rise above the roofs: seen from (almost) everywhere, ascending.
+    /// Cells whose tallest things rise above the roofs, and are seen over them from far away, ascending.
     #[serde(default)]
     pub skyline: Vec<u32>,
 }

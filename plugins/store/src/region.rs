@@ -78,7 +78,7 @@ pub struct Region {
     pub cells: Vec<CellEntry>,
     /// Portals of its cells; those into another region are told in both. Cells are named by their numbers in the city.
     pub portals: Vec<Portal>,
-    /// Those of its cells whose tallest things are seen from (almost) everywhere, by their numbers in the city, ascending.
+    /// Those of its cells whose tallest things are seen over the roofs from far away, by their numbers in the city, ascending.
     pub skyline: Vec<u32>,
     /// Regions of which something is seen from its cells along the ground, farther away than visible sets reach: by their numbers, ascending.
     pub vistas: Vec<u32>,
