@@ -2,7 +2,8 @@
 //!
 //! Eyes stand at random 1.6 m to 3 m above the floors of a cell, and look about, mostly along the ground. What a ray ends at, and the
 //! trees and furniture before it, is drawn with some cell: that cell must be in the visible set of the eye's, or on the skyline, or in a
-//! district that walkers have about them or see from afar. Districts have no trees and no furniture: rays that see some there are counted apart.
+//! district that walkers have about them or see from afar. Districts have no trees and no furniture: rays that see some there are counted apart,
+//! and so are those that see something missing only where haze hides it.
 //! What streaming leaves out of all that under its caps (of skyline cells, vistas, memory) is not looked at.
 
 mod scene;
@@ -11,6 +12,7 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use veduta_cells::PartitionSettings;
 use veduta_city::draw::Draw;
 use veduta_city::{CellShell, GridPos, Id};
 use veduta_store::{CellEntry, CityIndex};
@@ -28,11 +30,13 @@ pub struct ProofSettings {
     pub seed: u64,
     /// Walkers have districts within this distance at least, metres, as streaming's `overview_m`; less than 0 for none.
     pub districts_m: f64,
+    /// How far one sees at all, metres, as the partition's `far_m`.
+    pub far_m: f64,
 }
 
 impl Default for ProofSettings {
     fn default() -> Self {
-        Self { rays: 1_000_000, eyes_a_cell: 0, seed: 1, districts_m: 500.0 }
+        Self { rays: 1_000_000, eyes_a_cell: 0, seed: 1, districts_m: 500.0, far_m: PartitionSettings::default().far_m }
     }
 }
 
@@ -64,7 +68,9 @@ pub struct Proof {
     pub by_districts: u64,
     /// Rays that saw a tree or furniture there, which districts are without.
     pub bare: u64,
-    /// One of them for each pair of cells.
+    /// Rays that saw what is missing only farther away than one sees at all.
+    pub hazy: u64,
+    /// One of those that saw something missing for each pair of cells.
     pub missing: Vec<Missing>,
     /// Area of what the visible sets hold, square metres, summed over all cells; the skyline apart. With
     /// [`ProofSettings::eyes_a_cell`] only.
@@ -115,6 +121,7 @@ pub fn prove(index: &CityIndex, shells: &[CellShell], settings: &ProofSettings) 
         proof.misses += u64::from(!look.missing.is_empty());
         proof.by_districts += u64::from(look.is_by_district && look.missing.is_empty());
         proof.bare += u64::from(look.is_bare && look.missing.is_empty());
+        proof.hazy += u64::from(look.is_hazy && look.missing.is_empty());
         proof.missing.extend(look.missing.into_iter().filter(|missing| pairs.insert((missing.from, missing.cell))));
     }
     if settings.eyes_a_cell > 0 {
@@ -133,6 +140,8 @@ struct Look {
     is_by_district: bool,
     /// Whether that is a tree or furniture.
     is_bare: bool,
+    /// Whether it saw something that is in none of them, but hidden by haze.
+    is_hazy: bool,
 }
 
 struct Town<'a> {
@@ -154,14 +163,18 @@ impl Town<'_> {
         let hit = !seen.is_empty();
         let is_missing = |met: &Hit| !self.sees(cell, met.cell);
         if !seen.iter().any(is_missing) || !self.is_wide(eye, direction, cell) {
-            return Some(Look { hit, missing: Vec::new(), is_by_district: false, is_bare: false });
+            return Some(Look { hit, missing: Vec::new(), is_by_district: false, is_bare: false, is_hazy: false });
         }
         let is_district = |met: &Hit| self.is_district(met.cell, cell, plan(eye).0);
         let is_by_district = seen.iter().any(|met| is_missing(met) && is_district(met));
         let is_bare = seen.iter().any(|met| met.is_loose && is_missing(met) && is_district(met));
         let told = |met: Hit| Missing { from: cell, cell: met.cell, eye: plan(eye), seen: plan(eye + direction * met.distance_m) };
-        let missing = seen.into_iter().filter(|met| is_missing(met) && !is_district(met)).map(told).collect();
-        Some(Look { hit, missing, is_by_district, is_bare })
+        let (hazy, missing): (Vec<Hit>, Vec<Hit>) = seen
+            .into_iter()
+            .filter(|met| is_missing(met) && !is_district(met))
+            .partition(|met| met.distance_m > self.settings.far_m);
+        let missing = missing.into_iter().map(told).collect();
+        Some(Look { hit, missing, is_by_district, is_bare, is_hazy: !hazy.is_empty() })
     }
 
     /// Whether a cell is in the visible set of another, or rises above the roofs.

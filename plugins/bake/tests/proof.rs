@@ -35,7 +35,7 @@ fn sets_that_hold_everything_lack_nothing_and_empty_ones_are_found_out() {
     let (mut index, shells) = town("sets");
     let count = index.cell_count();
     assert_eq!(shells.len() as u32, count);
-    let settings = ProofSettings { rays: 20_000, eyes_a_cell: 20, seed: 3, districts_m: -1.0 };
+    let settings = ProofSettings { rays: 20_000, eyes_a_cell: 20, seed: 3, districts_m: -1.0, ..ProofSettings::default() };
     let with = |index: &mut CityIndex, set: fn(u32, u32) -> Vec<u32>| -> Proof {
         for number in 0..index.regions.len() as u32 {
             let mut region = Region::clone(index.region(number).unwrap_or_else(|| panic!("here")));
@@ -69,7 +69,7 @@ fn sets_that_hold_everything_lack_nothing_and_empty_ones_are_found_out() {
 #[test]
 fn a_proof_is_the_same_for_any_number_of_threads() {
     let (index, shells) = town("threads");
-    let settings = ProofSettings { rays: 5_000, eyes_a_cell: 5, seed: 1, districts_m: -1.0 };
+    let settings = ProofSettings { rays: 5_000, eyes_a_cell: 5, seed: 1, districts_m: -1.0, ..ProofSettings::default() };
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap_or_else(|e| panic!("{e}"));
         pool.install(|| prove(&index, &shells, &settings))

@@ -53,8 +53,9 @@
 //! * Visibility is in plan: what rises above the roofs is told by [`veduta_city::Cells::skyline`], everything lower is taken to be hidden by
 //!   any house, and seen as a district where it is not. Visible sets reach as far as [`PartitionSettings::sight_m`]; what is seen along the
 //!   ground beyond is told in squares ([`veduta_city::Cells::far`]), by directions alone, as far as [`PartitionSettings::far_m`].
-//!   `veduta-bake inspect --prove` tells what all of them lack. Walls inside one cell hide nothing. All this only matters to what is
-//!   loaded, never to what is drawn. Who looks down over roofs from a slope may see farther than what is loaded.
+//!   Where the ground is hilly, so is what is seen over the roofs from 500 m on; eyes in the middles of cells and portals look for it,
+//!   which is a sample. `veduta-bake inspect --prove` tells what all of them lack. Walls inside one cell hide nothing. All this only
+//!   matters to what is loaded, never to what is drawn.
 //! * Water is free space (one looks across it); its ground patches tell the walker where it is.
 //! * The extent may span 260 km and lie within 1,000 km of the anchor.
 //!
@@ -83,6 +84,7 @@ mod locate;
 mod merge;
 mod name;
 mod outline;
+mod over;
 mod overlay;
 mod partition;
 mod patches;

@@ -1,6 +1,6 @@
 use veduta_city::{Cell, Cells, CityPlan, Finding, Id, Severity};
 
-use crate::{assign, free, merge, name, outline, patches::Patches, reach, skyline, triangulate, tunnels, visible};
+use crate::{assign, free, merge, name, outline, over, patches::Patches, reach, skyline, triangulate, tunnels, visible};
 
 /// How free space is cut.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,6 +96,7 @@ pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
     (cells.visible, cells.far) = (seen.sets, seen.far);
     findings.extend(notes);
     tunnels::see_through(plan, &mut cells);
+    over::see_over(plan, &mut cells, settings);
     cells.skyline = skyline::skyline(plan, &cells);
     Partition { cells, findings }
 }

@@ -8,8 +8,8 @@ use common::{at, house, patch, plan, rect, volume, with_hole};
 use glam::DVec2;
 use veduta_cells::{CellsError, Partition, PartitionSettings, cell_shells, check, facade_sheets, partition};
 use veduta_city::{
-    CityPlan, Design, GridPolygon, GridPos, House, Id, Place, PlaceKind, PlacedMonument, PlanStreet, Severity, SurfaceKind, Volume,
-    WallKind,
+    CityPlan, Design, GridPolygon, GridPos, House, Id, Place, PlaceKind, PlacedMonument, PlanStreet, PlanTerrain, Severity,
+    SurfaceKind, Volume, WallKind,
 };
 
 fn cut(plan: &CityPlan) -> Partition {
@@ -325,6 +325,30 @@ fn towers_make_the_skyline() {
     for house in [0, 2] {
         let carries = |&number: &u32| made.cells.cells[number as usize].houses.contains(&house);
         assert!(made.cells.skyline.iter().any(carries), "house {house}: {:?}", made.cells.skyline);
+    }
+}
+
+#[test]
+fn a_hill_is_seen_over_low_roofs_and_not_over_high_ones() {
+    // A street, shut by a house all across it, that leads up a hill in the end.
+    let across = rect(200.0, 0.0, 212.0, 40.0);
+    let heights = |rise_m: f64| {
+        let height_m = |column: i32| rise_m * ((f64::from(column) * 50.0 - 800.0) / 400.0).clamp(0.0, 1.0);
+        (0..2 * 25).map(|n| GridPos::steps(height_m(n % 25))).collect::<Vec<i32>>()
+    };
+    let seen_from_the_west = |eaves_m: f64, rise_m: f64| {
+        let mut plan = plan(rect(0.0, 0.0, 1_200.0, 40.0), [across.clone()]);
+        plan.houses[0].volumes[0] = volume(across.clone(), 0.0, eaves_m);
+        plan.terrain = PlanTerrain { origin: at(0.0, 0.0), step: GridPos::steps(50.0), columns: 25, heights: heights(rise_m) };
+        let cells = cut(&plan).cells;
+        let x_m = |cell: &u32| cells.cells[*cell as usize].outline.centroid().x;
+        let west = cells.far.iter().zip(0..).filter(|(_, cell)| x_m(cell) < 190.0).flat_map(|(far, _)| far);
+        west.map(|cell| x_m(cell)).fold(0.0, f64::max)
+    };
+    assert!(seen_from_the_west(4.0, 80.0) > 900.0, "{}", seen_from_the_west(4.0, 80.0));
+    for (eaves_m, rise_m) in [(4.0, 0.0), (90.0, 80.0)] {
+        let seen = seen_from_the_west(eaves_m, rise_m);
+        assert!(seen < 0.5, "under eaves at {eaves_m} m, of a hill of {rise_m} m: {seen}");
     }
 }
 

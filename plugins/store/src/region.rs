@@ -80,7 +80,7 @@ pub struct Region {
     pub portals: Vec<Portal>,
     /// Those of its cells whose tallest things are seen over the roofs from far away, by their numbers in the city, ascending.
     pub skyline: Vec<u32>,
-    /// Regions of which something is seen from its cells along the ground, farther away than visible sets reach: by their numbers, ascending.
+    /// Regions of which something is seen from its cells farther away than visible sets reach: by their numbers, ascending.
     pub vistas: Vec<u32>,
     /// The [`veduta_city::Overview`] of what lies in its square, or beyond all squares and nearest to it.
     pub overview: BlobRef,

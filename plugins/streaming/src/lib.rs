@@ -96,7 +96,7 @@ pub struct StreamingSettings {
     pub skyline_cells: u32,
     /// The overview is wanted within this distance of a viewer, metres.
     pub overview_m: f64,
-    /// So many more overviews, at most, are wanted of what is seen from afar along the ground, nearest first.
+    /// So many more overviews, at most, are wanted of what is seen from afar, nearest first.
     pub vistas: usize,
     /// The overview is wanted within this distance of a viewer above the roofs, metres. Districts are made of it as far as
     /// `BuildSettings::districts_m` goes.

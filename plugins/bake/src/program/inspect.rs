@@ -66,7 +66,7 @@ pub(crate) fn inspect(city: &str, json: bool, proving: &Proving) -> Result<(), F
         if let Some(proof) = &proof {
             figures["proof"] = serde_json::json!({
                 "rays": proof.rays, "hits": proof.hits, "misses": proof.misses, "missing_pairs": proof.missing.len(),
-                "by_districts": proof.by_districts, "bare": proof.bare,
+                "by_districts": proof.by_districts, "bare": proof.bare, "hazy": proof.hazy,
                 "excess": proof.excess(),
                 "missing": proof.missing.iter().map(|missing| serde_json::json!({
                     "from": missing.from, "cell": missing.cell,
@@ -107,14 +107,15 @@ fn tell(proof: &Proof, index: &CityIndex, json: bool) {
     if !json {
         println!(
             "  {} rays through {} triangles: {} met something, {} saw what is in neither visible set nor skyline nor district ({} pairs of \
-             cells), {} what only districts tell of, {} of them trees or furniture",
+             cells), {} what only districts tell of, {} of them trees or furniture; {} saw it only where haze hides it",
             proof.rays,
             proof.triangles,
             proof.hits,
             proof.misses,
             proof.missing.len(),
             proof.by_districts,
-            proof.bare
+            proof.bare,
+            proof.hazy
         );
         if let Some(excess) = proof.excess() {
             println!("  visible sets hold {excess:.3} times the area that is seen, the skyline apart");
