@@ -343,7 +343,7 @@ fn a_hill_is_seen_over_low_roofs_and_not_over_high_ones() {
         let cells = cut(&plan).cells;
         let x_m = |cell: &u32| cells.cells[*cell as usize].outline.centroid().x;
         let west = cells.far.iter().zip(0..).filter(|(_, cell)| x_m(cell) < 190.0).flat_map(|(far, _)| far);
-        west.map(|cell| x_m(cell)).fold(0.0, f64::max)
+        west.map(x_m).fold(0.0, f64::max)
     };
     assert!(seen_from_the_west(4.0, 80.0) > 900.0, "{}", seen_from_the_west(4.0, 80.0));
     for (eaves_m, rise_m) in [(4.0, 0.0), (90.0, 80.0)] {
