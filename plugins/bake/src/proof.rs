@@ -133,6 +133,7 @@ pub fn prove(index: &CityIndex, shells: &[CellShell], settings: &ProofSettings) 
 }
 
 /// What came of a ray.
+#[derive(Default)]
 struct Look {
     hit: bool,
     missing: Vec<Missing>,
@@ -163,7 +164,7 @@ impl Town<'_> {
         let hit = !seen.is_empty();
         let is_missing = |met: &Hit| !self.sees(cell, met.cell);
         if !seen.iter().any(is_missing) || !self.is_wide(eye, direction, cell) {
-            return Some(Look { hit, missing: Vec::new(), is_by_district: false, is_bare: false, is_hazy: false });
+            return Some(Look { hit, ..Look::default() });
         }
         let is_district = |met: &Hit| self.is_district(met.cell, cell, plan(eye).0);
         let is_by_district = seen.iter().any(|met| is_missing(met) && is_district(met));

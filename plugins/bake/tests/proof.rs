@@ -53,6 +53,9 @@ fn sets_that_hold_everything_lack_nothing_and_empty_ones_are_found_out() {
     assert!(own.misses > own.rays / 8 && own.by_districts == 0, "{} misses", own.misses);
     let near = prove(&index, &shells, &ProofSettings { eyes_a_cell: 0, districts_m: 500.0, ..settings });
     assert_eq!((near.misses, near.by_districts), (0, own.misses), "all is near enough to be seen as a district");
+    let hazy = prove(&index, &shells, &ProofSettings { eyes_a_cell: 0, far_m: 60.0, ..settings });
+    assert!(hazy.misses > 0 && hazy.hazy > 0 && own.hazy == 0, "{} misses, {} in haze", hazy.misses, hazy.hazy);
+    assert_eq!(hazy.misses + hazy.hazy, own.misses, "haze hides some, and none is lost");
     assert!(own.missing.iter().all(|missing| missing.from != missing.cell));
     assert!(own.missing.len() > count as usize, "{} pairs", own.missing.len());
     for missing in &own.missing {

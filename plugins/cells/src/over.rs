@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 use rayon::prelude::*;
-use veduta_city::{Cells, CityPlan, GridPolygon, GridPos, Portal, PortalSide, metres};
+use veduta_city::{Cells, CityPlan, GridPolygon, GridPos, PlanTerrain, Portal, PortalSide, metres};
 
 use crate::far::{Square, squares};
 use crate::partition::PartitionSettings;
@@ -82,7 +82,7 @@ struct Post {
 
 /// Heights of a city on a lattice.
 struct Relief<'a> {
-    plan: &'a CityPlan,
+    terrain: &'a PlanTerrain,
     origin: DVec2,
     post_m: f64,
     columns: usize,
@@ -99,12 +99,11 @@ impl<'a> Relief<'a> {
         let mut posts = vec![Post::default(); columns * rows];
         posts.par_chunks_mut(columns).enumerate().for_each(|(row, posts)| {
             for (column, post) in posts.iter_mut().enumerate() {
-                let pos = low + post_m * DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
-                let ground_m = plan.terrain.height_m(pos) as f32;
+                let ground_m = plan.terrain.height_m(low + post_m * middle(column, row)) as f32;
                 *post = Post { hides_m: ground_m, top_m: ground_m };
             }
         });
-        let mut relief = Self { plan, origin: low, post_m, columns, posts, top_m: 0.0 };
+        let mut relief = Self { terrain: &plan.terrain, origin: low, post_m, columns, posts, top_m: 0.0 };
         plan.houses.iter().flat_map(|house| &house.volumes).for_each(|volume| {
             let (eaves, top) = (metres(volume.eaves) as f32, metres(volume.top()) as f32);
             relief.raise(volume.footprint.middle().to_metres(), top);
@@ -140,7 +139,7 @@ impl<'a> Relief<'a> {
         let (rows, columns) = (first(from.y)..first(to.y), first(from.x)..first(to.x).min(self.columns));
         for row in rows {
             for column in columns.clone() {
-                let pos = self.origin + self.post_m * DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
+                let pos = self.origin + self.post_m * middle(column, row);
                 let Some(post) = self.posts.get_mut(row * self.columns + column) else { return };
                 if footprint.contains(GridPos::from_metres(pos)) {
                     *post = Post { hides_m: post.hides_m.max(eaves_m), top_m: post.top_m.max(top_m) };
@@ -151,7 +150,7 @@ impl<'a> Relief<'a> {
 
     /// Tells where something far away is seen from an eye.
     fn look(&self, eye: DVec2, far_m: f64, mut tell: impl FnMut(DVec2)) {
-        let eye_m = self.plan.terrain.height_m(eye) + EYE_M;
+        let eye_m = self.terrain.height_m(eye) + EYE_M;
         // Eyes side by side look between each other's directions.
         let turn = (eye.x + eye.y) * 0.618;
         for n in 0..DIRECTIONS {
@@ -169,6 +168,11 @@ impl<'a> Relief<'a> {
             }
         }
     }
+}
+
+/// Where a post stands, in posts.
+fn middle(column: usize, row: usize) -> DVec2 {
+    DVec2::new(column as f64 + 0.5, row as f64 + 0.5)
 }
 
 /// Which squares may hold what is at a place.
