@@ -14,7 +14,7 @@ fuzz_target!(|bytes: &[u8]| {
     let (cells, skyline, number) = (u32::from(told % 4), u32::from(told >> 2 & 1), usize::from(told >> 3 & 1));
     let stored = blob(18, content);
     let bounds = (GridPos(-1024, -1024), GridPos(1024, 1024));
-    let entry = |key, first, cells| RegionEntry { key: RegionKey(key), first, cells, skyline: 0, tallest: 0, bounds, blob: None };
+    let entry = |key, first, cells| RegionEntry { key: RegionKey(key), first, cells, skyline: 0, top: 0, bounds, blob: None };
     let mut regions = if number == 0 {
         [entry(0b1_11_00, 0, cells), entry(0b1_11_01, cells, 3)]
     } else {

@@ -129,7 +129,7 @@ pub use write::{CityWriter, write_city};
 extern crate self as veduta_store;
 
 /// Version of the format that this program writes and reads.
-pub const FORMAT_VERSION: u32 = 21;
+pub const FORMAT_VERSION: u32 = 22;
 
 /// Name of the index's file in a city's directory.
 pub const INDEX_NAME: &str = "city.veduta";

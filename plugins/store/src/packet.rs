@@ -573,7 +573,7 @@ mod tests {
         let hash = |packet: &Packet| blake3::hash(&write(packet)).to_hex()[..16].to_owned();
         let forms = (hash(&Packet::Shell(Box::new(shell))), hash(&Packet::Facades(sheet)));
         let expected = ("c6a8e305316b2ecf".to_owned(), "fb13120a768e30fd".to_owned());
-        assert_eq!((crate::FORMAT_VERSION, forms), (21, expected), "raise FORMAT_VERSION if this is on purpose");
+        assert_eq!((crate::FORMAT_VERSION, forms), (22, expected), "raise FORMAT_VERSION if this is on purpose");
     }
 
     #[test]

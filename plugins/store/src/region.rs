@@ -12,25 +12,39 @@ use crate::{BlobRef, StoreError, valid};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RegionKey(pub u32);
 
-/// How often the smallest squares were halved: they measure 128 m.
-const DEEPEST: u32 = 30;
 /// What has more cells than this is halved.
 const MOST_CELLS: usize = 128;
 
 impl RegionKey {
+    /// How often the smallest squares were halved: they measure 128 m.
+    pub(crate) const DEEPEST: u32 = 30;
+
+    /// The whole grid.
+    pub(crate) const WHOLE: Self = Self(1);
+
+    /// One of the squares so many steps down; `None` if there are fewer, or none so deep.
+    pub(crate) fn new(square: u32, depth: u32) -> Option<Self> {
+        (depth <= Self::DEEPEST && square < 1 << depth).then(|| Self(1 << depth | square))
+    }
+
+    /// Which of the squares as deep it is, in the order of their Morton codes.
+    pub(crate) const fn square(self) -> u32 {
+        self.0 ^ 1 << self.depth()
+    }
+
     /// The square or half so many steps down in which a Morton code lies.
     fn of(code: u64, depth: u32) -> Self {
         Self(1 << depth | code.checked_shr(u64::BITS - depth).unwrap_or_default() as u32)
     }
 
     /// How many steps down it lies.
-    const fn depth(self) -> u32 {
+    pub(crate) const fn depth(self) -> u32 {
         u32::BITS - 1 - self.0.leading_zeros()
     }
 
     /// The Morton code of its south-western corner, which is the least in it.
     pub(crate) fn first_code(self) -> u64 {
-        u64::from(self.0 ^ 1 << self.depth()).checked_shl(u64::BITS - self.depth()).unwrap_or_default()
+        u64::from(self.square()).checked_shl(u64::BITS - self.depth()).unwrap_or_default()
     }
 
     /// Whether a plan position lies in it.
@@ -40,7 +54,7 @@ impl RegionKey {
 
     /// Whether anything is called so.
     pub(crate) const fn is_sound(self) -> bool {
-        self.0 != 0 && self.depth() <= DEEPEST
+        self.0 != 0 && self.depth() <= Self::DEEPEST
     }
 }
 
@@ -55,8 +69,8 @@ pub struct RegionEntry {
     pub cells: u32,
     /// How many of them are on the skyline.
     pub skyline: u32,
-    /// How high the tallest of these rises above the city's zero, grid steps; 0 if there is none.
-    pub tallest: i32,
+    /// The highest thing drawn with its cells above the city's zero: whole metres, in grid steps; 0 if it has no cells.
+    pub top: i32,
     /// Least and greatest corner in plan of all that is drawn with its cells, on whole metres.
     pub bounds: (GridPos, GridPos),
     /// Its [`Region`]; none as long as the leaf of the index that tells of it is not here.
@@ -131,7 +145,7 @@ pub(crate) fn squares(codes: &[u64]) -> Vec<(RegionKey, Range<usize>)> {
 }
 
 fn cut(codes: &[u64], cells: Range<usize>, depth: u32, squares: &mut Vec<(RegionKey, Range<usize>)>) {
-    if cells.len() <= MOST_CELLS || depth == DEEPEST {
+    if cells.len() <= MOST_CELLS || depth == RegionKey::DEEPEST {
         let first = codes.get(cells.start).copied().unwrap_or_default();
         // The smallest square that holds them all would change its name whenever a cell is built beside it.
         squares.push((RegionKey::of(first, depth), cells));
@@ -205,14 +219,14 @@ mod tests {
     #[test]
     fn any_number_of_cells_may_lie_on_one_spot() {
         let codes = vec![GridPos(5, 5).morton(); 1000];
-        assert_eq!(squares(&codes), [(RegionKey::of(codes[0], DEEPEST), 0..1000)]);
+        assert_eq!(squares(&codes), [(RegionKey::of(codes[0], RegionKey::DEEPEST), 0..1000)]);
         assert_eq!(squares(&[]), [(RegionKey(1), 0..0)], "a city without cells has a region all the same");
     }
 
     #[test]
     fn a_square_knows_where_it_begins() {
         for pos in [GridPos(0, 0), GridPos(-1, 7), GridPos(123_456, -654_321), GridPos(i32::MIN, i32::MAX)] {
-            for depth in 0..=DEEPEST {
+            for depth in 0..=RegionKey::DEEPEST {
                 let key = RegionKey::of(pos.morton(), depth);
                 assert!(key.is_sound(), "{key:?}");
                 assert_eq!(RegionKey::of(key.first_code(), depth), key);

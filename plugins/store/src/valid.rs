@@ -337,9 +337,6 @@ pub(crate) fn check_index(index: &CityIndex) -> Check {
         return Err("it has no region".to_owned());
     }
     for (i, region) in index.regions.iter().enumerate() {
-        if !region.key.is_sound() {
-            return Err(format!("region {i} has a key that is none"));
-        }
         check_bounds(region.bounds).map_err(|reason| format!("region {i}: {reason}"))?;
         if region.skyline > region.cells {
             return Err(format!("region {i} has more cells on the skyline than cells"));

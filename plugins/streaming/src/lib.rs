@@ -92,11 +92,11 @@ pub struct StreamingSettings {
     pub flying_from_m: f64,
     /// Skyline cells are wanted within this distance, metres.
     pub skyline_m: f64,
-    /// No more skyline cells than these are wanted: those that look tallest, in the regions whose tallest does.
+    /// No more skyline cells than these are wanted: those that look tallest, in the regions that do.
     pub skyline_cells: u32,
     /// The overview is wanted within this distance of a viewer, metres.
     pub overview_m: f64,
-    /// So many more overviews, at most, are wanted of what is seen from afar, nearest first.
+    /// So many more overviews, at most, are wanted of what is seen from afar: of what looks tallest.
     pub vistas: usize,
     /// The overview is wanted within this distance of a viewer above the roofs, metres. Districts are made of it as far as
     /// `BuildSettings::districts_m` goes.

@@ -227,13 +227,11 @@ impl Needs<'_> {
     fn add_skyline(&mut self, eye: &Eye) {
         let (index, settings) = (self.index, self.settings);
         let looks = |top: i32, bounds: (GridPos, GridPos)| {
-            let distance_m = distance_to(bounds, eye.plan_pos);
-            let above_m = (metres(top) - eye.ground_m).max(1.0);
-            (distance_m <= settings.skyline_m).then(|| above_m / distance_m.max(1.0))
+            let is_within = distance_to(bounds, eye.plan_pos) <= settings.skyline_m;
+            is_within.then(|| looks(top, bounds, eye))
         };
         let with_skyline = (0..).zip(&*index.regions).filter(|(_, region)| region.skyline > 0);
-        let regions =
-            tallest_first(with_skyline.filter_map(|(number, region)| Some((looks(region.tallest, region.bounds)?, number))));
+        let regions = tallest_first(with_skyline.filter_map(|(number, region)| Some((looks(region.top, region.bounds)?, number))));
         let (mut left, mut cells) = (settings.skyline_cells, Vec::new());
         for number in regions {
             if left == 0 {
@@ -286,6 +284,12 @@ impl Needs<'_> {
             }
         }
     }
+}
+
+/// How tall what rises so high within some bounds looks to an eye, at most: by how much it rises with every metre to it.
+fn looks(top: i32, bounds: (GridPos, GridPos), eye: &Eye) -> f64 {
+    let above_m = (metres(top) - eye.ground_m).max(1.0);
+    above_m / distance_to(bounds, eye.plan_pos).max(1.0)
 }
 
 /// Numbers in order of how tall what they name looks; of what looks alike the first.
@@ -360,8 +364,8 @@ pub(crate) fn plan_wanted(
     };
 }
 
-/// Plans which parts of the overview are wanted: those about the viewers, then what plugins ask for, then what viewers see from afar, nearest
-/// first.
+/// Plans which parts of the overview are wanted: those about the viewers, then what plugins ask for, then what viewers see from afar, as far
+/// as it looks tallest.
 pub(crate) fn plan_overviews(
     (city, store): (Option<ResMut<City>>, Option<Res<Store>>),
     settings: Res<StreamingSettings>,
@@ -389,9 +393,9 @@ pub(crate) fn plan_overviews(
     *planned = asked;
     let within = |&circle: &Around| city.overviews.within(circle).collect::<Vec<_>>();
     let near: BTreeSet<u32> = about.iter().flat_map(within).collect();
-    let mut vistas = index.map_or_else(Vec::new, |index| vistas(index, &planned.1, &about));
-    vistas.retain(|part| !near.contains(part));
-    vistas.truncate(settings.vistas);
+    let eyes: Vec<&Eye> = viewers.iter().map(|(eye, _)| eye).collect();
+    let vistas = index.map_or_else(Vec::new, |index| vistas(index, &planned.1, &near, &eyes));
+    let vistas: Vec<u32> = vistas.into_iter().take(settings.vistas).collect();
     let mut overviews: Vec<u32> = Vec::new();
     for part in about.iter().chain(wants.0.values()).flat_map(within).chain(vistas.iter().copied()) {
         if !overviews.contains(&part) {
@@ -407,17 +411,15 @@ pub(crate) fn plan_overviews(
     }
 }
 
-/// What is seen far away from some regions, nearest to any of the viewers first.
-fn vistas(index: &CityIndex, grounds: &[u32], about: &[Around]) -> Vec<u32> {
+/// What is seen from some regions and is not near: what looks tallest to any of some eyes first.
+fn vistas(index: &CityIndex, grounds: &[u32], near: &BTreeSet<u32>, eyes: &[&Eye]) -> Vec<u32> {
     let seen = grounds.iter().filter_map(|&number| index.region(number)).flat_map(|region| &region.vistas);
-    let seen: BTreeSet<u32> = seen.copied().collect();
-    let off_m = |number: u32| {
-        let bounds = index.regions[number as usize].bounds;
-        about.iter().map(|circle| distance_to(bounds, circle.middle)).fold(f64::INFINITY, f64::min)
+    let seen: BTreeSet<u32> = seen.copied().filter(|number| !near.contains(number)).collect();
+    let looks = |number: u32| {
+        let region = &index.regions[number as usize];
+        eyes.iter().map(|eye| looks(region.top, region.bounds, eye)).fold(0.0, f64::max)
     };
-    let mut seen: Vec<(f64, u32)> = seen.into_iter().map(|number| (off_m(number), number)).collect();
-    seen.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    seen.into_iter().map(|(_, number)| number).collect()
+    tallest_first(seen.into_iter().map(|number| (looks(number), number))).collect()
 }
 
 /// Cells seen from one; none as long as its region has not come.

@@ -65,7 +65,7 @@ pub(super) fn regions(whole: Region) -> Result<(Vec<RegionEntry>, Vec<Region>), 
         let id = whole.cells[late + 1].id;
         return Err(invalid(format!("cell {} ({id}) is out of order: sort cells by `outline.middle().morton()`", late + 1)));
     }
-    let all = entry_of(RegionKey(1), 0..whole.cells.len() as u32, &whole);
+    let all = entry_of(RegionKey::WHOLE, 0..whole.cells.len() as u32, &whole);
     valid::check_region(&whole, &all, core::slice::from_ref(&all)).map_err(invalid)?;
     let Region { cells, portals, skyline, .. } = whole;
     let mut cells = cells.into_iter();
@@ -93,14 +93,12 @@ fn entry_of(key: RegionKey, numbers: Range<u32>, region: &Region) -> RegionEntry
     let (lo, hi) = bounds_of(&region.cells);
     let down = |steps: i32| steps.div_euclid(GRID_PER_METRE).saturating_mul(GRID_PER_METRE);
     let up = |steps: i32| down(steps.saturating_add(GRID_PER_METRE - 1));
-    let tall = |cell: u32| region.cells.get(cell.checked_sub(numbers.start)? as usize);
-    let tops = region.skyline.iter().filter_map(|&cell| Some(tall(cell)?.top));
     RegionEntry {
         key,
         first: numbers.start,
         cells: numbers.len() as u32,
         skyline: region.skyline.len() as u32,
-        tallest: up(tops.max().unwrap_or_default()),
+        top: up(region.cells.iter().map(|cell| cell.top).max().unwrap_or_default()),
         bounds: (GridPos(down(lo.0), down(lo.1)), GridPos(up(hi.0), up(hi.1))),
         blob: None,
     }

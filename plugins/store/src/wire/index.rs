@@ -4,6 +4,7 @@ use veduta_city::{Anchor, GRID_PER_METRE, GridPos, Palette, Viewpoint};
 use super::{
     Malformed, WireBlobs,
     columns::{Deltas, Pull, Texts},
+    keys::Keys,
 };
 use crate::code::{Outlines, Source, Unread};
 use crate::{CityFile, CityIndex, FORMAT_VERSION, RegionEntry, RegionKey};
@@ -26,11 +27,11 @@ pub(crate) struct WireIndex {
 
 #[derive(Serialize, Deserialize)]
 struct WireRegions {
-    keys: Deltas,
+    keys: Keys,
     cells: Vec<u32>,
     skyline: Vec<u32>,
-    /// Metres, of each region with a skyline.
-    tallest: Deltas,
+    /// Metres.
+    tops: Deltas,
     /// Metres: western, southern, eastern, northern.
     bounds: [Deltas; 4],
     /// None of a city with leaves.
@@ -63,14 +64,13 @@ impl WireIndex {
 
 impl WireRegions {
     fn of(regions: &[RegionEntry], has_leaves: bool) -> Self {
-        let side = |side: fn(&RegionEntry) -> i32| Deltas::of(regions.iter().map(|region| side(region).div_euclid(GRID_PER_METRE)));
-        let tall = regions.iter().filter(|region| region.skyline > 0);
+        let metres = |of: fn(&RegionEntry) -> i32| Deltas::of(regions.iter().map(|region| of(region).div_euclid(GRID_PER_METRE)));
         Self {
-            keys: Deltas::of(regions.iter().map(|region| region.key.0.cast_signed())),
+            keys: Keys::of(RegionKey::WHOLE, regions.iter().map(|region| Some(region.key))),
             cells: regions.iter().map(|region| region.cells).collect(),
             skyline: regions.iter().map(|region| region.skyline).collect(),
-            tallest: Deltas::of(tall.map(|region| region.tallest.div_euclid(GRID_PER_METRE))),
-            bounds: [side(|r| r.bounds.0.0), side(|r| r.bounds.0.1), side(|r| r.bounds.1.0), side(|r| r.bounds.1.1)],
+            tops: metres(|region| region.top),
+            bounds: [metres(|r| r.bounds.0.0), metres(|r| r.bounds.0.1), metres(|r| r.bounds.1.0), metres(|r| r.bounds.1.1)],
             blobs: WireBlobs::of(regions.iter().filter_map(|region| region.blob.as_ref().filter(|_| !has_leaves))),
         }
     }
@@ -78,20 +78,20 @@ impl WireRegions {
     fn pull(self, has_leaves: bool) -> Result<Vec<RegionEntry>, Malformed> {
         let mut cells = Pull::new("numbers of cells", self.cells);
         let mut skyline = Pull::new("skylines of regions", self.skyline);
-        let mut tallest = Pull::new("heights of skylines", self.tallest.numbers());
+        let mut tops = Pull::new("tops of regions", self.tops.numbers());
         let mut sides = self.bounds.map(|side| Pull::new("bounds of regions", side.numbers()));
         let mut blobs = self.blobs.pull("blobs of regions");
         let mut side = |n: usize| Ok(sides[n].take()?.saturating_mul(GRID_PER_METRE));
         let mut first = 0_u32;
         let mut regions = Vec::new();
-        for key in self.keys.numbers() {
-            let (count, skyline) = (cells.take()?, skyline.take()?);
+        for key in self.keys.pull(RegionKey::WHOLE)? {
+            let count = cells.take()?;
             regions.push(RegionEntry {
-                key: RegionKey(key.cast_unsigned()),
+                key,
                 first,
                 cells: count,
-                skyline,
-                tallest: if skyline == 0 { 0 } else { tallest.take()?.saturating_mul(GRID_PER_METRE) },
+                skyline: skyline.take()?,
+                top: tops.take()?.saturating_mul(GRID_PER_METRE),
                 bounds: (GridPos(side(0)?, side(1)?), GridPos(side(2)?, side(3)?)),
                 blob: if has_leaves { None } else { Some(blobs.take()?) },
             });
@@ -99,7 +99,7 @@ impl WireRegions {
         }
         cells.finish()?;
         skyline.finish()?;
-        tallest.finish()?;
+        tops.finish()?;
         sides.iter().try_for_each(Pull::finish)?;
         blobs.finish()?;
         Ok(regions)

@@ -10,6 +10,7 @@
 mod columns;
 mod houses;
 mod index;
+mod keys;
 mod overview;
 mod paint;
 mod places;

@@ -6,6 +6,7 @@ use veduta_city::{GRID_PER_METRE, GridPolygon, GridPos, Id, Portal, PortalSide};
 use super::{
     Malformed, WireBlobs,
     columns::{Deltas, Ids, Lists, Pull, Texts},
+    keys::Keys,
 };
 use crate::code::{Outlines, Source, Unread};
 use crate::{CellEntry, Region, RegionEntry, RegionKey};
@@ -23,16 +24,16 @@ pub(crate) struct WireRegion {
     portals: WirePortals,
     skyline: Lists,
     foreign: Foreign,
-    /// Keys of those seen far away.
-    vistas: Vec<u32>,
+    /// Those seen far away.
+    vistas: Keys,
     /// The overview, and the houses if there are some.
     overview: WireBlobs,
 }
 
-/// Cells of other regions, by the keys of these and their places in them.
+/// Cells of other regions, by these and their places in them.
 #[derive(Serialize, Deserialize)]
 struct Foreign {
-    keys: Vec<u32>,
+    regions: Keys,
     cells: Lists,
 }
 
@@ -119,7 +120,7 @@ impl Numbers {
 }
 
 impl Foreign {
-    fn of(foreign: &[u32], regions: &[RegionEntry]) -> Self {
+    fn of(foreign: &[u32], own: RegionKey, regions: &[RegionEntry]) -> Self {
         let (mut keys, mut cells) = (Vec::new(), Lists::default());
         let mut rest = foreign;
         while let Some(&cell) = rest.first() {
@@ -128,17 +129,17 @@ impl Foreign {
             let end = regions.get(home + 1).map_or(rest.len(), |next| rest.partition_point(|&other| other < next.first));
             let (here, after) = rest.split_at(end.max(1));
             let entry = &regions[home];
-            keys.push(entry.key.0);
+            keys.push(Some(entry.key));
             cells.push(here.iter().map(|cell| cell - entry.first));
             rest = after;
         }
-        Self { keys, cells }
+        Self { regions: Keys::of(own, keys), cells }
     }
 
-    fn pull(self, regions: &[RegionEntry]) -> Result<Vec<u32>, Malformed> {
+    fn pull(self, own: RegionKey, regions: &[RegionEntry]) -> Result<Vec<u32>, Malformed> {
         let mut lists = self.cells.pull();
         let mut all = Vec::new();
-        for key in self.keys {
+        for key in self.regions.pull(own)? {
             let entry = &regions[named(key, regions)?];
             let cells = lists.take()?;
             if cells.is_empty() {
@@ -157,15 +158,15 @@ impl Foreign {
 }
 
 /// Number of the region with a key.
-fn named(key: u32, regions: &[RegionEntry]) -> Result<usize, Malformed> {
-    let code = RegionKey(key);
-    let by_place = || regions.binary_search_by_key(&code.first_code(), |entry| entry.key.first_code()).ok();
-    let found = code.is_sound().then(by_place).flatten().filter(|&n| regions[n].key == code);
+fn named(key: RegionKey, regions: &[RegionEntry]) -> Result<usize, Malformed> {
+    let found = regions.binary_search_by_key(&key.first_code(), |entry| entry.key.first_code()).ok();
+    let found = found.filter(|&n| regions[n].key == key);
     found.ok_or(Malformed::Reason("a region is named that is not there"))
 }
 
 impl WireRegion {
     pub(crate) fn of(region: &Region, number: usize, regions: &[RegionEntry]) -> (Self, Outlines) {
+        let own = regions[number].key;
         let numbers = Numbers::of(region, &regions[number]);
         let mut outlines = Outlines::default();
         region.cells.iter().for_each(|cell| outlines.polygon(CELLS, &cell.outline));
@@ -187,9 +188,9 @@ impl WireRegion {
                 beyond: region.portals.iter().map(beyond).collect(),
             },
             skyline,
-            foreign: Foreign::of(&numbers.foreign, regions),
+            foreign: Foreign::of(&numbers.foreign, own, regions),
             // What is no region is told as none, and cannot be read back.
-            vistas: region.vistas.iter().map(|&n| regions.get(n as usize).map_or(0, |entry| entry.key.0)).collect(),
+            vistas: Keys::of(own, region.vistas.iter().map(|&n| Some(regions.get(n as usize)?.key))),
             overview: WireBlobs::of(core::iter::once(&region.overview).chain(&region.houses)),
         };
         (wire, outlines)
@@ -197,7 +198,7 @@ impl WireRegion {
 
     pub(crate) fn pull(self, number: usize, regions: &[RegionEntry], outlines: &mut Source<'_, '_>) -> Result<Region, Unread> {
         let entry = &regions[number];
-        let numbers = Numbers { first: entry.first, own: entry.cells, foreign: self.foreign.pull(regions)? };
+        let numbers = Numbers { first: entry.first, own: entry.cells, foreign: self.foreign.pull(entry.key, regions)? };
         let mut texts = self.texts.pull()?;
         let cells = self.cells.pull(&numbers, outlines, || texts.take())?;
         let mut beyond = Pull::new("portals", self.portals.beyond);
@@ -219,7 +220,12 @@ impl WireRegion {
         let overview = blobs.take()?;
         let houses = if blobs.is_empty() { None } else { Some(blobs.take()?) };
         blobs.finish()?;
-        let vistas = self.vistas.into_iter().map(|key| Ok(named(key, regions)? as u32)).collect::<Result<_, Malformed>>()?;
+        let vistas = self
+            .vistas
+            .pull(entry.key)?
+            .into_iter()
+            .map(|key| Ok(named(key, regions)? as u32))
+            .collect::<Result<_, Malformed>>()?;
         Ok(Region { cells, portals, skyline, vistas, overview, houses })
     }
 }
