@@ -132,7 +132,7 @@ impl Default for StreamingSettings {
             skyline_m: 2_000.0,
             skyline_cells: 48,
             overview_m: 500.0,
-            vistas: 8,
+            vistas: 32,
             overview_flying_m: 700.0,
             keep_s: 10.0,
             memory_cap_bytes: 64 << 20,

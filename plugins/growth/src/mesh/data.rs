@@ -2,7 +2,7 @@ use glam::{DVec2, DVec3};
 use veduta_city::{Rgb, Tile, metres};
 
 /// Plain vertex data of a triangle mesh. The vertex vectors have one length; triangles are counter-clockwise seen from
-/// outside. Every face has its own vertices.
+/// outside. Faces that meet in an edge have vertices of their own; those that ground bends into share them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshData {
     /// Metres: x east, y up, z south; plan relative to the cell's origin, height to the city's zero.

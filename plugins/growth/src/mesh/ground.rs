@@ -1,3 +1,5 @@
+use std::collections::HashMap;
+
 use glam::DVec2;
 use veduta_city::{CellShell, Course, GridPos, GroundPatch, Rgb, SurfaceKind, Tile, metres};
 
@@ -20,23 +22,27 @@ pub fn ground(shell: &CellShell) -> MeshData {
     let level = LevelEdges::new(&shell.ground);
     let drape = Drape::of(shell);
     let offset = DVec2::new(remainder(shell.origin.0), remainder(shell.origin.1));
+    // What is laid once is bent by the ground, not broken: its faces share their vertices.
+    let mut known: HashMap<[u64; 2], u32> = HashMap::new();
     for patch in shell.ground.iter().filter(|patch| patch.surface != SurfaceKind::Opening) {
         let tile = Tile::Ground(patch.surface);
         let paint = Paint::new(centre_of(middle(&patch.outline)), Rgb(255, 255, 255), tile);
         let lift = metres(patch.z);
         let course = patch.course.and_then(|course| shell.courses.get(course as usize));
+        known.clear();
         triangulator.each(&rings(&patch.outline), |_, places| {
             drape.pieces(&places, |piece| {
-                let base = mesh.positions.len() as u32;
-                for &p in piece {
-                    // Along its course, or by the compass; v runs to the right.
-                    let laid = course.and_then(|course| course.place(p)).unwrap_or(p + offset);
-                    let uv = DVec2::new(laid.x, -laid.y) / paint.size_m();
-                    mesh.vertex(drape.above(p, lift), drape.normal(p), uv, paint);
-                }
-                for i in 1..piece.len() as u32 - 1 {
-                    mesh.indices.extend([base, base + i, base + i + 1]);
-                }
+                let mut vertex = |p: DVec2| {
+                    *known.entry(p.to_array().map(f64::to_bits)).or_insert_with(|| {
+                        // Along its course, or by the compass; v runs to the right.
+                        let laid = course.and_then(|course| course.place(p)).unwrap_or(p + offset);
+                        let uv = DVec2::new(laid.x, -laid.y) / paint.size_m();
+                        mesh.vertex(drape.above(p, lift), drape.normal(p), uv, paint)
+                    })
+                };
+                let corners: Vec<u32> = piece.iter().map(|&p| vertex(p)).collect();
+                let fan = corners.windows(2).skip(1).flat_map(|pair| [corners[0], pair[0], pair[1]]);
+                mesh.indices.extend(fan);
             });
         });
         if patch.z > lowest || (patch.z > 0 && patch.surface != SurfaceKind::Water) {
@@ -99,7 +105,9 @@ impl LevelEdges {
 
 #[cfg(test)]
 mod tests {
-    use veduta_city::GridPolygon;
+    use std::collections::BTreeSet;
+
+    use veduta_city::{GridPolygon, PlanTerrain};
 
     use super::*;
 
@@ -170,5 +178,17 @@ mod tests {
                 assert!(apart.min(1.0 - apart) < 1e-4, "{surface:?}: {p:?} {q:?}");
             }
         }
+    }
+
+    #[test]
+    fn faces_of_a_patch_that_the_ground_bends_share_their_vertices() {
+        let heights = (0..25).map(|i| 1024 * (i * i % 7)).collect();
+        let terrain = PlanTerrain { origin: GridPos(0, 0), step: 1024, columns: 5, heights };
+        let shell = CellShell { ground: vec![patch(0, 0, SurfaceKind::Gravel)], terrain, ..Default::default() };
+        let mesh = ground(&shell);
+        mesh.validate().unwrap();
+        let places: BTreeSet<[u32; 3]> = mesh.positions.iter().map(|p| p.map(f32::to_bits)).collect();
+        assert_eq!((places.len(), mesh.triangle_count()), (mesh.positions.len(), 2 * 4 * 4));
+        assert_eq!(mesh.positions.len(), 5 * 5);
     }
 }
