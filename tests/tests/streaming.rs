@@ -268,7 +268,7 @@ fn what_is_seen_far_away_along_the_ground_is_there_as_a_district() {
     let after = |most: usize| {
         let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
         let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
-        (settings.overview_m, settings.vistas) = (1.0, most);
+        (settings.overview_m, settings.vistas, settings.tall_vistas) = (1.0, most, most);
         let viewer = stand(&mut app);
         app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos = middle(cell);
         update_until(&mut app, 200, "the viewer is there", |world| {

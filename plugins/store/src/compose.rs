@@ -1,6 +1,7 @@
 mod division;
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use veduta_city::{
     Cell, CellShell, Cells, CityPlan, DistrictOf, FacadeSheet, GRID_PER_METRE, GridPos, GroundPatch, Level, OverviewParts, Palette,
@@ -48,6 +49,7 @@ pub(crate) fn head(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> R
         palettes: palettes(plan).into(),
         styles: styles(plan, stats, sink)?,
         files: Vec::new(),
+        blocks: Arc::default(),
         pages: Vec::new(),
         houses: Vec::new(),
     })
@@ -348,7 +350,6 @@ fn drawn_spans(shell: &CellShell) -> impl Iterator<Item = &WaySpan> {
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
-    use std::sync::Arc;
 
     use veduta_city::{GridPolygon, Id, Portal, PortalSide};
 
@@ -419,6 +420,24 @@ mod tests {
         whole.cells.iter_mut().for_each(|cell| cell.portals.sort_unstable());
         whole.skyline = (0..whole.cells.len() as u32).step_by(400).collect();
         whole
+    }
+
+    #[test]
+    fn regions_about_a_place_are_found_as_if_all_were_looked_at() {
+        let (told, _) = regions(large()).expect("a city");
+        let head = head(&CityPlan::default(), &mut CityStats::default(), &|_, _| Ok(())).expect("a head");
+        let index = CityIndex { regions: told.into(), ..head }.without_pages();
+        let off = |(lo, hi): (GridPos, GridPos), pos: GridPos| {
+            let along = |lo: i32, hi: i32, at: i32| (lo - at).max(at - hi).max(0);
+            along(lo.0, hi.0, pos.0).max(along(lo.1, hi.1, pos.1))
+        };
+        for n in 0..400 {
+            let (x, y, reach) = (n % 20 * APART_M * SIDE / 16, n / 20 * APART_M * SIDE / 16, n * n % 2_000);
+            let (pos, reach) = (GridPos(x * GRID_PER_METRE, y * GRID_PER_METRE), reach * GRID_PER_METRE);
+            let all = (0..).zip(&*index.regions).filter(|(_, region)| off(region.bounds, pos) <= reach);
+            assert!(index.regions_about(pos, reach).eq(all), "{pos:?} {reach}");
+        }
+        assert_eq!(index.regions_about(GridPos(0, 0), i32::MAX).count(), index.regions.len());
     }
 
     #[test]

@@ -36,6 +36,8 @@ pub struct CityIndex {
     pub extent: GridPolygon,
     /// Its regions, at least one, in the order of their squares' Morton codes and of their cells' numbers.
     pub regions: Arc<[RegionEntry]>,
+    /// Bounds of so many regions after each other, [`BLOCK`]: they lie together.
+    pub(crate) blocks: Arc<[(GridPos, GridPos)]>,
     /// Leaves, each of which tells where 64 regions are stored; none if the index does.
     pub leaves: Vec<BlobRef>,
     /// What houses are painted with, style by style.
@@ -53,6 +55,7 @@ pub struct CityIndex {
 impl CityIndex {
     /// The same, of which no region is here.
     pub(crate) fn without_pages(mut self) -> Self {
+        self.blocks = self.regions.chunks(BLOCK).map(bounds_of).collect();
         self.pages = vec![None; self.regions.len()];
         self.houses = vec![None; self.regions.len()];
         self
@@ -185,7 +188,19 @@ impl CityIndex {
 
     /// Regions that may have a cell at a plan position.
     pub fn regions_at(&self, pos: GridPos) -> impl Iterator<Item = u32> {
-        (0..).zip(&*self.regions).filter(move |(_, region)| is_in(region.bounds, pos)).map(|(number, _)| number)
+        self.regions_about(pos, 0).map(|(number, _)| number)
+    }
+
+    /// Regions of which something may be drawn in a square about a plan position that reaches so many grid steps each way, by their
+    /// numbers, which ascend. A few that lie together are looked at together.
+    pub fn regions_about(&self, pos: GridPos, reach: i32) -> impl Iterator<Item = (u32, &RegionEntry)> {
+        let square = (
+            GridPos(pos.0.saturating_sub(reach), pos.1.saturating_sub(reach)),
+            GridPos(pos.0.saturating_add(reach), pos.1.saturating_add(reach)),
+        );
+        let blocks = (0..).step_by(BLOCK).zip(&*self.blocks).filter(move |(_, bounds)| do_meet(**bounds, square));
+        let regions = blocks.flat_map(|(first, _)| (first..).zip(self.regions.iter().skip(first as usize).take(BLOCK)));
+        regions.filter(move |(_, region)| do_meet(region.bounds, square))
     }
 
     /// The cell in which a plan position lies, by looking at all in those of [`CityIndex::regions_at`] that are here; `None` outside of
@@ -199,8 +214,22 @@ impl CityIndex {
     }
 }
 
+/// As many regions are found together.
+const BLOCK: usize = 32;
+
+fn bounds_of(regions: &[RegionEntry]) -> (GridPos, GridPos) {
+    let join = |(a, b): (GridPos, GridPos), (c, d): (GridPos, GridPos)| {
+        (GridPos(a.0.min(c.0), a.1.min(c.1)), GridPos(b.0.max(d.0), b.1.max(d.1)))
+    };
+    regions.iter().map(|region| region.bounds).reduce(join).unwrap_or_default()
+}
+
 fn is_in((lo, hi): (GridPos, GridPos), pos: GridPos) -> bool {
-    lo.0 <= pos.0 && pos.0 <= hi.0 && lo.1 <= pos.1 && pos.1 <= hi.1
+    do_meet((lo, hi), (pos, pos))
+}
+
+fn do_meet((lo, hi): (GridPos, GridPos), (low, high): (GridPos, GridPos)) -> bool {
+    lo.0 <= high.0 && low.0 <= hi.0 && lo.1 <= high.1 && low.1 <= hi.1
 }
 
 /// The whole index of a city: waits for the reader. For tools; walkers read what they come to.
@@ -382,6 +411,7 @@ mod tests {
             palettes: [Palette { walls: vec![Rgb(200, 190, 170)], roofs: vec![Rgb(140, 70, 50)], trim: 1.1 }].into(),
             styles: Some(BlobRef { hash: [78; 12], bytes: 13 }),
             files: vec![CityFile { path: "t.guide.ron".to_owned(), blob: BlobRef { hash: [79; 12], bytes: 14 } }],
+            blocks: Arc::default(),
             pages: Vec::new(),
             houses: Vec::new(),
         }

@@ -96,8 +96,11 @@ pub struct StreamingSettings {
     pub skyline_cells: u32,
     /// The overview is wanted within this distance of a viewer, metres.
     pub overview_m: f64,
-    /// So many more overviews, at most, are wanted of what is seen from afar: of what looks tallest.
+    /// So many more overviews, at most, are wanted of what is seen from afar, nearest first.
     pub vistas: usize,
+    /// And so many of hills and whatever else rises by more than a metre in sixteen as one sees it from afar, at most: of what looks
+    /// tallest.
+    pub tall_vistas: usize,
     /// The overview is wanted within this distance of a viewer above the roofs, metres. Districts are made of it as far as
     /// `BuildSettings::districts_m` goes.
     pub overview_flying_m: f64,
@@ -132,7 +135,8 @@ impl Default for StreamingSettings {
             skyline_m: 2_000.0,
             skyline_cells: 48,
             overview_m: 500.0,
-            vistas: 32,
+            vistas: 8,
+            tall_vistas: 32,
             overview_flying_m: 700.0,
             keep_s: 10.0,
             memory_cap_bytes: 64 << 20,

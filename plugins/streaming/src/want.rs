@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 use veduta_city::{GridPos, Level, Portal, metres};
 use veduta_ecs::{Around, Awaited, City, Eye, Itinerary, OpenCells, OverviewWants, StandingCells, Stop, Viewer};
-use veduta_store::CityIndex;
+use veduta_store::{CityIndex, RegionEntry};
 
 use crate::deliver::LoadedCells;
 use crate::fetch::Store;
@@ -230,8 +230,9 @@ impl Needs<'_> {
             let is_within = distance_to(bounds, eye.plan_pos) <= settings.skyline_m;
             is_within.then(|| looks(top, bounds, eye))
         };
-        let with_skyline = (0..).zip(&*index.regions).filter(|(_, region)| region.skyline > 0);
-        let regions = tallest_first(with_skyline.filter_map(|(number, region)| Some((looks(region.top, region.bounds)?, number))));
+        let about = index.regions_about(GridPos::from_metres(eye.plan_pos), GridPos::steps(settings.skyline_m));
+        let with_skyline = about.filter(|(_, region)| region.skyline > 0);
+        let regions = largest_first(with_skyline.filter_map(|(number, region)| Some((looks(region.top, region.bounds)?, number))));
         let (mut left, mut cells) = (settings.skyline_cells, Vec::new());
         for number in regions {
             if left == 0 {
@@ -246,7 +247,7 @@ impl Needs<'_> {
             let entry = index.cell(cell)?;
             Some((looks(entry.top, entry.bounds)?, cell))
         });
-        for cell in tallest_first(cells).take(settings.skyline_cells as usize) {
+        for cell in largest_first(cells).take(settings.skyline_cells as usize) {
             self.need(cell, Why::Skyline, 0.0, eye);
         }
     }
@@ -272,7 +273,7 @@ impl Needs<'_> {
     /// Adds all that shows level 2 about a place, whatever stands between: beyond, the overview's districts tell as much.
     fn near(&mut self, plan_pos: DVec2, why: Why, way_m: f64, eye: &Eye) {
         let (index, around_m) = (self.index, self.settings.level_2_m);
-        for (number, region) in (0..).zip(&*index.regions) {
+        for (number, region) in index.regions_about(GridPos::from_metres(plan_pos), GridPos::steps(around_m)) {
             if distance_to(region.bounds, plan_pos) > around_m || !self.has(number, rank(why)) {
                 continue;
             }
@@ -292,11 +293,11 @@ fn looks(top: i32, bounds: (GridPos, GridPos), eye: &Eye) -> f64 {
     above_m / distance_to(bounds, eye.plan_pos).max(1.0)
 }
 
-/// Numbers in order of how tall what they name looks; of what looks alike the first.
-fn tallest_first(looks: impl Iterator<Item = (f64, u32)>) -> impl Iterator<Item = u32> {
-    let mut looks: Vec<(f64, u32)> = looks.collect();
-    looks.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    looks.into_iter().map(|(_, number)| number)
+/// Numbers in order of a size of what they name; of what is alike the first.
+fn largest_first(sizes: impl Iterator<Item = (f64, u32)>) -> impl Iterator<Item = u32> {
+    let mut sizes: Vec<(f64, u32)> = sizes.collect();
+    sizes.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    sizes.into_iter().map(|(_, number)| number)
 }
 
 /// 0 for what is in sight, 1 for what may come into it.
@@ -364,8 +365,8 @@ pub(crate) fn plan_wanted(
     };
 }
 
-/// Plans which parts of the overview are wanted: those about the viewers, then what plugins ask for, then what viewers see from afar, as far
-/// as it looks tallest.
+/// Plans which parts of the overview are wanted: those about the viewers, then what plugins ask for, then what viewers see from afar: what is
+/// nearest, and what looks tall.
 pub(crate) fn plan_overviews(
     (city, store): (Option<ResMut<City>>, Option<Res<Store>>),
     settings: Res<StreamingSettings>,
@@ -394,8 +395,7 @@ pub(crate) fn plan_overviews(
     let within = |&circle: &Around| city.overviews.within(circle).collect::<Vec<_>>();
     let near: BTreeSet<u32> = about.iter().flat_map(within).collect();
     let eyes: Vec<&Eye> = viewers.iter().map(|(eye, _)| eye).collect();
-    let vistas = index.map_or_else(Vec::new, |index| vistas(index, &planned.1, &near, &eyes));
-    let vistas: Vec<u32> = vistas.into_iter().take(settings.vistas).collect();
+    let vistas = index.map_or_else(Vec::new, |index| vistas(index, &planned.1, &near, &eyes, &settings));
     let mut overviews: Vec<u32> = Vec::new();
     for part in about.iter().chain(wants.0.values()).flat_map(within).chain(vistas.iter().copied()) {
         if !overviews.contains(&part) {
@@ -411,15 +411,24 @@ pub(crate) fn plan_overviews(
     }
 }
 
-/// What is seen from some regions and is not near: what looks tallest to any of some eyes first.
-fn vistas(index: &CityIndex, grounds: &[u32], near: &BTreeSet<u32>, eyes: &[&Eye]) -> Vec<u32> {
+/// What rises by more than this with every metre to it looks tall from afar.
+const TALL: f64 = 1.0 / 16.0;
+
+/// What is to be there of what is seen from some regions and is not near.
+fn vistas(index: &CityIndex, grounds: &[u32], near: &BTreeSet<u32>, eyes: &[&Eye], settings: &StreamingSettings) -> Vec<u32> {
     let seen = grounds.iter().filter_map(|&number| index.region(number)).flat_map(|region| &region.vistas);
     let seen: BTreeSet<u32> = seen.copied().filter(|number| !near.contains(number)).collect();
-    let looks = |number: u32| {
+    let most = |number: u32, of: &dyn Fn(&RegionEntry, &Eye) -> f64| {
         let region = &index.regions[number as usize];
-        eyes.iter().map(|eye| looks(region.top, region.bounds, eye)).fold(0.0, f64::max)
+        eyes.iter().map(|eye| of(region, eye)).fold(f64::NEG_INFINITY, f64::max)
     };
-    tallest_first(seen.into_iter().map(|number| (looks(number), number))).collect()
+    let nearness = |number: u32| most(number, &|region, eye| -distance_to(region.bounds, eye.plan_pos));
+    let looks = |number: u32| most(number, &|region, eye| looks(region.top, region.bounds, eye));
+    let mut vistas: Vec<u32> = largest_first(seen.iter().map(|&n| (nearness(n), n))).take(settings.vistas).collect();
+    let tall = largest_first(seen.iter().map(|&n| (looks(n), n)).filter(|(looks, _)| *looks > TALL));
+    let more: Vec<u32> = tall.take(settings.tall_vistas).filter(|number| !vistas.contains(number)).collect();
+    vistas.extend(more);
+    vistas
 }
 
 /// Cells seen from one; none as long as its region has not come.

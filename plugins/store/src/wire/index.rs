@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 use veduta_city::{Anchor, GRID_PER_METRE, GridPos, Palette, Viewpoint};
 
@@ -135,6 +137,7 @@ impl WireIndex {
             palettes: wire.palettes.into(),
             styles,
             files,
+            blocks: Arc::default(),
             pages: Vec::new(),
             houses: Vec::new(),
         }
