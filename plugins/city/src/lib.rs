@@ -22,6 +22,7 @@
 
 mod anchor;
 mod arcade;
+mod boxes;
 mod cell;
 mod colour;
 mod course;
@@ -68,6 +69,7 @@ mod width;
 
 pub use anchor::Anchor;
 pub use arcade::Arcade;
+pub use boxes::Boxes;
 pub use cell::{Cell, Cells, Portal, PortalSide};
 pub use colour::{ParseColourError, Rgb};
 pub use course::Course;

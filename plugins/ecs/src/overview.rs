@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use veduta_city::{GridPos, Overview, Place};
+use veduta_city::{Boxes, GridPos, Overview, Place};
 
 /// A circle in plan.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Reflect)]
@@ -22,6 +22,12 @@ impl Around {
         let step = (radius_m / 16.0).max(8.0);
         let radius_m = (radius_m / step).ceil() * step + 2.0 * step;
         Self { middle: (middle / step).round() * step, radius_m }
+    }
+
+    /// A box around it.
+    fn bounds(self) -> Bounds {
+        let corner = |way: f64| GridPos::from_metres(self.middle + way * (self.radius_m + 1.0));
+        (corner(-1.0), corner(1.0))
     }
 
     fn meets(self, (lo, hi): (GridPos, GridPos)) -> bool {
@@ -57,7 +63,7 @@ type Bounds = (GridPos, GridPos);
 #[derive(Debug, Clone, Default)]
 pub struct Overviews {
     /// Of all parts.
-    bounds: Vec<Bounds>,
+    bounds: Boxes,
     here: BTreeMap<u32, Arc<Overview>>,
     vistas: Vec<u32>,
 }
@@ -67,7 +73,7 @@ impl Overviews {
     #[must_use]
     pub fn whole(overview: Overview) -> Self {
         let everywhere = (GridPos(i32::MIN, i32::MIN), GridPos(i32::MAX, i32::MAX));
-        Self { bounds: vec![everywhere], here: [(0, Arc::new(overview))].into(), vistas: Vec::new() }
+        Self { bounds: [everywhere].into_iter().collect(), here: [(0, Arc::new(overview))].into(), vistas: Vec::new() }
     }
 
     /// Parts that lie within bounds, none of which has come.
@@ -108,13 +114,14 @@ impl Overviews {
 
     /// The parts that are here and reach into a circle.
     pub fn near(&self, around: Around) -> impl Iterator<Item = &Arc<Overview>> {
-        let is_near = move |part: u32| self.bounds.get(part as usize).is_some_and(|&bounds| around.meets(bounds));
+        let is_near = move |part: u32| self.bounds.get(part).is_some_and(|bounds| around.meets(bounds));
         self.iter().filter(move |&(part, _)| is_near(part)).map(|(_, overview)| overview)
     }
 
-    /// Numbers of the parts that reach into a circle, here or not: looks at all that the city has.
+    /// Numbers of the parts that reach into a circle, here or not.
     pub fn within(&self, around: Around) -> impl Iterator<Item = u32> {
-        (0..).zip(&self.bounds).filter(move |&(_, &bounds)| around.meets(bounds)).map(|(part, _)| part)
+        let is_near = move |part: &u32| self.bounds.get(*part).is_some_and(|bounds| around.meets(bounds));
+        self.bounds.meeting(around.bounds()).filter(is_near)
     }
 
     /// Whether all parts that reach into a circle are here.
@@ -126,7 +133,7 @@ impl Overviews {
     /// Whether all parts reach into a circle.
     #[must_use]
     pub fn is_all(&self, around: Around) -> bool {
-        self.bounds.iter().all(|&bounds| around.meets(bounds))
+        self.bounds.iter().all(|bounds| around.meets(bounds))
     }
 
     /// The parts that reach into a circle and are here as one.

@@ -1,11 +1,10 @@
 mod division;
 
 use std::borrow::Cow;
-use std::sync::Arc;
 
 use veduta_city::{
-    Cell, CellShell, Cells, CityPlan, DistrictOf, FacadeSheet, GRID_PER_METRE, GridPos, GroundPatch, Level, OverviewParts, Palette,
-    PictureFile, Style, WaySpan,
+    Boxes, Cell, CellShell, Cells, CityPlan, DistrictOf, FacadeSheet, GRID_PER_METRE, GridPos, GroundPatch, Level, OverviewParts,
+    Palette, PictureFile, Style, WaySpan,
 };
 
 pub(crate) use division::Division;
@@ -49,8 +48,9 @@ pub(crate) fn head(plan: &CityPlan, stats: &mut CityStats, sink: &Sink<'_>) -> R
         palettes: palettes(plan).into(),
         styles: styles(plan, stats, sink)?,
         files: Vec::new(),
-        blocks: Arc::default(),
+        bounds: Boxes::default(),
         pages: Vec::new(),
+        here: 0,
         houses: Vec::new(),
     })
 }
@@ -350,6 +350,7 @@ fn drawn_spans(shell: &CellShell) -> impl Iterator<Item = &WaySpan> {
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
+    use std::sync::Arc;
 
     use veduta_city::{GridPolygon, Id, Portal, PortalSide};
 

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use veduta_city::{Anchor, GridPolygon, GridPos, Palette, Portal, Viewpoint};
+use veduta_city::{Anchor, Boxes, GridPolygon, GridPos, Palette, Portal, Viewpoint};
 
 use crate::blob::{STORED_CAP, VALUES_CAP};
 use crate::code::{Prior, press, unpress_with};
@@ -36,8 +36,8 @@ pub struct CityIndex {
     pub extent: GridPolygon,
     /// Its regions, at least one, in the order of their squares' Morton codes and of their cells' numbers.
     pub regions: Arc<[RegionEntry]>,
-    /// Bounds of so many regions after each other, [`BLOCK`]: they lie together.
-    pub(crate) blocks: Arc<[(GridPos, GridPos)]>,
+    /// Of each region: [`RegionEntry::bounds`].
+    pub(crate) bounds: Boxes,
     /// Leaves, each of which tells where 64 regions are stored; none if the index does.
     pub leaves: Vec<BlobRef>,
     /// What houses are painted with, style by style.
@@ -48,6 +48,8 @@ pub struct CityIndex {
     pub files: Vec<CityFile>,
     /// Of each region, what is here.
     pub(crate) pages: Vec<Option<Arc<Region>>>,
+    /// Of so many.
+    pub(crate) here: usize,
     /// Of each region, its houses if they are here.
     pub(crate) houses: Vec<Option<Arc<RegionHouses>>>,
 }
@@ -55,8 +57,8 @@ pub struct CityIndex {
 impl CityIndex {
     /// The same, of which no region is here.
     pub(crate) fn without_pages(mut self) -> Self {
-        self.blocks = self.regions.chunks(BLOCK).map(bounds_of).collect();
-        self.pages = vec![None; self.regions.len()];
+        self.bounds = self.regions.iter().map(|region| region.bounds).collect();
+        (self.pages, self.here) = (vec![None; self.regions.len()], 0);
         self.houses = vec![None; self.regions.len()];
         self
     }
@@ -86,10 +88,16 @@ impl CityIndex {
         (0..).zip(&self.pages).filter_map(|(number, page)| Some((number, page.as_ref()?)))
     }
 
+    /// How many regions are here.
+    #[must_use]
+    pub const fn regions_here_count(&self) -> usize {
+        self.here
+    }
+
     /// Puts a region where [`decode_region`](crate::decode_region) or a change of it belongs; nothing happens if there is no such number.
     pub fn put(&mut self, number: u32, region: Arc<Region>) {
         if let Some(page) = self.pages.get_mut(number as usize) {
-            *page = Some(region);
+            self.here += usize::from(page.replace(region).is_none());
         }
     }
 
@@ -114,7 +122,8 @@ impl CityIndex {
     /// Takes a region away, and its houses.
     pub fn forget(&mut self, number: u32) {
         if let (Some(page), Some(houses)) = (self.pages.get_mut(number as usize), self.houses.get_mut(number as usize)) {
-            (*page, *houses) = (None, None);
+            self.here -= usize::from(page.take().is_some());
+            *houses = None;
         }
     }
 
@@ -192,15 +201,13 @@ impl CityIndex {
     }
 
     /// Regions of which something may be drawn in a square about a plan position that reaches so many grid steps each way, by their
-    /// numbers, which ascend. A few that lie together are looked at together.
+    /// numbers, which ascend.
     pub fn regions_about(&self, pos: GridPos, reach: i32) -> impl Iterator<Item = (u32, &RegionEntry)> {
         let square = (
             GridPos(pos.0.saturating_sub(reach), pos.1.saturating_sub(reach)),
             GridPos(pos.0.saturating_add(reach), pos.1.saturating_add(reach)),
         );
-        let blocks = (0..).step_by(BLOCK).zip(&*self.blocks).filter(move |(_, bounds)| do_meet(**bounds, square));
-        let regions = blocks.flat_map(|(first, _)| (first..).zip(self.regions.iter().skip(first as usize).take(BLOCK)));
-        regions.filter(move |(_, region)| do_meet(region.bounds, square))
+        self.bounds.meeting(square).filter_map(|number| Some((number, self.regions.get(number as usize)?)))
     }
 
     /// The cell in which a plan position lies, by looking at all in those of [`CityIndex::regions_at`] that are here; `None` outside of
@@ -214,22 +221,8 @@ impl CityIndex {
     }
 }
 
-/// As many regions are found together.
-const BLOCK: usize = 32;
-
-fn bounds_of(regions: &[RegionEntry]) -> (GridPos, GridPos) {
-    let join = |(a, b): (GridPos, GridPos), (c, d): (GridPos, GridPos)| {
-        (GridPos(a.0.min(c.0), a.1.min(c.1)), GridPos(b.0.max(d.0), b.1.max(d.1)))
-    };
-    regions.iter().map(|region| region.bounds).reduce(join).unwrap_or_default()
-}
-
 fn is_in((lo, hi): (GridPos, GridPos), pos: GridPos) -> bool {
-    do_meet((lo, hi), (pos, pos))
-}
-
-fn do_meet((lo, hi): (GridPos, GridPos), (low, high): (GridPos, GridPos)) -> bool {
-    lo.0 <= high.0 && low.0 <= hi.0 && lo.1 <= high.1 && low.1 <= hi.1
+    lo.0 <= pos.0 && pos.0 <= hi.0 && lo.1 <= pos.1 && pos.1 <= hi.1
 }
 
 /// The whole index of a city: waits for the reader. For tools; walkers read what they come to.
@@ -411,8 +404,9 @@ mod tests {
             palettes: [Palette { walls: vec![Rgb(200, 190, 170)], roofs: vec![Rgb(140, 70, 50)], trim: 1.1 }].into(),
             styles: Some(BlobRef { hash: [78; 12], bytes: 13 }),
             files: vec![CityFile { path: "t.guide.ron".to_owned(), blob: BlobRef { hash: [79; 12], bytes: 14 } }],
-            blocks: Arc::default(),
+            bounds: Boxes::default(),
             pages: Vec::new(),
+            here: 0,
             houses: Vec::new(),
         }
         .without_pages();

@@ -154,7 +154,7 @@ fn forget_idle(world: &mut World, client: &mut Client) {
     // What is to come needs its region, which is not done with until then.
     let city = world.get_resource::<City>();
     let is_to_come = |part: &u32| wanted.overviews.contains(part) && city.is_some_and(|city| city.overviews.get(*part).is_none());
-    let region = is_too_many(index.regions_here().count(), wanted.used.len()).then(|| {
+    let region = is_too_many(index.regions_here_count(), wanted.used.len()).then(|| {
         let here = index.regions_here().map(|(number, _)| number);
         farthest(index, here.filter(|number| !wanted.used.contains(number) && !is_to_come(number)), wanted)
     });

@@ -1,7 +1,5 @@
-use std::sync::Arc;
-
 use serde::{Deserialize, Serialize};
-use veduta_city::{Anchor, GRID_PER_METRE, GridPos, Palette, Viewpoint};
+use veduta_city::{Anchor, Boxes, GRID_PER_METRE, GridPos, Palette, Viewpoint};
 
 use super::{
     Malformed, WireBlobs,
@@ -137,8 +135,9 @@ impl WireIndex {
             palettes: wire.palettes.into(),
             styles,
             files,
-            blocks: Arc::default(),
+            bounds: Boxes::default(),
             pages: Vec::new(),
+            here: 0,
             houses: Vec::new(),
         }
         .without_pages())
