@@ -14,7 +14,7 @@ use veduta::ecs::{Awaited, CellMesh, CellMeshKind, Itinerary, OpenCells, Standin
 use veduta::prelude::*;
 use veduta::streaming::{CurrentCell, Fetching, Link, Pace, StreamingStats, Wanted, Why};
 use veduta_city::{Level, Levels};
-use veduta_store::{DirReader, read_index};
+use veduta_store::{DirReader, RegionEntry, read_index};
 use veduta_tests::{quiet_app, sample_city, update_until, workplace};
 
 /// A plain file server on the loopback address; it can be told to die.
@@ -265,10 +265,10 @@ fn what_is_seen_far_away_along_the_ground_is_there_as_a_district() {
     let is_within = |cell: &u32| index.locate(veduta_city::GridPos::from_metres(middle(*cell))) == Some(*cell);
     let (number, region) = index.regions_here().find(|(_, region)| !region.vistas.is_empty()).expect("a river to look along");
     let cell = index.regions[number as usize].numbers().find(is_within).expect("a round cell");
-    let after = |most: usize| {
+    let after = |nearest: usize, tall: usize| {
         let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
         let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
-        (settings.overview_m, settings.vistas, settings.tall_vistas) = (1.0, most, most);
+        (settings.overview_m, settings.vistas, settings.tall_vistas) = (1.0, nearest, tall);
         let viewer = stand(&mut app);
         app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos = middle(cell);
         update_until(&mut app, 200, "the viewer is there", |world| {
@@ -279,12 +279,20 @@ fn what_is_seen_far_away_along_the_ground_is_there_as_a_district() {
         let mut meshes = app.world_mut().query::<&CellMesh>();
         let afar = meshes.iter(app.world()).filter(|mesh| mesh.kind == CellMeshKind::District).map(|mesh| mesh.cell);
         let shown: BTreeSet<u32> = afar.filter_map(|cell| index.region_of(cell)).collect();
-        (wanted, shown)
+        let ground_m = app.world().get::<Eye>(viewer).expect("spawned").ground_m;
+        (wanted, shown, ground_m)
     };
-    let ((with, shown), (without, _)) = (after(48), after(0));
+    let ((with, shown, _), (without, ..), (tall, _, ground_m)) = (after(48, 0), after(0, 0), after(0, 48));
     assert!(region.vistas.iter().all(|vista| with.contains(vista) && shown.contains(vista)), "{with:?} {shown:?}");
     assert!(region.vistas.iter().any(|vista| !without.contains(vista)), "{without:?}");
     assert_eq!(with.first(), without.first(), "what is near comes first");
+    // Of what is not near, what rises by a metre in sixteen or more comes however many are nearer.
+    for &vista in region.vistas.iter().filter(|vista| !without.contains(vista)) {
+        let RegionEntry { top, bounds: (low, high), .. } = index.regions[vista as usize];
+        let off_m = middle(cell).distance(middle(cell).clamp(low.to_metres(), high.to_metres()));
+        let is_tall = (veduta_city::metres(top) - ground_m) * 16.0 > off_m;
+        assert_eq!(tall.contains(&vista), is_tall, "region {vista}, {off_m} m away: {tall:?}");
+    }
 }
 
 #[test]

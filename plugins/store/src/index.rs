@@ -48,7 +48,7 @@ pub struct CityIndex {
     pub files: Vec<CityFile>,
     /// Of each region, what is here.
     pub(crate) pages: Vec<Option<Arc<Region>>>,
-    /// Of so many.
+    /// How many of them are here: asked each frame, and counting them would take the longer the larger the city is.
     pub(crate) here: usize,
     /// Of each region, its houses if they are here.
     pub(crate) houses: Vec<Option<Arc<RegionHouses>>>,
