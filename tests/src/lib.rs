@@ -9,8 +9,9 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use veduta::buildings::{Building, BuildingsPlugin};
+use veduta::ecs::{CellMemory, DistrictMemory};
 use veduta::prelude::*;
-use veduta::streaming::Fetching;
+use veduta::streaming::{Fetching, StreamingStats};
 use veduta::walker::{Jump, SolidCells};
 use veduta_bake::{BakeSettings, Input, bake, plan};
 use veduta_city::{CityPlan, GridPolygon, GridPos};
@@ -132,6 +133,17 @@ pub fn walker_in(city: &Path) -> (App, Entity) {
         !world.resource::<SolidCells>().is_empty() && *world.resource::<Jump>() == Jump::None
     });
     (app, walker)
+}
+
+/// Bytes of memory of the city, by what was made of it: not as streaming counts them.
+///
+/// # Panics
+/// If the app has no streaming.
+#[must_use]
+pub fn in_memory(app: &App) -> u64 {
+    let mut memory = app.world().try_query::<&CellMemory>().expect("cells are known");
+    let made: u64 = memory.iter(app.world()).flat_map(|memory| memory.0).sum();
+    made + app.world().resource::<StreamingStats>().bytes_loaded + app.world().resource::<DistrictMemory>().bytes
 }
 
 /// A place well within a cell's outline, plan metres.

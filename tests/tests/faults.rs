@@ -15,7 +15,7 @@ use veduta::streaming::{
 };
 use veduta_city::{CellShell, Level};
 use veduta_store::{CityIndex, DirReader, Fresh, INDEX_NAME, Packet, ReadError, Reader, decode_packet, read_index};
-use veduta_tests::{inner_point, quiet_app, sample_city, update_until};
+use veduta_tests::{in_memory, inner_point, quiet_app, sample_city, update_until};
 
 /// What a server does to what it is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,7 +108,7 @@ impl Visit {
         app.insert_resource(CityReader(Arc::new(reader)));
         app.insert_resource(WELL);
         // Small enough to be met on the way.
-        let cap = 120_000;
+        let cap = 80 << 20;
         app.world_mut().resource_mut::<StreamingSettings>().memory_cap_bytes = cap;
         update_until(&mut app, 200, "the city is open", |world| world.contains_resource::<City>());
         let start = app.world().resource::<City>().start;
@@ -142,7 +142,7 @@ impl Visit {
             self.is_dark = world.resource::<Awaited>().cells > 0 || wanted.in_sight.is_empty();
         }
         assert!(self.is_dark || missing.is_empty(), "at {:.2} s, cells {missing:?} are holes", self.now_s);
-        let loaded = world.resource::<StreamingStats>().bytes_loaded;
+        let loaded = in_memory(&self.app);
         assert!(loaded <= self.cap, "{loaded} bytes are loaded of {}", self.cap);
         for (cell, _, shell) in standing.iter() {
             assert_eq!(Some(&**shell), self.truth.get(&cell), "cell {cell} is not what was written");

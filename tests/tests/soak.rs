@@ -8,7 +8,7 @@ use veduta::prelude::*;
 use veduta::streaming::{CurrentCell, Fetching, Journal, StreamingStats, Wanted};
 use veduta_city::{GridPos, Level, draw::Draw};
 use veduta_store::{DirReader, read_index};
-use veduta_tests::{inner_point, quiet_app, sample_city, update_until};
+use veduta_tests::{in_memory, inner_point, quiet_app, sample_city, update_until};
 
 /// Crossings of the whole walk, and how many of them until everything has been seen that caches keep.
 const CROSSINGS: u64 = 10_000;
@@ -62,7 +62,7 @@ fn ten_thousand_crossings_leave_nothing_behind() {
     let step = Duration::from_secs_f64(WALK_S / 3.0);
     let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, step);
     // Small enough to be met on the way.
-    let cap = 120_000;
+    let cap = 80 << 20;
     app.world_mut().resource_mut::<StreamingSettings>().memory_cap_bytes = cap;
     app.world_mut().resource_mut::<Journal>().keep = 1_000;
     update_until(&mut app, 500, "the city is open", |world| world.contains_resource::<City>());
@@ -78,8 +78,7 @@ fn ten_thousand_crossings_leave_nothing_behind() {
         app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos = inner_point(&index.cell(cell).expect("told").outline);
         for _ in 0..3 {
             app.update();
-            let loaded = app.world().resource::<StreamingStats>().bytes_loaded;
-            most = most.max(loaded);
+            most = most.max(in_memory(&app));
         }
         assert_eq!(app.world().get::<CurrentCell>(viewer).and_then(|current| current.0), Some(cell), "crossing {crossing}");
         let (wanted, standing) = (app.world().resource::<Wanted>(), app.world().resource::<StandingCells>());

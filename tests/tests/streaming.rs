@@ -10,12 +10,12 @@ use std::time::Duration;
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use veduta::ecs::{Awaited, CellMesh, CellMeshKind, Itinerary, OpenCells, StandingCells, Stop};
+use veduta::ecs::{Around, Awaited, CellMesh, CellMeshKind, DistrictMemory, Footing, Itinerary, OpenCells, StandingCells, Stop};
 use veduta::prelude::*;
-use veduta::streaming::{CurrentCell, Fetching, Link, Pace, StreamingStats, Wanted, Why};
-use veduta_city::{Level, Levels};
+use veduta::streaming::{CurrentCell, Fetching, Link, Pace, Wanted, Why};
+use veduta_city::{Level, Levels, bounds};
 use veduta_store::{DirReader, RegionEntry, read_index};
-use veduta_tests::{quiet_app, sample_city, update_until, workplace};
+use veduta_tests::{in_memory, inner_point, quiet_app, sample_city, update_until, workplace};
 
 /// A plain file server on the loopback address; it can be told to die.
 struct Server {
@@ -219,12 +219,13 @@ fn two_viewers_are_served_under_one_cap() {
         let cell = app.world().get::<CurrentCell>(viewer).and_then(|current| current.0).expect("in a cell");
         assert!(app.world().resource::<OpenCells>().lead(u32::MAX, cell), "both may walk");
     }
-    let cap = 60_000;
+    let cap = 40 << 20;
+    assert!(in_memory(&app) > cap, "both see more than that");
     app.world_mut().resource_mut::<StreamingSettings>().memory_cap_bytes = cap;
     for _ in 0..60 {
         app.update();
     }
-    assert!(app.world().resource::<StreamingStats>().bytes_loaded <= cap);
+    assert!(in_memory(&app) <= cap);
     app.world_mut().despawn(second);
     for _ in 0..200 {
         app.update();
@@ -287,12 +288,57 @@ fn what_is_seen_far_away_along_the_ground_is_there_as_a_district() {
     assert!(region.vistas.iter().any(|vista| !without.contains(vista)), "{without:?}");
     assert_eq!(with.first(), without.first(), "what is near comes first");
     // Of what is not near, what rises by a metre in sixteen or more comes however many are nearer.
+    let about = Around::coarsely(middle(cell), 1.0).middle;
+    let mut kinds = BTreeSet::new();
     for &vista in region.vistas.iter().filter(|vista| !without.contains(vista)) {
-        let RegionEntry { top, bounds: (low, high), .. } = index.regions[vista as usize];
-        let off_m = middle(cell).distance(middle(cell).clamp(low.to_metres(), high.to_metres()));
-        let is_tall = (veduta_city::metres(top) - ground_m) * 16.0 > off_m;
+        let RegionEntry { top, bounds, .. } = index.regions[vista as usize];
+        let off_m = bounds::distance_m(bounds, about);
+        let is_tall = veduta_city::metres(top) - ground_m > off_m * StreamingSettings::TALL;
         assert_eq!(tall.contains(&vista), is_tall, "region {vista}, {off_m} m away: {tall:?}");
+        kinds.insert(is_tall);
     }
+    assert_eq!(kinds.len(), 2, "some look tall, and some do not");
+}
+
+#[test]
+fn what_looks_tall_is_found_anew_when_the_ground_comes() {
+    let index = read_index(&DirReader::new(sample_city()).expect("a city")).expect("whole");
+    let (number, region) = index.regions_here().find(|(_, region)| !region.vistas.is_empty()).expect("a river to look along");
+    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+    let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
+    (settings.overview_m, settings.vistas) = (1.0, 0);
+    let viewer = stand(&mut app);
+    let cell = index.regions[number as usize].numbers().start;
+    let plan_pos = inner_point(&index.cell(cell).expect("told").outline);
+    app.world_mut().entity_mut(viewer).insert(Footing::Own);
+    let mut at = |ground_m: f64| {
+        let mut eye = app.world_mut().get_mut::<Eye>(viewer).expect("spawned");
+        (eye.plan_pos, eye.ground_m) = (plan_pos, ground_m);
+        (0..20).for_each(|_| app.update());
+        app.world().resource::<City>().overviews.vistas().to_vec()
+    };
+    let (low, high, again) = (at(0.0), at(300.0), at(0.0));
+    assert!(low.iter().all(|vista| region.vistas.contains(vista)) && !low.is_empty(), "{low:?} of {:?}", region.vistas);
+    assert_eq!((high, again), (Vec::new(), low), "from a balloon nothing rises");
+}
+
+#[test]
+fn of_what_is_seen_from_afar_no_more_comes_than_takes_half_of_the_cap() {
+    let index = read_index(&DirReader::new(sample_city()).expect("a city")).expect("whole");
+    let (number, _) = index.regions_here().max_by_key(|(_, region)| region.vistas.len()).expect("a region");
+    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+    let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
+    settings.overview_m = 1.0;
+    let viewer = stand(&mut app);
+    let cell = index.regions[number as usize].numbers().start;
+    app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos = inner_point(&index.cell(cell).expect("told").outline);
+    (0..60).for_each(|_| app.update());
+    let all = (app.world().resource::<City>().overviews.vistas().len(), app.world().resource::<DistrictMemory>().bytes);
+    app.world_mut().resource_mut::<StreamingSettings>().memory_cap_bytes = all.1;
+    (0..60).for_each(|_| app.update());
+    let some = (app.world().resource::<City>().overviews.vistas().len(), app.world().resource::<DistrictMemory>().bytes);
+    assert!(some.0 < all.0 && some.1 < all.1, "{some:?} of {all:?}");
+    assert!(in_memory(&app) <= all.1, "{} bytes of {}", in_memory(&app), all.1);
 }
 
 #[test]
@@ -353,18 +399,30 @@ fn over_a_slow_line_finer_levels_are_asked_for_bit_by_bit() {
 #[test]
 fn the_memory_cap_holds() {
     let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
-    let cap = 20_000;
+    let cap = 12 << 20;
     app.world_mut().resource_mut::<StreamingSettings>().memory_cap_bytes = cap;
     update_until(&mut app, 2_000, "the city is open", |world| world.contains_resource::<City>());
     let start = app.world().resource::<City>().start;
     let viewer = app.world_mut().spawn((Viewer, Eye::at(start), Transform::default())).id();
+    let mut most = 0;
     for i in 0..120 {
         app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos.x += f64::from(i % 7);
         app.update();
-        let loaded = app.world().resource::<StreamingStats>().bytes_loaded;
+        let loaded = in_memory(&app);
         assert!(loaded <= cap, "{loaded} bytes are loaded of {cap} allowed");
+        most = most.max(loaded);
     }
-    assert!(!app.world().resource::<StandingCells>().is_empty(), "what fits under the cap stands");
+    assert!(most > cap / 2, "what fits under the cap stands: {most} bytes");
+    let (standing, eye) = (app.world().resource::<StandingCells>(), app.world().get::<Eye>(viewer).expect("spawned").plan_pos);
+    let index = read_index(&DirReader::new(sample_city()).expect("a city")).expect("whole");
+    let away_m = |cell: &u32| bounds::distance_m(index.cell(*cell).expect("told").bounds, eye);
+    let wanted = app.world().resource::<Wanted>();
+    let farthest = standing.iter().map(|(cell, ..)| away_m(&cell)).fold(0.0, f64::max);
+    let left_out: Vec<u32> = wanted.in_sight.iter().copied().filter(|&cell| !wanted.wants(cell)).collect();
+    assert!(
+        !left_out.is_empty() && left_out.iter().all(|cell| away_m(cell) >= farthest - 1.0),
+        "the farthest stay away: {left_out:?}"
+    );
 }
 
 #[test]

@@ -6,7 +6,8 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{self, Align2, Color32, Id, Pos2, Sense, Shape, Stroke, Vec2, Window};
-use veduta::city::{GridPos, metres};
+use veduta::city::GridPos;
+use veduta::city::bounds::{self, Bounds};
 use veduta::ecs::{Interface, OpenCells, Words};
 use veduta::prelude::*;
 use veduta::streaming::{CurrentCell, Streamed, Wanted};
@@ -60,10 +61,7 @@ pub(super) fn draw(
         let pending: Vec<u32> =
             streamed.pending().filter_map(|what| if let What::Packet { cell, .. } = what { Some(cell) } else { None }).collect();
         let reach = f64::from(expert.reach_m) * core::f64::consts::SQRT_2;
-        let is_near = |(lo, hi): (GridPos, GridPos)| {
-            let (lo, hi) = (DVec2::new(metres(lo.0), metres(lo.1)), DVec2::new(metres(hi.0), metres(hi.1)));
-            eye.plan_pos.distance(eye.plan_pos.clamp(lo, hi)) < reach
-        };
+        let is_near = |of: Bounds| bounds::distance_m(of, eye.plan_pos) < reach;
         let in_sight: BTreeSet<u32> = wanted.in_sight.iter().copied().collect();
         for (cell, entry) in index.cells().filter(|(_, entry)| is_near(entry.bounds)) {
             let is_in_sight = in_sight.contains(&cell);

@@ -48,7 +48,7 @@ pub(super) fn draw(
         ScrollArea::vertical().max_height(high).min_scrolled_height(high).show(ui, |ui| {
             closes = head(ui, &look, &words, title, keys.first::<ExpertOpen>());
             let told =
-                streamed.index().map_or((0, 0, 0), |index| (index.regions_here().count(), index.regions.len(), index.cell_count()));
+                streamed.index().map_or((0, 0, 0), |index| (index.regions_here_count(), index.regions.len(), index.cell_count()));
             figures(ui, &words, &stats, told, pace.bytes_s());
             asks = line(ui, &words, &mut own, &mut is_paused);
             levels(ui, &words, auto.as_deref().copied().unwrap_or_default(), &mut is_auto, &mut percent);

@@ -9,7 +9,7 @@ use veduta::city::Viewpoint;
 use veduta::ecs::{Ground, JumpTo, OpenCells, WorldOrigin};
 use veduta::prelude::*;
 use veduta::streaming::{CurrentCell, Streamed};
-use veduta::walker::Intent;
+use veduta::walker::{Gait, Intent};
 use veduta_store::What;
 
 use super::{EDGE, Expert, OPEN, PENDING, SHUT};
@@ -128,10 +128,15 @@ pub(super) fn walk_through(
     time: Res<Time>,
     mut through: ResMut<WalkThrough>,
     mut intent: ResMut<Intent>,
-    mut viewers: Query<&mut Eye, (With<Viewer>, With<Walker>)>,
+    mut viewers: Query<(&mut Eye, &Gait), (With<Viewer>, With<Walker>)>,
 ) {
     let Some((target, for_s)) = through.0 else { return };
-    let Ok(mut eye) = viewers.single_mut() else { return };
+    let Some((mut eye, gait)) = viewers.iter_mut().next() else { return };
+    if gait.is_examining() || gait.is_landing() {
+        // Whoever goes round a point comes down to the street first.
+        intent.toggle_examine |= gait.is_examining();
+        return;
+    }
     let way = target - eye.plan_pos;
     if intent.is_moving() || way.length() < 0.3 || for_s > PATIENCE_S {
         through.0 = None;

@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use veduta_cells::PartitionSettings;
 use veduta_city::draw::Draw;
-use veduta_city::{CellShell, GridPos, Id};
+use veduta_city::{CellShell, GridPos, Id, Overview, bounds};
 use veduta_store::{CellEntry, CityIndex};
 
 use scene::{Hit, Scene};
@@ -36,7 +36,7 @@ pub struct ProofSettings {
 
 impl Default for ProofSettings {
     fn default() -> Self {
-        Self { rays: 1_000_000, eyes_a_cell: 0, seed: 1, districts_m: 500.0, far_m: PartitionSettings::default().far_m }
+        Self { rays: 1_000_000, eyes_a_cell: 0, seed: 1, districts_m: Overview::ABOUT_M, far_m: PartitionSettings::default().far_m }
     }
 }
 
@@ -186,8 +186,7 @@ impl Town<'_> {
     /// Whether a cell is seen as a district: its region's overview is about an eye, or told to be seen from the region of the eye's cell.
     fn is_district(&self, cell: u32, from: u32, eye: DVec2) -> bool {
         let Some((number, home)) = self.index.region_of(cell).zip(self.index.region_of(from)) else { return false };
-        let (lo, hi) = self.index.regions[number as usize].bounds;
-        let is_near = eye.distance(eye.clamp(lo.to_metres(), hi.to_metres())) <= self.settings.districts_m;
+        let is_near = bounds::distance_m(self.index.regions[number as usize].bounds, eye) <= self.settings.districts_m;
         is_near || self.index.region(home).is_some_and(|region| region.vistas.binary_search(&number).is_ok())
     }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use folder::Folder;
 use veduta_bake::{BakeSettings, Proof, ProofSettings, bake, prove};
-use veduta_city::{CellShell, Level};
+use veduta_city::{CellShell, Level, Overview};
 use veduta_store::{CityIndex, Packet, Region, decode_packet, open_reader, read_index};
 
 /// A small town in words, with a river, baked and read back.
@@ -51,7 +51,7 @@ fn sets_that_hold_everything_lack_nothing_and_empty_ones_are_found_out() {
     assert_eq!((all.misses, all.missing.len()), (0, 0));
     let own = with(&mut index, |number, _| vec![number]);
     assert!(own.misses > own.rays / 8 && own.by_districts == 0, "{} misses", own.misses);
-    let near = prove(&index, &shells, &ProofSettings { eyes_a_cell: 0, districts_m: 500.0, ..settings });
+    let near = prove(&index, &shells, &ProofSettings { eyes_a_cell: 0, districts_m: Overview::ABOUT_M, ..settings });
     assert_eq!((near.misses, near.by_districts), (0, own.misses), "all is near enough to be seen as a district");
     let hazy = prove(&index, &shells, &ProofSettings { eyes_a_cell: 0, far_m: 60.0, ..settings });
     assert!(hazy.misses > 0 && hazy.hazy > 0 && own.hazy == 0, "{} misses, {} in haze", hazy.misses, hazy.hazy);

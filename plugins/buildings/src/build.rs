@@ -6,11 +6,12 @@ use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 use veduta_city::{CellShell, FacadeSheet, Level, PictureFile, Season};
 use veduta_ecs::{
-    Cell, CellContent, CellMesh, CellMeshKind, CellPictures, CellReady, CellStands, Eye, MaterialsProvided, StandingCells, Viewer,
+    CellContent, CellMemory, CellMesh, CellMeshKind, CellPictures, CellReady, CellStands, Eye, MaterialsProvided, StandingCells,
+    Viewer,
 };
 use veduta_growth::mesh::{self, MeshData, MonumentDetail};
 
-use crate::convert::mesh_from;
+use crate::convert::{bytes_of, mesh_from};
 use crate::pictures;
 use crate::season::CitySeason;
 
@@ -59,6 +60,8 @@ impl BuildSettings {
 struct Made {
     order: Order,
     meshes: Vec<(CellMeshKind, Mesh, usize)>,
+    /// Bytes of all of it.
+    bytes: u64,
     /// Pictures of its painted walls, as fine as the level.
     pictures: Option<Image>,
     season: Season,
@@ -228,7 +231,10 @@ fn make(order: Order, season: Season, provided: Option<MaterialsProvided>) -> Ma
         let vertices = data.positions.len();
         (kind, mesh_from(data), vertices)
     });
-    Made { meshes: meshes.collect(), order, pictures, season, error }
+    let meshes: Vec<_> = meshes.collect();
+    let texels = pictures.as_ref().and_then(|image| image.data.as_ref()).map_or(0, |texels| texels.len() as u64);
+    let bytes = texels + meshes.iter().map(|(_, mesh, _)| bytes_of(mesh)).sum::<u64>();
+    Made { meshes, bytes, order, pictures, season, error }
 }
 
 /// Walls of level 2 or 4: those of tiles, and those that somebody painted.
@@ -263,7 +269,7 @@ pub(crate) fn finish(
     mut assets: ResMut<Assets<Mesh>>,
     mut images: Option<ResMut<Assets<Image>>>,
     mut plain: Plain,
-    cells: Query<(&Cell, &CellContent)>,
+    mut cells: Query<(&CellContent, &mut CellMemory)>,
     mut pictures: Query<&mut CellPictures>,
     trees: Query<(Entity, &CellMesh, &ChildOf), With<MadeFor>>,
     mut standing: ResMut<StandingCells>,
@@ -289,7 +295,7 @@ pub(crate) fn finish(
         if made.order.is_turned {
             queue.turning.retain(|&turned| turned != (entity, level));
         }
-        let Ok((_, content)) = cells.get(entity) else { continue }; // released meanwhile
+        let Ok((content, mut memory)) = cells.get_mut(entity) else { continue }; // released meanwhile
         let same_sheet = || match (&content.sheet, &made.order.sheet) {
             (Some(now), Some(then)) => Arc::ptr_eq(now, then),
             _ => false,
@@ -344,9 +350,11 @@ pub(crate) fn finish(
                 child.insert(MeshMaterial3d(handle));
             }
         }
+        // Trees of another season are as many.
         if made.order.is_turned {
             continue;
         }
+        memory.0[level.index()] = made.bytes;
         standing.add(cell, level, &made.order.shell);
         stands.write(CellStands { entity, cell, level });
     }

@@ -5,11 +5,13 @@ use bevy::light::NotShadowCaster;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 use veduta_city::{GridPos, Level, Overview};
-use veduta_ecs::{Around, CellMesh, CellMeshKind, City, Eye, MaterialsProvided, Overviews, StandingCells, Viewer, WorldOrigin};
+use veduta_ecs::{
+    Around, CellMesh, CellMeshKind, City, DistrictMemory, Eye, MaterialsProvided, Overviews, StandingCells, Viewer, WorldOrigin,
+};
 use veduta_growth::mesh;
 
 use crate::build::{BuildSettings, Building, Plain};
-use crate::convert::mesh_from;
+use crate::convert::{bytes_of, mesh_from};
 
 /// What the cells of the overview's parts look like from afar: a mesh for each, shown as long as the cell itself does not stand.
 #[derive(Resource, Default)]
@@ -24,6 +26,8 @@ struct Part {
     work: Work,
     /// Those that are spawned, by cell.
     spawned: Vec<(u32, Entity)>,
+    /// Bytes of their meshes.
+    bytes: u64,
 }
 
 enum Work {
@@ -36,6 +40,7 @@ struct Made {
     origin: GridPos,
     mesh: Mesh,
     vertices: usize,
+    bytes: u64,
 }
 
 /// Makes a mesh of each cell that an overview tells of. Pure.
@@ -43,7 +48,10 @@ fn make(overview: &Overview) -> VecDeque<Made> {
     let made = mesh::districts(overview).filter_map(|(cell, shell)| {
         let data = mesh::afar(&shell);
         let vertices = data.positions.len();
-        (vertices > 0).then(|| Made { cell, origin: shell.origin, mesh: mesh_from(data), vertices })
+        (vertices > 0).then(|| {
+            let mesh = mesh_from(data);
+            Made { cell, origin: shell.origin, bytes: bytes_of(&mesh), mesh, vertices }
+        })
     });
     made.collect()
 }
@@ -91,7 +99,7 @@ pub(crate) fn start(
                     Work::Task(AsyncComputeTaskPool::get().spawn(async move { make(&overview) }))
                 }
             };
-            Part { source, work, spawned: Vec::new() }
+            Part { source, work, spawned: Vec::new(), bytes: 0 }
         });
     }
     districts.about = about;
@@ -108,6 +116,7 @@ pub(crate) fn finish(
     mut districts: ResMut<Districts>,
     mut assets: ResMut<Assets<Mesh>>,
     mut plain: Plain,
+    mut memory: ResMut<DistrictMemory>,
 ) {
     let most = (settings.in_frame(&viewers).vertices_a_frame / SHARE).max(1);
     let mut vertices = 0;
@@ -118,9 +127,10 @@ pub(crate) fn finish(
         }
         let Work::Made(made) = &mut part.work else { continue };
         while vertices < most
-            && let Some(Made { cell, origin: at, mesh, vertices: count }) = made.pop_front()
+            && let Some(Made { cell, origin: at, mesh, vertices: count, bytes }) = made.pop_front()
         {
             vertices += count;
+            part.bytes += bytes;
             let mut entity = commands.spawn((
                 CellMesh { cell, kind: CellMeshKind::District },
                 Mesh3d(assets.add(mesh)),
@@ -136,6 +146,8 @@ pub(crate) fn finish(
             part.spawned.push((cell, entity.id()));
         }
     }
+    let made = || districts.parts.values().filter(|part| part.bytes > 0);
+    memory.set_if_neq(DistrictMemory { bytes: made().map(|part| part.bytes).sum(), parts: made().count() });
 }
 
 /// The budget of the cells themselves is so many times as much.

@@ -1,6 +1,6 @@
 use bevy::prelude::*;
-use veduta_city::Level;
-use veduta_ecs::{Cell, CellContent, CellMesh, CellReady, Eye, LevelFade, MaterialsProvided, StandingCells, Viewer};
+use veduta_city::{Level, bounds};
+use veduta_ecs::{Cell, CellContent, CellMemory, CellMesh, CellReady, Eye, LevelFade, MaterialsProvided, StandingCells, Viewer};
 
 use crate::build::{BuildSettings, Queue};
 
@@ -15,7 +15,7 @@ pub(crate) fn order(
     settings: Res<BuildSettings>,
     provided: Option<Res<MaterialsProvided>>,
     viewers: Query<&Eye, With<Viewer>>,
-    mut cells: Query<(Entity, &Cell, &CellContent, &mut LevelFade)>,
+    mut cells: Query<(Entity, &Cell, &CellContent, &mut LevelFade, &mut CellMemory)>,
     meshes: Query<(Entity, &CellMesh)>,
     mut standing: ResMut<StandingCells>,
     mut queue: ResMut<Queue>,
@@ -24,7 +24,7 @@ pub(crate) fn order(
     if provided.is_none() {
         return;
     }
-    for (entity, &Cell(cell), content, mut fade) in &mut cells {
+    for (entity, &Cell(cell), content, mut fade, mut memory) in &mut cells {
         let levels = standing.levels(cell);
         let (has_walls, has_relief) = (levels.has(Level::Two), levels.has(Level::Four));
         if !has_relief && (!has_walls || settings.relief_m <= 0.0) {
@@ -35,6 +35,7 @@ pub(crate) fn order(
             let is_relief = |mesh: &CellMesh| mesh.cell == cell && mesh.kind.level() == Some(Level::Four);
             meshes.iter().filter(|(_, mesh)| is_relief(mesh)).for_each(|(mesh, _)| commands.entity(mesh).despawn());
             fade.0[Level::Four.index()] = 0.0;
+            memory.0[Level::Four.index()] = 0;
             standing.remove_level(cell, Level::Four);
         } else if has_walls && !has_relief && away < settings.relief_m {
             queue.order_once(CellReady { entity, cell, level: Level::Four }, content);
@@ -44,7 +45,6 @@ pub(crate) fn order(
 
 /// Distance of an eye from a cell in plan, metres, as the material measures it.
 fn distance_m(content: &CellContent, eye: &Eye) -> f64 {
-    let Some((low, high)) = content.shell.outline.bounds() else { return f64::INFINITY };
-    let (low, high) = ((content.shell.origin + low).to_metres(), (content.shell.origin + high).to_metres());
-    eye.plan_pos.distance(eye.plan_pos.clamp(low, high))
+    let origin = content.shell.origin.to_metres();
+    content.shell.outline.bounds().map_or(f64::INFINITY, |own| bounds::distance_m(own, eye.plan_pos - origin))
 }

@@ -2,27 +2,23 @@
 
 use std::collections::BTreeMap;
 
-use veduta_city::{Cells, CityPlan, GRID_PER_METRE, GridPos};
+use veduta_city::bounds::{self, Bounds};
+use veduta_city::{Cells, CityPlan, GridPos};
 
-/// Bits of a Morton code that tell where in a square of 128 m a place lies: no larger than the smallest regions of a stored city, so
-/// that none is missed of which something is seen.
-const WITHIN: u32 = 2 * (7 + GRID_PER_METRE.ilog2());
-
-/// What is drawn with the cells whose middles lie in one square of 128 m.
+/// What is drawn with the cells whose middles lie in one [square](GridPos::square). None is larger than the smallest regions of a stored
+/// city, so that no region is missed of which something is seen.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Square {
     /// The first of the cells.
     pub(crate) cell: u32,
     /// Least and greatest corner of all.
-    bounds: (GridPos, GridPos),
+    bounds: Bounds,
 }
 
 impl Square {
     /// Whether something of it may lie within so many grid steps of a place.
     pub(crate) fn is_about(&self, at: GridPos, reach: i32) -> bool {
-        let (lo, hi) = self.bounds;
-        let along = |lo: i32, hi: i32, at: i32| lo.saturating_sub(reach) <= at && at <= hi.saturating_add(reach);
-        along(lo.0, hi.0, at.0) && along(lo.1, hi.1, at.1)
+        bounds::holds(bounds::grown(self.bounds, reach), at)
     }
 
     /// Corners of its bounds, around.
@@ -41,11 +37,9 @@ pub(crate) fn squares(plan: &CityPlan, cells: &Cells) -> Vec<Square> {
         let spans = cell.spans.iter().filter_map(|&span| plan.spans.get(span as usize)).map(|span| span.outline());
         let spans: Vec<_> = spans.collect();
         let drawn = core::iter::once(&cell.outline).chain(&cell.yards).chain(volumes.map(|volume| &volume.footprint)).chain(&spans);
-        for (lo, hi) in drawn.filter_map(|polygon| polygon.bounds()) {
-            let square = squares.entry(cell.outline.middle().morton() >> WITHIN);
-            let square = square.or_insert(Square { cell: number, bounds: (lo, hi) });
-            let (low, high) = square.bounds;
-            square.bounds = (GridPos(low.0.min(lo.0), low.1.min(lo.1)), GridPos(high.0.max(hi.0), high.1.max(hi.1)));
+        for bounds in drawn.filter_map(|polygon| polygon.bounds()) {
+            let square = squares.entry(cell.outline.middle().square()).or_insert(Square { cell: number, bounds });
+            square.bounds = bounds::joined(square.bounds, bounds);
         }
     }
     let mut squares: Vec<Square> = squares.into_values().collect();

@@ -8,13 +8,11 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 use rayon::prelude::*;
-use veduta_city::{Cells, CityPlan, GridPolygon, GridPos, PlanTerrain, Portal, PortalSide, metres};
+use veduta_city::{Cells, CityPlan, GridPolygon, GridPos, Overview, PlanTerrain, Portal, PortalSide, metres};
 
 use crate::far::{Square, squares};
 use crate::partition::PartitionSettings;
 
-/// Nearer than this walkers have districts about them, whatever hides them. Metres.
-const FROM_M: f64 = 500.0;
 /// Where the ground rises and falls by less, nothing but the skyline is seen over roofs from so far away. Metres.
 const HILLY_M: f64 = 10.0;
 /// Highest eye above the ground, metres.
@@ -33,13 +31,13 @@ const BLOCK_M: f64 = 32.0;
 pub(crate) fn see_over(plan: &CityPlan, cells: &mut Cells, settings: &PartitionSettings) {
     let heights = &plan.terrain.heights;
     let rise = heights.iter().max().zip(heights.iter().min()).map_or(0, |(most, least)| most.saturating_sub(*least));
-    if metres(rise) < HILLY_M || settings.far_m <= FROM_M {
+    if metres(rise) < HILLY_M || settings.far_m <= Overview::ABOUT_M {
         return;
     }
     let squares = squares(plan, cells);
     let corners = squares.iter().flat_map(Square::corners).map(GridPos::to_metres);
     let Some(bounds) = corners.map(|p| (p, p)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else { return };
-    if bounds.0.distance(bounds.1) <= FROM_M {
+    if bounds.0.distance(bounds.1) <= Overview::ABOUT_M {
         return;
     }
     let (relief, blocks) = (Relief::new(plan, bounds), Blocks::new(&squares));
@@ -157,10 +155,10 @@ impl<'a> Relief<'a> {
             let way = DVec2::from_angle((f64::from(n) + turn.fract()) / f64::from(DIRECTIONS) * TAU);
             let (mut off_m, mut slope) = (self.post_m, f64::NEG_INFINITY);
             // Beyond, nothing is high enough to rise above what has been passed.
-            while off_m <= far_m && eye_m + slope * off_m.max(FROM_M) <= self.top_m {
+            while off_m <= far_m && eye_m + slope * off_m.max(Overview::ABOUT_M) <= self.top_m {
                 let pos = eye + off_m * way;
                 let Some(post) = self.post(pos).map(|post| self.posts[post]) else { break };
-                if off_m >= FROM_M && eye_m + slope * off_m <= f64::from(post.top_m) {
+                if off_m >= Overview::ABOUT_M && eye_m + slope * off_m <= f64::from(post.top_m) {
                     tell(pos);
                 }
                 slope = slope.max((f64::from(post.hides_m) - eye_m) / off_m);

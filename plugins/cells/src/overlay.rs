@@ -4,13 +4,12 @@ use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
 use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::vector::edge::{CLIP_LEFT, CLIP_RIGHT, SUBJ_LEFT, SUBJ_RIGHT, VectorEdge};
+pub(crate) use veduta_city::bounds::Bounds;
 pub(crate) use veduta_city::ring_edges as edges;
 use veduta_city::{BorderEdge, GridPolygon, GridPos, GridRing, connected_faces};
 
 /// From one vertex to the next.
 pub(crate) type Edge = (GridPos, GridPos);
-/// Least and greatest corner.
-pub(crate) type Bounds = (GridPos, GridPos);
 
 /// Twice the signed area of a ring in grid steps squared: positive if it runs counter-clockwise.
 pub(crate) fn ring_area_2(ring: &[GridPos]) -> i64 {

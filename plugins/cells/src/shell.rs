@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
+use veduta_city::bounds::do_meet;
 use veduta_city::{
     Cell, CellShell, Cells, CityPlan, Course, Design, FacadeSheet, GRID_PER_METRE, GridPolygon, GridPos, GridRing, GroundPatch,
     House, HouseShell, Marking, ObjectShell, PaintedWall, PictureFile, PlacedMonument, PlanFacade, PlanObject, PlanTerrain,
@@ -255,9 +256,9 @@ fn markings(plan: &CityPlan, cell: &Cell, origin: GridPos) -> Vec<Marking> {
 
 /// Spans that the cell draws, then those that others draw over it.
 fn spans(plan: &CityPlan, cell: &Cell, decks: &[Option<Bounds>], origin: GridPos) -> Vec<WaySpan> {
-    let Some((lo, hi)) = cell.outline.bounds() else { return Vec::new() };
-    let touches = |(low, high): Bounds| low.0 <= hi.0 && lo.0 <= high.0 && low.1 <= hi.1 && lo.1 <= high.1;
-    let others = (0..).zip(decks).filter(|(b, bounds)| bounds.is_some_and(touches) && cell.spans.binary_search(b).is_err());
+    let Some(own) = cell.outline.bounds() else { return Vec::new() };
+    let is_over = |deck: &Option<Bounds>| deck.is_some_and(|deck| do_meet(deck, own));
+    let others = (0..).zip(decks).filter(|(b, deck)| is_over(deck) && cell.spans.binary_search(b).is_err());
     let here = cell.spans.iter().copied().chain(others.map(|(b, _)| b));
     let station = |s: &SpanStation| SpanStation { left: s.left.wrapping_sub(origin), right: s.right.wrapping_sub(origin), z: s.z };
     let spans = here.filter_map(|b| plan.spans.get(b as usize));

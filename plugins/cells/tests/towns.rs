@@ -233,7 +233,7 @@ fn visible_sets_are_not_much_larger_than_what_rays_find() {
 #[test]
 fn what_is_seen_beyond_the_sight_is_told_by_squares() {
     let plan = common::town(10);
-    let square = |cells: &Cells, cell: u32| cells.cells[cell as usize].outline.middle().morton() >> 34;
+    let square = |cells: &Cells, cell: u32| cells.cells[cell as usize].outline.middle().square();
     // No lines are merged: whatever is told is seen.
     let exact = PartitionSettings { line_sets: 10_000, sight_steps: 1_000_000, sight_m: 2_000.0, ..PartitionSettings::default() };
     let whole = partition(&plan, &exact).cells;

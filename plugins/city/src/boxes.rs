@@ -1,15 +1,13 @@
 use core::iter::FromIterator;
 
-use crate::GridPos;
-
-/// Least and greatest corner in plan.
-type Bounds = (GridPos, GridPos);
+use crate::bounds::{Bounds, do_meet, joined};
 
 /// As many boxes that follow each other are found together.
 const BLOCK: usize = 32;
 
-/// A list of boxes in plan, told by least and greatest corner. Those that follow each other should lie near each other: then the ones at a
-/// place are found without looking at all.
+/// A list of boxes in plan. Those that follow each other should lie near each other: then the ones at a place are found without looking at
+/// all, for a box about every 32 of them tells which may be there (a hierarchy of bounding volumes of two levels). An R-tree was rejected:
+/// it orders its boxes anew, while these are named by their places in the list, and are in the order of Morton codes already.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Boxes {
     boxes: Vec<Bounds>,
@@ -53,15 +51,9 @@ impl Boxes {
 impl FromIterator<Bounds> for Boxes {
     fn from_iter<I: IntoIterator<Item = Bounds>>(boxes: I) -> Self {
         let boxes: Vec<Bounds> = boxes.into_iter().collect();
-        let around =
-            |a: Bounds, b: Bounds| (GridPos(a.0.0.min(b.0.0), a.0.1.min(b.0.1)), GridPos(a.1.0.max(b.1.0), a.1.1.max(b.1.1)));
-        let blocks = boxes.chunks(BLOCK).filter_map(|boxes| boxes.iter().copied().reduce(around)).collect();
+        let blocks = boxes.chunks(BLOCK).filter_map(|boxes| boxes.iter().copied().reduce(joined)).collect();
         Self { boxes, blocks }
     }
-}
-
-fn do_meet((lo, hi): Bounds, (low, high): Bounds) -> bool {
-    lo.0 <= high.0 && low.0 <= hi.0 && lo.1 <= high.1 && low.1 <= hi.1
 }
 
 #[cfg(test)]
@@ -69,6 +61,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::GridPos;
 
     proptest! {
         #[test]

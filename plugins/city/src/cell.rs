@@ -13,7 +13,7 @@ pub struct Cells {
     /// Visible set of each cell: indices of cells that can be seen from somewhere in it, itself included, ascending.
     pub visible: Vec<Vec<u32>>,
     /// Of each cell, what is seen from somewhere in it farther away than visible sets reach, along the ground or, in hills, over the roofs:
-    /// one cell of each square of 128 m ([`GridPos::morton`]) in which something is, ascending.
+    /// one cell of each square of 128 m ([`GridPos::square`]) in which something is, ascending.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub far: Vec<Vec<u32>>,
     /// Cells whose tallest things rise above the roofs, and are seen over them from far away, ascending.

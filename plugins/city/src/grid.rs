@@ -3,6 +3,8 @@ use core::ops::{Add, Sub};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+use crate::bounds::{self, Bounds};
+
 /// Steps of the plan's grid in a metre.
 pub const GRID_PER_METRE: i32 = 1024;
 
@@ -114,6 +116,16 @@ impl GridPos {
         };
         spread(self.0) | spread(self.1) << 1
     }
+
+    /// Bits of a Morton code that tell where in a [square](GridPos::square) of 128 m a position lies.
+    pub const SQUARE_BITS: u32 = 2 * (7 + GRID_PER_METRE.ilog2());
+
+    /// Which square of 128 m it lies in, in the order of their Morton codes: what is seen from far away is told by these, and regions of a
+    /// stored city are no smaller.
+    #[must_use]
+    pub fn square(self) -> u64 {
+        self.morton() >> Self::SQUARE_BITS
+    }
 }
 
 /// Each step doubles the gaps between the bits of a number, from halves of 16 bits to single ones.
@@ -192,23 +204,14 @@ impl GridPolygon {
 
     /// Least and greatest corner of the outer ring; `None` if it is empty.
     #[must_use]
-    pub fn bounds(&self) -> Option<(GridPos, GridPos)> {
-        let first = *self.outer.first()?;
-        Some(
-            self.outer
-                .iter()
-                .fold((first, first), |(lo, hi), p| (GridPos(lo.0.min(p.0), lo.1.min(p.1)), GridPos(hi.0.max(p.0), hi.1.max(p.1)))),
-        )
+    pub fn bounds(&self) -> Option<Bounds> {
+        bounds::around(&self.outer)
     }
 
     /// The middle of the box about all its rings; (0, 0) if it is empty.
     #[must_use]
     pub fn middle(&self) -> GridPos {
-        let around = |sum: Option<(GridPos, GridPos)>, pos: &GridPos| {
-            let (lo, hi) = sum.unwrap_or((*pos, *pos));
-            Some((GridPos(lo.0.min(pos.0), lo.1.min(pos.1)), GridPos(hi.0.max(pos.0), hi.1.max(pos.1))))
-        };
-        self.rings().flatten().fold(None, around).map_or(GridPos(0, 0), |(lo, hi)| lo.midpoint(hi))
+        bounds::around(self.rings().flatten()).map_or(GridPos(0, 0), |(lo, hi)| lo.midpoint(hi))
     }
 
     /// Centroid of the outer ring in metres; the mean of its vertices if it has no area.

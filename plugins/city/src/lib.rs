@@ -22,6 +22,7 @@
 
 mod anchor;
 mod arcade;
+pub mod bounds;
 mod boxes;
 mod cell;
 mod colour;

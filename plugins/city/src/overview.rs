@@ -167,6 +167,10 @@ impl HouseName {
 }
 
 impl Overview {
+    /// Within this distance of an eye overviews are there, whatever else is seen, metres: what is told as seen over the roofs of hills begins there,
+    /// proofs count on it, and streaming asks for no less.
+    pub const ABOUT_M: f64 = 500.0;
+
     /// The overview of a whole plan.
     #[must_use]
     pub fn of(plan: &CityPlan) -> Self {

@@ -7,11 +7,28 @@ use veduta_city::{CellShell, FacadeSheet, GridPos, Level, Levels, PictureFile};
 
 /// A cell of the open city that is wanted or loaded; one entity each, at the cell's origin.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
-#[require(Transform, Visibility)]
+#[require(Transform, Visibility, CellMemory)]
 pub struct Cell(
     /// Index in the city.
     pub u32,
 );
+
+/// Bytes of memory of what was made of each of a cell's levels ([`Level::index`]): meshes and pictures, as the engine gets them. Kept by
+/// whoever builds, for whoever holds a cap.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CellMemory(
+    /// By level.
+    pub [u64; 4],
+);
+
+/// Memory of the meshes that show cells from afar. Kept by whoever builds.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct DistrictMemory {
+    /// Bytes of all.
+    pub bytes: u64,
+    /// How many parts of the overview they were made of.
+    pub parts: usize,
+}
 
 /// What has arrived of a cell.
 #[derive(Component, Debug, Clone)]

@@ -32,8 +32,8 @@ mod words;
 use bevy::prelude::*;
 
 pub use cell::{
-    ATTRIBUTE_RELIEF, Awaited, Cell, CellContent, CellEntered, CellMesh, CellMeshKind, CellPictures, CellReady, CellReleased,
-    CellStands, LevelFade, MaterialsProvided, OpenCells, StandingCells,
+    ATTRIBUTE_RELIEF, Awaited, Cell, CellContent, CellEntered, CellMemory, CellMesh, CellMeshKind, CellPictures, CellReady,
+    CellReleased, CellStands, DistrictMemory, LevelFade, MaterialsProvided, OpenCells, StandingCells,
 };
 pub use clock::CityClock;
 pub use cue::{Accompany, Cue, Part};
@@ -57,6 +57,7 @@ impl Plugin for EcsPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<WorldOrigin>()
             .init_resource::<StandingCells>()
+            .init_resource::<DistrictMemory>()
             .init_resource::<Awaited>()
             .init_resource::<OpenCells>()
             .init_resource::<OverviewWants>()

@@ -3,6 +3,7 @@ use std::sync::Arc;
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
+use veduta_city::bounds::{self, Bounds};
 use veduta_city::{Boxes, GridPos, Overview, Place};
 
 /// A circle in plan.
@@ -24,15 +25,14 @@ impl Around {
         Self { middle: (middle / step).round() * step, radius_m }
     }
 
-    /// A box around it.
+    /// A box around it, however it is rounded to the grid.
     fn bounds(self) -> Bounds {
         let corner = |way: f64| GridPos::from_metres(self.middle + way * (self.radius_m + 1.0));
         (corner(-1.0), corner(1.0))
     }
 
-    fn meets(self, (lo, hi): (GridPos, GridPos)) -> bool {
-        let (lo, hi) = (lo.to_metres(), hi.to_metres());
-        self.middle.distance(self.middle.clamp(lo.min(hi), hi.max(lo))) <= self.radius_m
+    fn meets(self, bounds: Bounds) -> bool {
+        bounds::distance_m(bounds, self.middle) <= self.radius_m
     }
 }
 
@@ -56,9 +56,6 @@ impl OverviewWants {
     }
 }
 
-/// Least and greatest corner in plan.
-type Bounds = (GridPos, GridPos);
-
 /// The overview of the open city, in parts that come and go.
 #[derive(Debug, Clone, Default)]
 pub struct Overviews {
@@ -78,7 +75,7 @@ impl Overviews {
 
     /// Parts that lie within bounds, none of which has come.
     #[must_use]
-    pub fn awaited(bounds: impl IntoIterator<Item = (GridPos, GridPos)>) -> Self {
+    pub fn awaited(bounds: impl IntoIterator<Item = Bounds>) -> Self {
         Self { bounds: bounds.into_iter().collect(), ..Self::default() }
     }
 

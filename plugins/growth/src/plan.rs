@@ -44,7 +44,6 @@ mod arcades;
 mod arrangement;
 mod band;
 pub(crate) mod boolean;
-mod bounds;
 mod bridges;
 mod cellars;
 mod chains;

@@ -1,11 +1,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use bevy::math::DVec2;
 use bevy::prelude::*;
-use veduta_city::{GridPos, Level};
+use veduta_city::{GridPos, Level, bounds};
 use veduta_ecs::{
-    Awaited, Cell, CellContent, CellMesh, CellReady, CellReleased, City, CityFailed, CityOpened, LevelFade, Overviews,
-    StandingCells, WorldOrigin,
+    Awaited, Cell, CellContent, CellMemory, CellMesh, CellReady, CellReleased, City, CityFailed, CityOpened, Eye, LevelFade,
+    Overviews, StandingCells, Viewer, WorldOrigin,
 };
 use veduta_store::{CityIndex, Client, ClientEvent, Packet, What, sheet_fits};
 
@@ -13,6 +14,7 @@ use crate::fetch::Store;
 use crate::files::CityFiles;
 use crate::journal::{Event, Journal, Reason};
 use crate::link::Link;
+use crate::memory::Sizes;
 use crate::pace::Pace;
 use crate::{StreamingSettings, Wanted};
 
@@ -23,6 +25,8 @@ pub struct StreamingStats {
     pub bytes_received: [u64; 4],
     /// Bytes of packets that are loaded, as sent.
     pub bytes_loaded: u64,
+    /// Bytes of memory of the cells that are loaded: their packets, and what is made of them, measured or expected. The cap holds it.
+    pub bytes_in_memory: u64,
     /// Requests under way.
     pub in_flight: usize,
     /// Requests made.
@@ -54,7 +58,17 @@ pub(crate) struct LoadedCells {
 impl LoadedCells {
     /// The finest level of a cell that is loaded.
     pub fn level(&self, cell: u32) -> Option<Level> {
-        self.cells.get(&cell)?.levels.last().map(|(level, _)| *level)
+        self.cells.get(&cell)?.levels.last().map(|last| last.level)
+    }
+
+    /// Bytes of memory of all.
+    fn memory(&self) -> u64 {
+        self.cells.values().map(LoadedCell::memory).sum()
+    }
+
+    /// A level of a cell, if it is loaded.
+    pub fn level_mut(&mut self, cell: u32, level: Level) -> Option<&mut LoadedLevel> {
+        self.cells.get_mut(&cell)?.levels.iter_mut().find(|here| here.level == level)
     }
 }
 
@@ -65,14 +79,24 @@ const RELEASED_A_FRAME: usize = 16;
 
 struct LoadedCell {
     entity: Entity,
-    /// Bytes as sent of each level that is here, coarsest first.
-    levels: Vec<(Level, u64)>,
+    /// The levels that are here, coarsest first.
+    levels: Vec<LoadedLevel>,
     wanted_at_s: f64,
 }
 
+/// A level of a cell that is here.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LoadedLevel {
+    level: Level,
+    /// Bytes of its packet, as sent.
+    pub(crate) sent: u64,
+    /// Bytes of memory of its packet and what is made of it.
+    pub(crate) memory: u64,
+}
+
 impl LoadedCell {
-    fn bytes(&self) -> u64 {
-        self.levels.iter().map(|(_, bytes)| bytes).sum()
+    fn memory(&self) -> u64 {
+        self.levels.iter().map(|level| level.memory).sum()
     }
 }
 
@@ -87,6 +111,7 @@ pub(crate) fn deliver(world: &mut World) {
         world.insert_resource(LoadedCells::default());
         world.insert_resource(StreamingStats::default());
         world.insert_resource(Pace::default());
+        world.insert_resource(Sizes::default());
     }
     let now_s = world.resource::<Time>().elapsed_secs_f64() + world.resource::<RetryTime>().0;
     (store.now_s, store.link) = (now_s, *world.resource::<Link>());
@@ -299,18 +324,20 @@ fn arrive(world: &mut World, store: &mut Store, cell: u32, level: Level, packet:
         // A level 1 that is already here: nothing to do.
         (Packet::Shell(_), Some(_)) => return,
     };
+    let memory = world.resource::<Sizes>().of(cell, level, bytes);
     let mut loaded = world.resource_mut::<LoadedCells>();
     let entry = loaded.cells.entry(cell).or_insert(LoadedCell { entity, levels: Vec::new(), wanted_at_s: now_s });
-    entry.levels.push((level, bytes));
+    entry.levels.push(LoadedLevel { level, sent: bytes, memory });
     note(world, Event::Arrived { what: What::Packet { cell, level }, bytes });
     let mut stats = world.resource_mut::<StreamingStats>();
     stats.bytes_received[level.index()] += bytes;
     stats.bytes_loaded += bytes;
+    stats.bytes_in_memory += memory;
     world.write_message(CellReady { entity, cell, level });
 }
 
 /// Lets go of cells that nobody has wanted for a while, and of the furthest ones where memory runs over.
-pub(crate) fn release_cells(world: &mut World) {
+pub(crate) fn release_cells(world: &mut World, eyes: &mut QueryState<&Eye, With<Viewer>>) {
     let Some(mut store) = world.remove_resource::<Store>() else { return };
     let Some(mut loaded) = world.remove_resource::<LoadedCells>() else {
         world.insert_resource(store);
@@ -319,14 +346,22 @@ pub(crate) fn release_cells(world: &mut World) {
     let now_s = world.resource::<Time>().elapsed_secs_f64();
     let settings = *world.resource::<StreamingSettings>();
     let plan = world.resource::<Wanted>().generation;
-    let runs_over = world.resource::<StreamingStats>().bytes_loaded > settings.memory_cap_bytes;
+    let cap = settings.cap_of_cells(*world.resource());
+    let runs_over = world.resource::<StreamingStats>().bytes_in_memory > cap;
     if !runs_over && loaded.swept.is_some_and(|(at_s, for_plan)| for_plan == plan && now_s - at_s < SWEEP_S) {
         world.insert_resource(loaded);
         world.insert_resource(store);
         return;
     }
     loaded.swept = Some((now_s, plan));
-    world.resource_scope(|world, wanted: Mut<'_, Wanted>| {
+    let eyes: Vec<DVec2> = eyes.iter(world).map(|eye| eye.plan_pos).collect();
+    world.resource_scope(|world, mut wanted: Mut<'_, Wanted>| {
+        let away_m = |cell: u32| {
+            let entry = store.client.index().and_then(|index| index.cell(cell));
+            entry.map_or(f64::INFINITY, |entry| {
+                eyes.iter().map(|&eye| bounds::distance_m(entry.bounds, eye)).fold(f64::INFINITY, f64::min)
+            })
+        };
         for (cell, entry) in &mut loaded.cells {
             if wanted.wants(*cell) {
                 entry.wanted_at_s = now_s;
@@ -339,70 +374,93 @@ pub(crate) fn release_cells(world: &mut World) {
             loaded.swept = None;
         }
         let idle = leaving.len();
-        leaving.extend(over_the_cap(&loaded, &wanted, &leaving, settings.memory_cap_bytes));
+        leaving.extend(over_the_cap(&loaded, &wanted, &leaving, cap, &away_m));
+        let levels = levels_over_the_cap(&loaded, &wanted, &leaving, cap, &away_m);
         for (n, cell) in leaving.into_iter().enumerate() {
             let why = if n < idle { Reason::Idle } else { Reason::OverTheCap };
             note(world, Event::Released { cell, from: Level::One, why });
             let Some(entry) = loaded.cells.remove(&cell) else { continue };
-            for (level, _) in entry.levels {
+            for LoadedLevel { level, .. } in entry.levels {
                 store.client.forget(cell, level);
             }
             world.despawn(entry.entity);
             world.resource_mut::<StandingCells>().remove(cell);
             world.write_message(CellReleased { cell });
         }
-        drop_levels(world, &mut store, &mut loaded, &wanted, settings.memory_cap_bytes);
+        for (cell, level) in levels {
+            let Some(entry) = loaded.cells.get_mut(&cell) else { continue };
+            entry.levels.retain(|here| here.level != level);
+            store.client.forget(cell, level);
+            note(world, Event::Released { cell, from: level, why: Reason::OverTheCap });
+            forget_level(world, cell, entry.entity, level);
+        }
         let mut stats = world.resource_mut::<StreamingStats>();
-        stats.bytes_loaded = loaded.cells.values().map(LoadedCell::bytes).sum();
+        stats.bytes_loaded = loaded.cells.values().flat_map(|cell| &cell.levels).map(|level| level.sent).sum();
+        stats.bytes_in_memory = loaded.memory();
         stats.cells = loaded.cells.len();
+        if stats.bytes_in_memory > cap {
+            // More was made of what is wanted than was to be expected: what is known now lets the farthest go.
+            wanted.bypass_change_detection().plan_anew();
+        }
     });
     world.insert_resource(loaded);
     world.insert_resource(store);
 }
 
 /// Which cells must go for the cap to hold: what is wanted keeps within it by itself, so those that stay only for a possible
-/// return, longest unwanted first.
-fn over_the_cap(loaded: &LoadedCells, wanted: &Wanted, leaving: &[u32], cap: u64) -> Vec<u32> {
-    let mut bytes: u64 = loaded.cells.values().map(LoadedCell::bytes).sum();
-    if bytes <= cap {
+/// return, the farthest first.
+fn over_the_cap(loaded: &LoadedCells, wanted: &Wanted, leaving: &[u32], cap: u64, away_m: &dyn Fn(u32) -> f64) -> Vec<u32> {
+    let mut memory = loaded.memory();
+    if memory <= cap {
         return Vec::new();
     }
     let leaving: BTreeSet<u32> = leaving.iter().copied().collect();
-    bytes -= leaving.iter().filter_map(|cell| loaded.cells.get(cell)).map(LoadedCell::bytes).sum::<u64>();
-    let staying = || loaded.cells.iter().filter(|(cell, _)| !leaving.contains(cell));
-    let mut idle: Vec<(f64, u32, u64)> =
-        staying().filter(|&(&cell, _)| !wanted.wants(cell)).map(|(&cell, c)| (c.wanted_at_s, cell, c.bytes())).collect();
-    idle.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    memory -= leaving.iter().filter_map(|cell| loaded.cells.get(cell)).map(LoadedCell::memory).sum::<u64>();
+    let idle = loaded.cells.iter().filter(|(cell, _)| !leaving.contains(cell) && !wanted.wants(**cell));
     let mut going = Vec::new();
-    for (_, cell, size) in idle {
-        if bytes <= cap {
+    for (cell, size) in farthest_first(idle.map(|(&cell, entry)| (cell, entry.memory())), away_m) {
+        if memory <= cap {
             break;
         }
-        bytes -= size;
+        memory -= size;
         going.push(cell);
     }
     going
 }
 
-/// Where memory still runs over, cells keep standing but lose the finer levels that are no longer wanted of them.
-fn drop_levels(world: &mut World, store: &mut Store, loaded: &mut LoadedCells, wanted: &Wanted, cap: u64) {
-    let mut bytes: u64 = loaded.cells.values().map(LoadedCell::bytes).sum();
-    if bytes <= cap {
-        return;
+/// Where memory still runs over when some cells have left, cells keep standing but lose the finer levels that are no longer wanted of them,
+/// the farthest first.
+fn levels_over_the_cap(
+    loaded: &LoadedCells,
+    wanted: &Wanted,
+    leaving: &[u32],
+    cap: u64,
+    away_m: &dyn Fn(u32) -> f64,
+) -> Vec<(u32, Level)> {
+    let mut memory = loaded.memory();
+    if memory <= cap {
+        return Vec::new();
     }
-    for (&cell, entry) in loaded.cells.iter_mut().rev() {
-        while let Some(&(level, size)) = entry.levels.last()
-            && bytes > cap
-            && level > Level::One
-            && !wanted.wants_level(cell, level)
-        {
-            entry.levels.pop();
-            bytes -= size;
-            store.client.forget(cell, level);
-            note(world, Event::Released { cell, from: level, why: Reason::OverTheCap });
-            forget_level(world, cell, entry.entity, level);
+    memory -= leaving.iter().filter_map(|cell| loaded.cells.get(cell)).map(LoadedCell::memory).sum::<u64>();
+    let staying = loaded.cells.iter().filter(|(cell, _)| !leaving.contains(cell));
+    let mut going = Vec::new();
+    for (cell, entry) in farthest_first(staying.map(|(&cell, entry)| (cell, entry)), away_m) {
+        for here in entry.levels.iter().rev() {
+            if memory <= cap || here.level == Level::One || wanted.wants_level(cell, here.level) {
+                break;
+            }
+            memory -= here.memory;
+            going.push((cell, here.level));
         }
     }
+    going
+}
+
+/// Cells in order of their distance from who is nearest; of those as far away, the first.
+fn farthest_first<T>(cells: impl Iterator<Item = (u32, T)>, away_m: &dyn Fn(u32) -> f64) -> impl Iterator<Item = (u32, T)> {
+    let mut cells: Vec<(f64, u32, T)> = cells.map(|(cell, of)| (away_m(cell), cell, of)).collect();
+    cells.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    cells.into_iter().map(|(_, cell, of)| (cell, of))
 }
 
 /// Takes a level's meshes, content and fade from a cell that goes on standing.
@@ -425,6 +483,9 @@ fn forget_level(world: &mut World, cell: u32, entity: Entity, level: Level) {
     }
     if let Some(mut fade) = world.get_mut::<LevelFade>(entity) {
         fade.0[level.index()] = 0.0;
+    }
+    if let Some(mut memory) = world.get_mut::<CellMemory>(entity) {
+        memory.0[level.index()] = 0;
     }
     world.resource_mut::<StandingCells>().remove_level(cell, level);
 }

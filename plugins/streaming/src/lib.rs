@@ -7,7 +7,7 @@
 //!
 //! The current cell is followed by portal crossing. What the index tells of cells comes region by region, those about the viewer and of
 //! what is in sight first; parts of the overview, for maps, tours and the city from afar, when all in sight stands: those about the viewers,
-//! and what plugins ask for ([`OverviewWants`](veduta_ecs::OverviewWants)). Wanted are the cells of its visible set at level 1, nearest
+//! what plugins ask for ([`OverviewWants`](veduta_ecs::OverviewWants)), and of what is seen from where viewers are the nearest and the tallest. Wanted are the cells of its visible set at level 1, nearest
 //! first, then level 2 within [`StreamingSettings::level_2_m`] and finer ones within [`StreamingSettings::level_3_m`], then level 1 of all
 //! that is seen from the cells next to it and from where an [`Itinerary`](veduta_ecs::Itinerary) leads: a cell opens ([`OpenCells`](veduta_ecs::OpenCells)) when nothing would be
 //! missing from there. A viewer above the roofs wants everything within [`StreamingSettings::level_2_m`], and the overview beyond. Levels of
@@ -40,11 +40,14 @@ mod follow;
 mod journal;
 mod link;
 mod look;
+mod memory;
+mod overviews;
 mod pace;
 mod want;
 
 use bevy::prelude::*;
-use veduta_ecs::VedutaSystems;
+use veduta_city::Overview;
+use veduta_ecs::{DistrictMemory, VedutaSystems};
 
 pub use deliver::{RetryTime, StreamingStats};
 pub use fetch::{CityReader, Fetching, Reconnect, StreamingCache};
@@ -94,19 +97,21 @@ pub struct StreamingSettings {
     pub skyline_m: f64,
     /// No more skyline cells than these are wanted: those that look tallest, in the regions that do.
     pub skyline_cells: u32,
-    /// The overview is wanted within this distance of a viewer, metres.
+    /// The overview is wanted within this distance of a viewer, metres. With less than [`Overview::ABOUT_M`] there are holes in hills: what is
+    /// seen over the roofs there is told from that distance on.
     pub overview_m: f64,
     /// So many more overviews, at most, are wanted of what is seen from afar, nearest first.
     pub vistas: usize,
-    /// And so many of hills and whatever else rises by more than a metre in sixteen as one sees it from afar, at most: of what looks
-    /// tallest.
+    /// Of hills and whatever else looks tall from afar ([`StreamingSettings::TALL`]) so many are wanted at most, those that look tallest; the
+    /// nearest ones count among them.
     pub tall_vistas: usize,
     /// The overview is wanted within this distance of a viewer above the roofs, metres. Districts are made of it as far as
     /// `BuildSettings::districts_m` goes.
     pub overview_flying_m: f64,
     /// Seconds that a cell stays after it was last wanted.
     pub keep_s: f64,
-    /// Most bytes of content that stay loaded, as sent; over it the furthest cells that are not in sight go first.
+    /// Most bytes of memory that the city takes: packets, and the meshes and pictures made of them, in cells and from afar. What is farthest is
+    /// left out, and over it what is no longer wanted goes, the farthest first; of what is seen from afar no more comes than takes half of it.
     pub memory_cap_bytes: u64,
     /// Most answers taken a frame.
     pub packets_a_frame: usize,
@@ -124,6 +129,20 @@ pub struct StreamingSettings {
 impl StreamingSettings {
     /// Levels are wanted so much farther off than they begin to show, metres: two seconds of a quick flight.
     pub const LEAD_M: f64 = 40.0;
+    /// What rises by more than this with every metre to it looks tall from afar.
+    pub const TALL: f64 = 1.0 / 16.0;
+
+    /// How many parts of the overview may show cells from afar: no more than take half of the cap, as large as they are by now.
+    fn most_parts(&self, afar: DistrictMemory) -> usize {
+        let bytes_a_part = afar.bytes.checked_div(afar.parts as u64).unwrap_or_default();
+        (self.memory_cap_bytes / 2).checked_div(bytes_a_part).map_or(usize::MAX, |parts| parts as usize)
+    }
+
+    /// What the cap leaves to cells: the city from afar comes first, since it is all that stands where they do not, and a sixteenth is kept
+    /// for what takes more than was to be expected.
+    const fn cap_of_cells(&self, afar: DistrictMemory) -> u64 {
+        (self.memory_cap_bytes - self.memory_cap_bytes / 16).saturating_sub(afar.bytes)
+    }
 }
 
 impl Default for StreamingSettings {
@@ -134,12 +153,12 @@ impl Default for StreamingSettings {
             flying_from_m: 6.0,
             skyline_m: 2_000.0,
             skyline_cells: 48,
-            overview_m: 500.0,
+            overview_m: Overview::ABOUT_M,
             vistas: 8,
             tall_vistas: 32,
             overview_flying_m: 700.0,
             keep_s: 10.0,
-            memory_cap_bytes: 64 << 20,
+            memory_cap_bytes: 512 << 20,
             packets_a_frame: 16,
             bytes_a_frame: 64 << 10,
             paused: false,
@@ -162,6 +181,7 @@ impl Plugin for StreamingPlugin {
             .init_resource::<Journal>()
             .init_resource::<Link>()
             .init_resource::<Pace>()
+            .init_resource::<memory::Sizes>()
             .register_type::<Link>()
             .register_type::<Pace>()
             .add_message::<Reconnect>()
@@ -171,9 +191,9 @@ impl Plugin for StreamingPlugin {
             .add_systems(Update, follow::follow_viewers.in_set(Follow))
             .add_systems(
                 Update,
-                (want::plan_wanted, (want::count_awaited, want::open_cells, want::plan_overviews)).chain().in_set(Want),
+                (want::plan_wanted, (want::count_awaited, want::open_cells, overviews::plan_overviews)).chain().in_set(Want),
             )
             .add_systems(Update, (files::take_asks, deliver::deliver).chain().in_set(Deliver))
-            .add_systems(Update, deliver::release_cells.in_set(Release));
+            .add_systems(Update, (memory::measure, deliver::release_cells).chain().in_set(Release));
     }
 }

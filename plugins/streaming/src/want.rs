@@ -3,12 +3,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
+use veduta_city::bounds::{self, Bounds};
 use veduta_city::{GridPos, Level, Portal, metres};
-use veduta_ecs::{Around, Awaited, City, Eye, Itinerary, OpenCells, OverviewWants, StandingCells, Stop, Viewer};
-use veduta_store::{CityIndex, RegionEntry};
+use veduta_ecs::{Awaited, DistrictMemory, Eye, Itinerary, OpenCells, StandingCells, Stop, Viewer};
+use veduta_store::CityIndex;
 
 use crate::deliver::LoadedCells;
 use crate::fetch::Store;
+use crate::memory::Sizes;
 use crate::pace::Pace;
 use crate::{CurrentCell, StreamingSettings, StreamingStats};
 
@@ -41,7 +43,7 @@ pub struct Wanted {
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct PlannedFor {
     /// Cells and positions of viewers, and of where they will be, coarsely.
-    standpoints: Vec<(Option<u32>, IVec3)>,
+    standpoints: Vec<(Option<u32>, IVec4)>,
     /// So many bytes of finer levels were to be asked for at most, and were.
     finer_bytes: u64,
     asked_bytes: u64,
@@ -51,7 +53,7 @@ struct PlannedFor {
 
 impl PlannedFor {
     /// Whether the plan still serves: nobody has gone far, the pace is about the same, and it has work to do or never will.
-    fn serves(&self, standpoints: &[(Option<u32>, IVec3)], finer_bytes: u64, stats: &StreamingStats) -> bool {
+    fn serves(&self, standpoints: &[(Option<u32>, IVec4)], finer_bytes: u64, stats: &StreamingStats) -> bool {
         let keeps_pace = match self.left_out_at {
             None => self.asked_bytes <= finer_bytes,
             Some(_) => self.finer_bytes / 2 <= finer_bytes && finer_bytes / 2 <= self.finer_bytes,
@@ -173,7 +175,7 @@ impl Needs<'_> {
             return;
         }
         let Some(entry) = self.index.cell(cell) else { return };
-        let distance_m = distance_to(entry.bounds, eye.plan_pos);
+        let distance_m = bounds::distance_m(entry.bounds, eye.plan_pos);
         let finest = match distance_m {
             near if near <= self.settings.level_3_m => Level::Four,
             far if far <= self.settings.level_2_m => Level::Two,
@@ -226,13 +228,13 @@ impl Needs<'_> {
     /// Adds what rises above the roofs, as far as it looks tallest.
     fn add_skyline(&mut self, eye: &Eye) {
         let (index, settings) = (self.index, self.settings);
-        let looks = |top: i32, bounds: (GridPos, GridPos)| {
-            let is_within = distance_to(bounds, eye.plan_pos) <= settings.skyline_m;
-            is_within.then(|| looks(top, bounds, eye))
+        let rise = |top: i32, bounds: Bounds| {
+            let is_within = bounds::distance_m(bounds, eye.plan_pos) <= settings.skyline_m;
+            is_within.then(|| rise_per_m(top, bounds, (eye.plan_pos, eye.ground_m)))
         };
         let about = index.regions_about(GridPos::from_metres(eye.plan_pos), GridPos::steps(settings.skyline_m));
         let with_skyline = about.filter(|(_, region)| region.skyline > 0);
-        let regions = largest_first(with_skyline.filter_map(|(number, region)| Some((looks(region.top, region.bounds)?, number))));
+        let regions = largest_first(with_skyline.filter_map(|(number, region)| Some((rise(region.top, region.bounds)?, number))));
         let (mut left, mut cells) = (settings.skyline_cells, Vec::new());
         for number in regions {
             if left == 0 {
@@ -245,7 +247,7 @@ impl Needs<'_> {
         }
         let cells = cells.into_iter().filter_map(|cell| {
             let entry = index.cell(cell)?;
-            Some((looks(entry.top, entry.bounds)?, cell))
+            Some((rise(entry.top, entry.bounds)?, cell))
         });
         for cell in largest_first(cells).take(settings.skyline_cells as usize) {
             self.need(cell, Why::Skyline, 0.0, eye);
@@ -274,12 +276,12 @@ impl Needs<'_> {
     fn near(&mut self, plan_pos: DVec2, why: Why, way_m: f64, eye: &Eye) {
         let (index, around_m) = (self.index, self.settings.level_2_m);
         for (number, region) in index.regions_about(GridPos::from_metres(plan_pos), GridPos::steps(around_m)) {
-            if distance_to(region.bounds, plan_pos) > around_m || !self.has(number, rank(why)) {
+            if bounds::distance_m(region.bounds, plan_pos) > around_m || !self.has(number, rank(why)) {
                 continue;
             }
             let page = index.region(number).map_or(&[][..], |page| &page.cells);
             for (cell, entry) in region.numbers().zip(page) {
-                if distance_to(entry.bounds, plan_pos) <= around_m {
+                if bounds::distance_m(entry.bounds, plan_pos) <= around_m {
                     self.need(cell, why, way_m, eye);
                 }
             }
@@ -287,14 +289,13 @@ impl Needs<'_> {
     }
 }
 
-/// How tall what rises so high within some bounds looks to an eye, at most: by how much it rises with every metre to it.
-fn looks(top: i32, bounds: (GridPos, GridPos), eye: &Eye) -> f64 {
-    let above_m = (metres(top) - eye.ground_m).max(1.0);
-    above_m / distance_to(bounds, eye.plan_pos).max(1.0)
+/// How tall what rises so high within some bounds looks from a place on the ground, at most: by how much it rises with every metre to it.
+pub(crate) fn rise_per_m(top: i32, bounds: Bounds, (plan_pos, ground_m): (DVec2, f64)) -> f64 {
+    (metres(top) - ground_m).max(1.0) / bounds::distance_m(bounds, plan_pos).max(1.0)
 }
 
 /// Numbers in order of a size of what they name; of what is alike the first.
-fn largest_first(sizes: impl Iterator<Item = (f64, u32)>) -> impl Iterator<Item = u32> {
+pub(crate) fn largest_first(sizes: impl Iterator<Item = (f64, u32)>) -> impl Iterator<Item = u32> {
     let mut sizes: Vec<(f64, u32)> = sizes.collect();
     sizes.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     sizes.into_iter().map(|(_, number)| number)
@@ -308,25 +309,26 @@ fn rank(why: Why) -> u8 {
 /// Metres a second at which a walker comes to a portal: by that, what is to be seen in so many seconds is compared with it.
 const PACE_M_S: f64 = 1.4;
 
-/// Plans anew when a viewer has changed cell or moved eight metres, when more of the city is told, when the line has become slower than what
+/// Plans anew when a viewer has changed cell or moved eight metres or up or down as much, when more of the city is told, when the line has become slower than what
 /// is asked for, or can bring what was left out.
 pub(crate) fn plan_wanted(
     store: Option<Res<Store>>,
     settings: Res<StreamingSettings>,
     viewers: Query<(&Eye, Option<&CurrentCell>, &Itinerary), With<Viewer>>,
     (pace, stats, loaded): (Res<Pace>, Res<StreamingStats>, Option<Res<LoadedCells>>),
+    (sizes, afar): (Res<Sizes>, Res<DistrictMemory>),
     mut wanted: ResMut<Wanted>,
 ) {
     let Some(index) = store.as_ref().and_then(|store| store.client.index()) else { return };
-    let coarse = |plan_pos: DVec2, eye_m: f64| {
+    let coarse = |plan_pos: DVec2, ground_m: f64, eye_m: f64| {
         let p = (plan_pos / 8.0).floor();
-        IVec3::new(p.x as i32, p.y as i32, (eye_m / 8.0) as i32)
+        IVec4::new(p.x as i32, p.y as i32, (ground_m / 8.0).round() as i32, (eye_m / 8.0) as i32)
     };
-    let standpoints: Vec<(Option<u32>, IVec3)> = viewers
+    let standpoints: Vec<(Option<u32>, IVec4)> = viewers
         .iter()
         .flat_map(|(eye, current, itinerary)| {
-            let here = (current.and_then(|c| c.0), coarse(eye.plan_pos, eye.eye_m));
-            let stops = itinerary.0.iter().map(|stop| (None, coarse(stop.plan_pos, stop.eye_m)));
+            let here = (current.and_then(|c| c.0), coarse(eye.plan_pos, eye.ground_m, eye.eye_m));
+            let stops = itinerary.0.iter().map(|stop| (None, coarse(stop.plan_pos, 0.0, stop.eye_m)));
             core::iter::once(here).chain(stops).collect::<Vec<_>>()
         })
         .collect();
@@ -346,7 +348,9 @@ pub(crate) fn plan_wanted(
         let is_loaded = loaded.as_ref().and_then(|loaded| loaded.level(cell)) >= Some(level);
         is_loaded || store.as_ref().is_some_and(|store| store.gave_up_level(cell, level))
     };
-    let Ranked { order, in_sight, asked_bytes, is_any_left_out } = ranked(index, &needs.cells, &settings, (finer_bytes, &is_free));
+    let cap = (settings.cap_of_cells(*afar), &*sizes);
+    let Ranked { order, in_sight, asked_bytes, is_any_left_out } =
+        ranked(index, &needs.cells, settings.finest, cap, (finer_bytes, &is_free));
     let left_out_at = is_any_left_out.then_some(stats.bytes_all);
     let [mut regions, later] = needs.missing;
     let regions_in_sight = regions.len();
@@ -363,72 +367,6 @@ pub(crate) fn plan_wanted(
         generation: wanted.generation + 1,
         planned_for: Some(PlannedFor { standpoints, finer_bytes, asked_bytes, left_out_at }),
     };
-}
-
-/// Plans which parts of the overview are wanted: those about the viewers, then what plugins ask for, then what viewers see from afar: what is
-/// nearest, and what looks tall.
-pub(crate) fn plan_overviews(
-    (city, store): (Option<ResMut<City>>, Option<Res<Store>>),
-    settings: Res<StreamingSettings>,
-    wants: Res<OverviewWants>,
-    viewers: Query<(&Eye, Option<&CurrentCell>), With<Viewer>>,
-    mut wanted: ResMut<Wanted>,
-    mut planned: Local<(Vec<Around>, Vec<u32>)>,
-) {
-    let Some(mut city) = city else { return };
-    let radius_m = |eye_m: f64| if eye_m >= settings.flying_from_m { settings.overview_flying_m } else { settings.overview_m };
-    let about: Vec<Around> = viewers.iter().map(|(eye, _)| Around::coarsely(eye.plan_pos, radius_m(eye.eye_m))).collect();
-    let index = store.as_ref().and_then(|store| store.client.index());
-    // The regions that viewers stand in or fly over and that are here to tell what is seen from them.
-    let grounds = viewers.iter().filter_map(|(eye, current)| {
-        let index = index?;
-        let is_here = |number: &u32| index.region(*number).is_some();
-        let of_cell = current.and_then(|current| index.region_of(current.0?));
-        of_cell.or_else(|| index.regions_at(GridPos::from_metres(eye.plan_pos)).find(is_here)).filter(is_here)
-    });
-    let asked = (about.iter().chain(wants.0.values()).copied().collect(), grounds.collect());
-    // A city just opened has no list yet.
-    if *planned == asked && !wanted.overviews.is_empty() && !settings.is_changed() {
-        return;
-    }
-    *planned = asked;
-    let within = |&circle: &Around| city.overviews.within(circle).collect::<Vec<_>>();
-    let near: BTreeSet<u32> = about.iter().flat_map(within).collect();
-    let eyes: Vec<&Eye> = viewers.iter().map(|(eye, _)| eye).collect();
-    let vistas = index.map_or_else(Vec::new, |index| vistas(index, &planned.1, &near, &eyes, &settings));
-    let mut overviews: Vec<u32> = Vec::new();
-    for part in about.iter().chain(wants.0.values()).flat_map(within).chain(vistas.iter().copied()) {
-        if !overviews.contains(&part) {
-            overviews.push(part);
-        }
-    }
-    if city.overviews.vistas() != vistas {
-        city.overviews.set_vistas(vistas);
-    }
-    if wanted.overviews != overviews {
-        wanted.overviews = overviews;
-        wanted.generation += 1;
-    }
-}
-
-/// What rises by more than this with every metre to it looks tall from afar.
-const TALL: f64 = 1.0 / 16.0;
-
-/// What is to be there of what is seen from some regions and is not near.
-fn vistas(index: &CityIndex, grounds: &[u32], near: &BTreeSet<u32>, eyes: &[&Eye], settings: &StreamingSettings) -> Vec<u32> {
-    let seen = grounds.iter().filter_map(|&number| index.region(number)).flat_map(|region| &region.vistas);
-    let seen: BTreeSet<u32> = seen.copied().filter(|number| !near.contains(number)).collect();
-    let most = |number: u32, of: &dyn Fn(&RegionEntry, &Eye) -> f64| {
-        let region = &index.regions[number as usize];
-        eyes.iter().map(|eye| of(region, eye)).fold(f64::NEG_INFINITY, f64::max)
-    };
-    let nearness = |number: u32| most(number, &|region, eye| -distance_to(region.bounds, eye.plan_pos));
-    let looks = |number: u32| most(number, &|region, eye| looks(region.top, region.bounds, eye));
-    let mut vistas: Vec<u32> = largest_first(seen.iter().map(|&n| (nearness(n), n))).take(settings.vistas).collect();
-    let tall = largest_first(seen.iter().map(|&n| (looks(n), n)).filter(|(looks, _)| *looks > TALL));
-    let more: Vec<u32> = tall.take(settings.tall_vistas).filter(|number| !vistas.contains(number)).collect();
-    vistas.extend(more);
-    vistas
 }
 
 /// Cells seen from one; none as long as its region has not come.
@@ -474,12 +412,6 @@ pub(crate) fn open_cells(
     open.set_if_neq(OpenCells { cells: Some(about.into_iter().filter(is_open).collect()) });
 }
 
-/// Distance in metres from a plan position to a box; 0 inside.
-fn distance_to((lo, hi): (GridPos, GridPos), plan_pos: DVec2) -> f64 {
-    let (lo, hi) = (DVec2::new(metres(lo.0), metres(lo.1)), DVec2::new(metres(hi.0), metres(hi.1)));
-    plan_pos.distance(plan_pos.clamp(lo.min(hi), hi.max(lo)))
-}
-
 /// So near to a portal, what is seen from beyond it comes before the finer levels of what is in sight; metres.
 const NEXT_M: f64 = 20.0;
 
@@ -499,7 +431,8 @@ struct Ranked {
 fn ranked(
     index: &CityIndex,
     needs: &BTreeMap<u32, Need>,
-    settings: &StreamingSettings,
+    finest: u8,
+    (cap, sizes): (u64, &Sizes),
     (finer_bytes, is_free): (u64, &dyn Fn(u32, Level) -> bool),
 ) -> Ranked {
     let mut cells: Vec<(u32, Need)> = needs.iter().map(|(&cell, &need)| (cell, need)).collect();
@@ -516,15 +449,19 @@ fn ranked(
     let mut take = |cell: u32, level: Level| {
         // A finer level without the one before it is of no use.
         let is_next = reached.get(&cell).map_or(0, |last| last.index() + 1) == level.index();
-        let Some(size) = bytes(cell, level).filter(|size| is_next && sum + size <= settings.memory_cap_bytes) else { return };
-        let costs = if level == Level::One || is_free(cell, level) { 0 } else { size };
+        let Some(sent) = bytes(cell, level).filter(|_| is_next) else { return };
+        let memory = sizes.of(cell, level, sent);
+        if sum + memory > cap {
+            return;
+        }
+        let costs = if level == Level::One || is_free(cell, level) { 0 } else { sent };
         // However slow the line, the first comes in the end.
         if costs > 0 && asked_bytes > 0 && asked_bytes + costs > finer_bytes {
             is_any_left_out = true;
             return;
         }
         asked_bytes += costs;
-        sum += size;
+        sum += memory;
         reached.insert(cell, level);
         order.push((cell, level));
     };
@@ -533,7 +470,7 @@ fn ranked(
     // Whoever is about to walk on must not stand before a shut door.
     of_rank(1).filter(|(_, need)| need.way_m <= NEXT_M).for_each(|&(cell, _)| take(cell, Level::One));
     for level in [Level::Two, Level::Three, Level::Four] {
-        let is_allowed = |need: &Need| level <= need.finest && level as u8 <= settings.finest;
+        let is_allowed = |need: &Need| level <= need.finest && level as u8 <= finest;
         of_rank(0).filter(|(_, need)| is_allowed(need)).for_each(|&(cell, _)| take(cell, level));
     }
     of_rank(1).filter(|(_, need)| need.way_m > NEXT_M).for_each(|&(cell, _)| take(cell, Level::One));

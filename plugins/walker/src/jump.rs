@@ -1,4 +1,3 @@
-use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::{GridPos, Viewpoint};
 use veduta_ecs::{Awaited, City, CityOpened, Eye, JumpTo, Steering, Viewer};
@@ -76,22 +75,28 @@ pub(crate) fn advance(
     if *jump == Jump::None || *steering != Steering::Visitor {
         return;
     }
-    let Ok(mut eye) = viewers.single_mut() else { return };
+    if viewers.is_empty() {
+        return;
+    }
     let step = time.delta_secs_f64() / FADE_S;
+    // Whoever walks jumps, on however many screens.
+    let mut fade_by = |way: f64| {
+        viewers.iter_mut().for_each(|mut eye| eye.fade = (eye.fade + way).clamp(0.0, 1.0));
+    };
     let next = match *jump {
         Jump::Leaving(view) => {
-            eye.fade = (eye.fade + step).min(1.0);
-            if eye.fade < 1.0 {
+            fade_by(step);
+            if viewers.iter().any(|eye| eye.fade < 1.0) {
                 return;
             }
-            let fov_deg = eye.fov_deg;
-            *eye = Eye { fade: 1.0, fov_deg, ..Eye::at(view) };
+            for mut eye in &mut viewers {
+                *eye = Eye { fade: 1.0, fov_deg: eye.fov_deg, ..Eye::at(view) };
+            }
             Jump::Waiting { for_s: 0.0 }
         }
         Jump::Waiting { for_s } => {
-            let DVec2 { x, y } = eye.plan_pos;
-            let here = solid.hold(GridPos(GridPos::steps(x), GridPos::steps(y)));
-            let ready = awaited.cells == 0 && (here || for_s > FLOOR_S);
+            let is_held = |eye: &Eye| solid.hold(GridPos::from_metres(eye.plan_pos));
+            let ready = awaited.cells == 0 && (viewers.iter().all(is_held) || for_s > FLOOR_S);
             if ready || for_s > Awaited::PATIENCE_S {
                 Jump::Arriving
             } else {
@@ -99,8 +104,8 @@ pub(crate) fn advance(
             }
         }
         Jump::Arriving => {
-            eye.fade = (eye.fade - step).max(0.0);
-            if eye.fade > 0.0 { Jump::Arriving } else { Jump::None }
+            fade_by(-step);
+            if viewers.iter().any(|eye| eye.fade > 0.0) { Jump::Arriving } else { Jump::None }
         }
         Jump::None => Jump::None,
     };

@@ -9,8 +9,8 @@ use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::vector::edge::{CLIP_LEFT, CLIP_RIGHT, SUBJ_LEFT, SUBJ_RIGHT, VectorEdge};
 use veduta_city::{BorderEdge, GridPolygon, GridPos, connected_faces, ring_edges};
 
-use super::bounds::{Bounds, do_meet};
 use super::relation::{is_apart, is_convex};
+use veduta_city::bounds::{Bounds, do_meet};
 
 /// An overlay that is being filled. Coordinates inside are relative to `origin`, so that products stay far from the ends of
 /// 64 bits, and in steps of as many of the grid as all of them are multiples of: what is on the plan stays on it.

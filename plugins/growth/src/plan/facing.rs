@@ -4,11 +4,11 @@ use glam::DVec2;
 use rayon::prelude::*;
 use veduta_city::{GridPolygon, GridPos, SurfaceKind};
 
-use super::bounds::{Bounds, about, do_meet, grown};
 use super::ground::Ground;
 use super::houses::{Body, Draft};
 use super::index::{CellSet, Cells, Index};
 use super::outline;
+use veduta_city::bounds::{Bounds, about, do_meet, grown};
 
 /// Walls closer than this, side by side, are party walls; metres.
 const PARTY_M: f64 = 0.3;

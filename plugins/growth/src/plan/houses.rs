@@ -7,10 +7,10 @@ use veduta_city::{
     Styles,
 };
 
-use super::bounds::do_meet;
 use super::extent::Extent;
 use super::index::Index;
 use super::{Area, boolean, outline};
+use veduta_city::bounds::do_meet;
 
 /// Smaller footprints are left out; square metres.
 const LEAST_M2: f64 = 1.0;

@@ -10,7 +10,7 @@ use core::borrow::Borrow;
 use rayon::prelude::*;
 use veduta_city::{GridPolygon, GridPos};
 
-use super::bounds::{Bounds, do_meet, grown, joined};
+use veduta_city::bounds::{Bounds, do_meet, grown, joined};
 
 /// Least side of a cell as a power of two of grid steps: 8 m.
 const LEAST_SHIFT: u32 = 13;

@@ -9,7 +9,6 @@ use veduta_city::draw::Draw;
 use veduta_city::{BlockKind, CityGraph, Finding, GridPolygon, GridPos, GroundPatch, Id, Link, LinkKind, Severity, Style};
 
 use super::band::{Station, pieces, quad, stations};
-use super::bounds::{Bounds, do_meet, joined};
 use super::extent::Extent;
 use super::ground;
 use super::houses::{Body, Draft, Grown, StyleBook};
@@ -18,6 +17,7 @@ use super::inradius::inradius_m;
 use super::perimeter::{self, Site};
 use super::streets::{self, Layer, Rank};
 use super::{Area, boolean, massing, outline, relation, stand};
+use veduta_city::bounds::{Bounds, do_meet, joined};
 
 /// A built block is grown only where given buildings cover less than this share of it.
 const MOST_COVERED: f64 = 0.35;

@@ -3,8 +3,8 @@
 
 use veduta_city::{GridPolygon, GridPos};
 
-use super::bounds::{about, do_meet};
 use super::outline::edges;
+use veduta_city::bounds::{about, do_meet};
 
 /// Whether one of a ring's edges has all of the ring on its left and all of another on its right: most houses side by side are
 /// told apart by that alone.

@@ -5,13 +5,13 @@ use veduta_city::{
     GridPolygon, GridPos, House, Opening, Palette, PlanRoof, PlanTerrain, Storey, Style, Volume, Wall, WallKind, metres,
 };
 
-use super::bounds::grown;
 use super::facing::{BodyRef, Edge, Facing, Party};
 use super::floors::{before_bay, threshold};
 use super::houses::{Body, Draft, StyleBook};
 use super::index::{Cells, Index};
 use super::massing::{self, Mass};
 use super::variety::{Look, bays};
+use veduta_city::bounds::grown;
 
 /// A neighbour that covers more than this share of a wall's length and height makes it a party wall.
 const PARTY_SHARE: f64 = 0.5;

@@ -1,0 +1,82 @@
+//! How much memory loaded cells take: what is made of them, measured where it stands, expected where it does not yet.
+
+use std::collections::BTreeMap;
+
+use bevy::prelude::*;
+use veduta_city::Level;
+use veduta_ecs::{Cell, CellMemory};
+
+use crate::StreamingStats;
+use crate::deliver::LoadedCells;
+
+/// How much memory levels of cells take, as far as that is known.
+#[derive(Resource, Debug, Clone, PartialEq, Default)]
+pub(crate) struct Sizes {
+    known: BTreeMap<(u32, Level), u64>,
+    /// Of each level, all that was measured: bytes of memory, and of packets as sent.
+    measured: [(f64, f64); 4],
+}
+
+/// Bytes of memory that a byte sent becomes, by level, where none was measured: as in the sample city.
+const USUAL: [f64; 4] = [800.0, 4_000.0, 150.0, 0.0];
+/// As much as so many bytes sent that weighs.
+const WEIGHT: f64 = 1_000.0;
+/// So many sizes are kept, those of cells that are gone too: who comes back is not to be surprised by them again.
+const MOST_KNOWN: usize = 1 << 15;
+
+impl Sizes {
+    /// Bytes of memory of a level of a cell that is sent as so many, with its packet.
+    pub(crate) fn of(&self, cell: u32, level: Level, sent: u64) -> u64 {
+        let (memory, bytes) = self.measured[level.index()];
+        let share = (memory + USUAL[level.index()] * WEIGHT) / (bytes + WEIGHT);
+        let made = self.known.get(&(cell, level)).copied().unwrap_or((sent as f64 * share) as u64);
+        made + sent
+    }
+
+    fn note(&mut self, cell: u32, level: Level, sent: u64, made: u64) {
+        if self.known.len() >= MOST_KNOWN {
+            self.known.clear();
+        }
+        if self.known.insert((cell, level), made).is_none() {
+            let (memory, bytes) = &mut self.measured[level.index()];
+            (*memory, *bytes) = (*memory + made as f64, *bytes + sent as f64);
+        }
+    }
+}
+
+/// Takes down what was made of cells since the last frame.
+pub(crate) fn measure(
+    made: Query<(&Cell, &CellMemory), Changed<CellMemory>>,
+    loaded: Option<ResMut<LoadedCells>>,
+    mut sizes: ResMut<Sizes>,
+    mut stats: ResMut<StreamingStats>,
+) {
+    let Some(mut loaded) = loaded else { return };
+    for (&Cell(cell), memory) in &made {
+        // Relief is made of what level 2 is made of, and goes with it.
+        let [one, two, three, four] = memory.0;
+        for (level, made) in [(Level::One, one), (Level::Two, two + four), (Level::Three, three)] {
+            let Some(entry) = loaded.level_mut(cell, level).filter(|_| made > 0) else { continue };
+            sizes.note(cell, level, entry.sent, made);
+            stats.bytes_in_memory = stats.bytes_in_memory + made + entry.sent - entry.memory;
+            entry.memory = made + entry.sent;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_never_made_is_expected_to_be_like_what_was() {
+        let mut sizes = Sizes::default();
+        assert_eq!(sizes.of(1, Level::One, 100), 80_100, "as usual, and its packet");
+        sizes.note(1, Level::One, 1_000_000, 30_000_000);
+        assert_eq!(sizes.of(1, Level::One, 1_000_000), 31_000_000);
+        assert_eq!(sizes.of(2, Level::One, 1_000) / 100, 317, "thirty times as much, and its packet");
+        assert_eq!(sizes.of(2, Level::Two, 100), 400_100);
+        (0..40_000).for_each(|cell| sizes.note(cell, Level::Two, 1, 1));
+        assert!(sizes.known.len() <= MOST_KNOWN);
+    }
+}
