@@ -108,7 +108,7 @@ impl Visit {
         app.insert_resource(CityReader(Arc::new(reader)));
         app.insert_resource(WELL);
         // Small enough to be met on the way.
-        let cap = 80 << 20;
+        let cap = 120 << 20;
         app.world_mut().resource_mut::<StreamingSettings>().memory_cap_bytes = cap;
         update_until(&mut app, 200, "the city is open", |world| world.contains_resource::<City>());
         let start = app.world().resource::<City>().start;

@@ -62,7 +62,7 @@ fn ten_thousand_crossings_leave_nothing_behind() {
     let step = Duration::from_secs_f64(WALK_S / 3.0);
     let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, step);
     // Small enough to be met on the way.
-    let cap = 80 << 20;
+    let cap = 120 << 20;
     app.world_mut().resource_mut::<StreamingSettings>().memory_cap_bytes = cap;
     app.world_mut().resource_mut::<Journal>().keep = 1_000;
     update_until(&mut app, 500, "the city is open", |world| world.contains_resource::<City>());

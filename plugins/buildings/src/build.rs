@@ -1,4 +1,4 @@
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use bevy::ecs::system::SystemParam;
@@ -360,18 +360,29 @@ pub(crate) fn finish(
     }
 }
 
-/// Where no plugin switches levels, a cell's finer walls take the place of the coarser ones.
-pub(crate) fn retire_coarser(
-    mut commands: Commands,
-    arrived: Query<&CellMesh, Added<CellMesh>>,
-    meshes: Query<(Entity, &CellMesh)>,
+/// Where no plugin switches levels, of a cell's walls the finest that are here are shown.
+pub(crate) fn show_finest(
+    arrived: Query<(), Added<CellMesh>>,
+    mut gone: RemovedComponents<CellMesh>,
+    mut meshes: Query<(&CellMesh, &mut Visibility)>,
 ) {
-    for finer in &arrived {
-        let (CellMeshKind::Walls(level) | CellMeshKind::Painted(level)) = finer.kind else { continue };
-        for (entity, coarser) in &meshes {
-            if coarser.cell == finer.cell && matches!(coarser.kind, CellMeshKind::Walls(l) if l < level) {
-                commands.entity(entity).despawn();
-            }
+    if arrived.is_empty() && gone.read().count() == 0 {
+        return;
+    }
+    let level = |mesh: &CellMesh| match mesh.kind {
+        CellMeshKind::Walls(level) | CellMeshKind::Painted(level) => Some(level),
+        _ => None,
+    };
+    let mut finest: BTreeMap<u32, Level> = BTreeMap::new();
+    for (mesh, _) in &meshes {
+        if let Some(level) = level(mesh) {
+            finest.entry(mesh.cell).and_modify(|finest| *finest = level.max(*finest)).or_insert(level);
+        }
+    }
+    for (mesh, mut shown) in &mut meshes {
+        if let Some(level) = level(mesh) {
+            let is_finest = finest.get(&mesh.cell) == Some(&level);
+            shown.set_if_neq(if is_finest { Visibility::Inherited } else { Visibility::Hidden });
         }
     }
 }

@@ -88,10 +88,7 @@ impl Plugin for BuildingsPlugin {
                     .after(build::finish)
                     .in_set(VedutaSystems::Build),
             )
-            .add_systems(
-                Update,
-                build::retire_coarser.in_set(VedutaSystems::Show).run_if(not(resource_exists::<MaterialsProvided>)),
-            );
+            .add_systems(Update, build::show_finest.in_set(VedutaSystems::Show).run_if(not(resource_exists::<MaterialsProvided>)));
     }
 }
 

@@ -1,4 +1,4 @@
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use bevy::math::DVec2;
@@ -81,7 +81,6 @@ struct LoadedCell {
     entity: Entity,
     /// The levels that are here, coarsest first.
     levels: Vec<LoadedLevel>,
-    wanted_at_s: f64,
 }
 
 /// A level of a cell that is here.
@@ -92,9 +91,16 @@ pub(crate) struct LoadedLevel {
     pub(crate) sent: u64,
     /// Bytes of memory of its packet and what is made of it.
     pub(crate) memory: u64,
+    wanted_at_s: f64,
 }
 
 impl LoadedCell {
+    /// The coarsest of its levels that nobody has wanted since then, with all finer ones; [`Level::One`] takes the cell with it.
+    fn idle_since(&self, then_s: f64) -> Option<Level> {
+        let idle = self.levels.iter().rev().take_while(|level| level.wanted_at_s < then_s);
+        idle.last().map(|level| level.level)
+    }
+
     fn memory(&self) -> u64 {
         self.levels.iter().map(|level| level.memory).sum()
     }
@@ -326,8 +332,8 @@ fn arrive(world: &mut World, store: &mut Store, cell: u32, level: Level, packet:
     };
     let memory = world.resource::<Sizes>().of(cell, level, bytes);
     let mut loaded = world.resource_mut::<LoadedCells>();
-    let entry = loaded.cells.entry(cell).or_insert(LoadedCell { entity, levels: Vec::new(), wanted_at_s: now_s });
-    entry.levels.push(LoadedLevel { level, sent: bytes, memory });
+    let entry = loaded.cells.entry(cell).or_insert(LoadedCell { entity, levels: Vec::new() });
+    entry.levels.push(LoadedLevel { level, sent: bytes, memory, wanted_at_s: now_s });
     note(world, Event::Arrived { what: What::Packet { cell, level }, bytes });
     let mut stats = world.resource_mut::<StreamingStats>();
     stats.bytes_received[level.index()] += bytes;
@@ -355,96 +361,76 @@ pub(crate) fn release_cells(world: &mut World, eyes: &mut QueryState<&Eye, With<
     }
     loaded.swept = Some((now_s, plan));
     let eyes: Vec<DVec2> = eyes.iter(world).map(|eye| eye.plan_pos).collect();
-    world.resource_scope(|world, mut wanted: Mut<'_, Wanted>| {
+    world.resource_scope(|world, wanted: Mut<'_, Wanted>| {
+        for (&cell, entry) in &mut loaded.cells {
+            for level in &mut entry.levels {
+                if wanted.wants_level(cell, level.level) {
+                    level.wanted_at_s = now_s;
+                }
+            }
+        }
+        let mut idle: Vec<(u32, Level)> =
+            loaded.cells.iter().filter_map(|(&cell, entry)| Some((cell, entry.idle_since(now_s - settings.keep_s)?))).collect();
+        if idle.len() > RELEASED_A_FRAME {
+            idle.truncate(RELEASED_A_FRAME);
+            loaded.swept = None;
+        }
+        for (cell, from) in idle {
+            release(world, &mut store, &mut loaded, (cell, from), Reason::Idle);
+        }
         let away_m = |cell: u32| {
             let entry = store.client.index().and_then(|index| index.cell(cell));
             entry.map_or(f64::INFINITY, |entry| {
                 eyes.iter().map(|&eye| bounds::distance_m(entry.bounds, eye)).fold(f64::INFINITY, f64::min)
             })
         };
-        for (cell, entry) in &mut loaded.cells {
-            if wanted.wants(*cell) {
-                entry.wanted_at_s = now_s;
-            }
-        }
-        let mut leaving: Vec<u32> =
-            loaded.cells.iter().filter(|(_, c)| now_s - c.wanted_at_s > settings.keep_s).map(|(&cell, _)| cell).collect();
-        if leaving.len() > RELEASED_A_FRAME {
-            leaving.truncate(RELEASED_A_FRAME);
-            loaded.swept = None;
-        }
-        let idle = leaving.len();
-        leaving.extend(over_the_cap(&loaded, &wanted, &leaving, cap, &away_m));
-        let levels = levels_over_the_cap(&loaded, &wanted, &leaving, cap, &away_m);
-        for (n, cell) in leaving.into_iter().enumerate() {
-            let why = if n < idle { Reason::Idle } else { Reason::OverTheCap };
-            note(world, Event::Released { cell, from: Level::One, why });
-            let Some(entry) = loaded.cells.remove(&cell) else { continue };
-            for LoadedLevel { level, .. } in entry.levels {
-                store.client.forget(cell, level);
-            }
-            world.despawn(entry.entity);
-            world.resource_mut::<StandingCells>().remove(cell);
-            world.write_message(CellReleased { cell });
-        }
-        for (cell, level) in levels {
-            let Some(entry) = loaded.cells.get_mut(&cell) else { continue };
-            entry.levels.retain(|here| here.level != level);
-            store.client.forget(cell, level);
-            note(world, Event::Released { cell, from: level, why: Reason::OverTheCap });
-            forget_level(world, cell, entry.entity, level);
+        let over = over_the_cap(&loaded, &wanted, cap, &away_m);
+        for (cell, from) in over {
+            release(world, &mut store, &mut loaded, (cell, from), Reason::OverTheCap);
         }
         let mut stats = world.resource_mut::<StreamingStats>();
         stats.bytes_loaded = loaded.cells.values().flat_map(|cell| &cell.levels).map(|level| level.sent).sum();
         stats.bytes_in_memory = loaded.memory();
         stats.cells = loaded.cells.len();
-        if stats.bytes_in_memory > cap {
-            // More was made of what is wanted than was to be expected: what is known now lets the farthest go.
-            wanted.bypass_change_detection().plan_anew();
-        }
     });
     world.insert_resource(loaded);
     world.insert_resource(store);
 }
 
-/// Which cells must go for the cap to hold: what is wanted keeps within it by itself, so those that stay only for a possible
-/// return, the farthest first.
-fn over_the_cap(loaded: &LoadedCells, wanted: &Wanted, leaving: &[u32], cap: u64, away_m: &dyn Fn(u32) -> f64) -> Vec<u32> {
-    let mut memory = loaded.memory();
-    if memory <= cap {
-        return Vec::new();
-    }
-    let leaving: BTreeSet<u32> = leaving.iter().copied().collect();
-    memory -= leaving.iter().filter_map(|cell| loaded.cells.get(cell)).map(LoadedCell::memory).sum::<u64>();
-    let idle = loaded.cells.iter().filter(|(cell, _)| !leaving.contains(cell) && !wanted.wants(**cell));
-    let mut going = Vec::new();
-    for (cell, size) in farthest_first(idle.map(|(&cell, entry)| (cell, entry.memory())), away_m) {
-        if memory <= cap {
-            break;
+/// Lets go of a level of a cell with all finer ones; with [`Level::One`] the cell goes.
+fn release(world: &mut World, store: &mut Store, loaded: &mut LoadedCells, (cell, from): (u32, Level), why: Reason) {
+    let Some(entry) = loaded.cells.get_mut(&cell) else { return };
+    note(world, Event::Released { cell, from, why });
+    while let Some(last) = entry.levels.pop_if(|last| last.level >= from) {
+        store.client.forget(cell, last.level);
+        if from > Level::One {
+            forget_level(world, cell, entry.entity, last.level);
         }
-        memory -= size;
-        going.push(cell);
     }
-    going
+    if from == Level::One {
+        world.despawn(entry.entity);
+        loaded.cells.remove(&cell);
+        world.resource_mut::<StandingCells>().remove(cell);
+        world.write_message(CellReleased { cell });
+    }
 }
 
-/// Where memory still runs over when some cells have left, cells keep standing but lose the finer levels that are no longer wanted of them,
-/// the farthest first.
-fn levels_over_the_cap(
-    loaded: &LoadedCells,
-    wanted: &Wanted,
-    leaving: &[u32],
-    cap: u64,
-    away_m: &dyn Fn(u32) -> f64,
-) -> Vec<(u32, Level)> {
+/// Which cells, and which levels of others, must go for the cap to hold: what is wanted keeps within it by itself, so what stays only for a
+/// possible return, the farthest first: whole cells before finer levels of those that are in sight.
+fn over_the_cap(loaded: &LoadedCells, wanted: &Wanted, cap: u64, away_m: &dyn Fn(u32) -> f64) -> Vec<(u32, Level)> {
     let mut memory = loaded.memory();
     if memory <= cap {
         return Vec::new();
     }
-    memory -= leaving.iter().filter_map(|cell| loaded.cells.get(cell)).map(LoadedCell::memory).sum::<u64>();
-    let staying = loaded.cells.iter().filter(|(cell, _)| !leaving.contains(cell));
+    let (staying, idle): (Vec<_>, Vec<_>) = loaded.cells.iter().partition(|(cell, _)| wanted.wants(**cell));
     let mut going = Vec::new();
-    for (cell, entry) in farthest_first(staying.map(|(&cell, entry)| (cell, entry)), away_m) {
+    for (cell, entry) in farthest_first(idle, away_m) {
+        if memory > cap {
+            memory -= entry.memory();
+            going.push((cell, Level::One));
+        }
+    }
+    for (cell, entry) in farthest_first(staying, away_m) {
         for here in entry.levels.iter().rev() {
             if memory <= cap || here.level == Level::One || wanted.wants_level(cell, here.level) {
                 break;
@@ -457,8 +443,11 @@ fn levels_over_the_cap(
 }
 
 /// Cells in order of their distance from who is nearest; of those as far away, the first.
-fn farthest_first<T>(cells: impl Iterator<Item = (u32, T)>, away_m: &dyn Fn(u32) -> f64) -> impl Iterator<Item = (u32, T)> {
-    let mut cells: Vec<(f64, u32, T)> = cells.map(|(cell, of)| (away_m(cell), cell, of)).collect();
+fn farthest_first<'a>(
+    cells: Vec<(&'a u32, &'a LoadedCell)>,
+    away_m: &dyn Fn(u32) -> f64,
+) -> impl Iterator<Item = (u32, &'a LoadedCell)> {
+    let mut cells: Vec<(f64, u32, &LoadedCell)> = cells.into_iter().map(|(&cell, of)| (away_m(cell), cell, of)).collect();
     cells.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     cells.into_iter().map(|(_, cell, of)| (cell, of))
 }

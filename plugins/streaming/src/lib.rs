@@ -138,10 +138,11 @@ impl StreamingSettings {
         (self.memory_cap_bytes / 2).checked_div(bytes_a_part).map_or(usize::MAX, |parts| parts as usize)
     }
 
-    /// What the cap leaves to cells: the city from afar comes first, since it is all that stands where they do not, and a sixteenth is kept
-    /// for what takes more than was to be expected.
-    const fn cap_of_cells(&self, afar: DistrictMemory) -> u64 {
-        (self.memory_cap_bytes - self.memory_cap_bytes / 16).saturating_sub(afar.bytes)
+    /// What the cap leaves to cells: the city from afar comes first, since it is all that stands where they do not, an eighth is always kept for
+    /// it, and a sixteenth for what takes more than was to be expected.
+    fn cap_of_cells(&self, afar: DistrictMemory) -> u64 {
+        let cap = self.memory_cap_bytes;
+        (cap - cap / 16).saturating_sub(afar.bytes.max(cap / 8))
     }
 }
 
@@ -191,9 +192,11 @@ impl Plugin for StreamingPlugin {
             .add_systems(Update, follow::follow_viewers.in_set(Follow))
             .add_systems(
                 Update,
-                (want::plan_wanted, (want::count_awaited, want::open_cells, overviews::plan_overviews)).chain().in_set(Want),
+                (memory::measure, want::plan_wanted, (want::count_awaited, want::open_cells, overviews::plan_overviews))
+                    .chain()
+                    .in_set(Want),
             )
             .add_systems(Update, (files::take_asks, deliver::deliver).chain().in_set(Deliver))
-            .add_systems(Update, (memory::measure, deliver::release_cells).chain().in_set(Release));
+            .add_systems(Update, deliver::release_cells.in_set(Release));
     }
 }

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use bevy::prelude::*;
 use veduta_city::Level;
-use veduta_ecs::{Cell, CellMemory};
+use veduta_ecs::{Cell, CellMemory, DistrictMemory};
 
-use crate::StreamingStats;
 use crate::deliver::LoadedCells;
+use crate::{StreamingSettings, StreamingStats, Wanted};
 
 /// How much memory levels of cells take, as far as that is known.
 #[derive(Resource, Debug, Clone, PartialEq, Default)]
@@ -18,7 +18,7 @@ pub(crate) struct Sizes {
 }
 
 /// Bytes of memory that a byte sent becomes, by level, where none was measured: as in the sample city.
-const USUAL: [f64; 4] = [800.0, 4_000.0, 150.0, 0.0];
+const USUAL: [f64; 4] = [1_000.0, 5_000.0, 150.0, 0.0];
 /// As much as so many bytes sent that weighs.
 const WEIGHT: f64 = 1_000.0;
 /// So many sizes are kept, those of cells that are gone too: who comes back is not to be surprised by them again.
@@ -29,8 +29,10 @@ impl Sizes {
     pub(crate) fn of(&self, cell: u32, level: Level, sent: u64) -> u64 {
         let (memory, bytes) = self.measured[level.index()];
         let share = (memory + USUAL[level.index()] * WEIGHT) / (bytes + WEIGHT);
-        let made = self.known.get(&(cell, level)).copied().unwrap_or((sent as f64 * share) as u64);
-        made + sent
+        let known = |level: Level| self.known.get(&(cell, level)).copied();
+        // What stands in a cell, such as a church, takes as much again at level 2, whatever its walls take.
+        let least = if level == Level::Two { known(Level::One).unwrap_or_default() } else { 0 };
+        known(level).unwrap_or(least.max((sent as f64 * share) as u64)) + sent
     }
 
     fn note(&mut self, cell: u32, level: Level, sent: u64, made: u64) {
@@ -44,12 +46,15 @@ impl Sizes {
     }
 }
 
-/// Takes down what was made of cells since the last frame.
+/// Takes down what was made of cells since the last frame. Where that is more than was to be expected of what is wanted, it is planned anew: by
+/// what is known now the farthest is left out.
 pub(crate) fn measure(
     made: Query<(&Cell, &CellMemory), Changed<CellMemory>>,
+    (settings, afar): (Res<StreamingSettings>, Res<DistrictMemory>),
     loaded: Option<ResMut<LoadedCells>>,
     mut sizes: ResMut<Sizes>,
     mut stats: ResMut<StreamingStats>,
+    mut wanted: ResMut<Wanted>,
 ) {
     let Some(mut loaded) = loaded else { return };
     for (&Cell(cell), memory) in &made {
@@ -62,6 +67,9 @@ pub(crate) fn measure(
             entry.memory = made + entry.sent;
         }
     }
+    if stats.bytes_in_memory > settings.cap_of_cells(*afar) {
+        wanted.bypass_change_detection().plan_anew();
+    }
 }
 
 #[cfg(test)]
@@ -71,11 +79,11 @@ mod tests {
     #[test]
     fn what_was_never_made_is_expected_to_be_like_what_was() {
         let mut sizes = Sizes::default();
-        assert_eq!(sizes.of(1, Level::One, 100), 80_100, "as usual, and its packet");
+        assert_eq!(sizes.of(1, Level::One, 100), 100_100, "as usual, and its packet");
         sizes.note(1, Level::One, 1_000_000, 30_000_000);
         assert_eq!(sizes.of(1, Level::One, 1_000_000), 31_000_000);
-        assert_eq!(sizes.of(2, Level::One, 1_000) / 100, 317, "thirty times as much, and its packet");
-        assert_eq!(sizes.of(2, Level::Two, 100), 400_100);
+        assert_eq!(sizes.of(2, Level::One, 1_000) / 100, 319, "thirty times as much, and its packet");
+        assert_eq!(sizes.of(2, Level::Two, 100), 500_100);
         (0..40_000).for_each(|cell| sizes.note(cell, Level::Two, 1, 1));
         assert!(sizes.known.len() <= MOST_KNOWN);
     }
