@@ -22,7 +22,7 @@
 //!     ..CityPlan::default()
 //! };
 //!
-//! let partition = partition(&plan, &PartitionSettings::default());
+//! let partition = partition(&plan, &[], &PartitionSettings::default());
 //! assert!(partition.findings.is_empty() && check(&plan, &partition.cells).is_empty());
 //! let area: f64 = partition.cells.cells.iter().map(|cell| cell.outline.area_m2()).sum();
 //! assert!((area - 10_000.0).abs() < 1e-6);
@@ -38,6 +38,7 @@
 //!   are joined across their longest edges first while the union stays small and nearly convex, so that the short edges, the
 //!   narrow places, are left as portals. Pieces without public ground that is wide enough to walk to (courtyards behind a slit
 //!   between houses, too) are left out of the cells; their ground goes to the nearest cell's packet.
+//! * A person's edits ([`veduta_city::CellsOverrides`]) come after: cells joined, cut along a line, named. They change no other cell.
 //! * Visible sets follow Teller and Séquin, *Visibility preprocessing for interactive walkthroughs* (1991), in plan: a cell is
 //!   visible if some straight line stabs a sequence of portals that leads to it. The set of stabbing lines is kept as a convex
 //!   polygon in the dual plane, where each portal's end is one half-plane; see [`PartitionSettings::line_sets`]. Lines go on through
@@ -73,7 +74,9 @@
 mod afar;
 mod assign;
 mod check;
+mod chord;
 mod directions;
+mod edit;
 mod far;
 mod free;
 mod ground;

@@ -40,7 +40,7 @@ pub(crate) fn cells(bench: &CellsBench) -> Result<(), Failure> {
     for &copies in &bench.copies {
         let columns = (1..=copies.max(1)).rev().find(|&n| n * n <= copies && copies % n == 0).unwrap_or(1);
         let plan = grow(&enlarged(&graph, columns, copies.max(1) / columns), &stock)?.plan;
-        let (partition_s, made) = best(bench.repeat, || partition(&plan, &settings));
+        let (partition_s, made) = best(bench.repeat, || partition(&plan, &[], &settings));
         let (visible_s, (seen, _)) = best(bench.repeat, || visible_sets(&plan, &made.cells, &settings));
         let sets = seen.sets;
         let count = sets.len().max(1) as f64;
