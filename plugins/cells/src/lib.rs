@@ -46,6 +46,9 @@
 //!   two cells, roofs of corner houses, crowns of trees.
 //! * A shell tells its ground as it is seen, not as it was cut: what is alike is one piece, vertices at which nothing ends or turns are dropped from
 //!   all pieces at once, and yards run on under the houses about them.
+//! * What a plan's change does to the cut stays near it: of 599 changes of a house or block within two towns none reached a cell farther than 152 m
+//!   away; the outlines, ids and names of all others are the same. Where a house is built across the city's edge, though, corners move all
+//!   along that side, for it is cut in equal pieces. [`Recut`] makes a partition again with what it knows of the one before.
 //!
 //! # Limits
 //! * One floor: passages under hanging volumes are free space, and so is what lies under bridges: a span belongs to the cell that its
@@ -92,6 +95,7 @@ mod overlay;
 mod partition;
 mod patches;
 mod reach;
+mod recut;
 mod rooms;
 mod shell;
 mod skyline;
@@ -106,5 +110,6 @@ pub const PARTITION_VERSION: u32 = 6;
 pub use afar::ground_from_afar;
 pub use check::{CellsError, check};
 pub use partition::{Partition, PartitionSettings, partition};
+pub use recut::Recut;
 pub use shell::{Contents, cell_shells, facade_sheets};
 pub use visible::{Seen, visible_sets};
