@@ -4,9 +4,9 @@ use veduta_city::file;
 use veduta_survey::Date;
 use veduta_survey::raster::Picture;
 
-use crate::BakeError;
 use crate::raster_map::RasterMap;
 use crate::vector_map::{VectorMap, is_layer_name, looks_like_layer};
+use crate::{BakeError, cells_overrides_beside};
 
 /// Something that can be baked.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,11 +156,11 @@ impl Input {
         self.vector.as_mut().ok_or(BakeError::Option { path, detail })
     }
 
-    /// Every file that is read for it, without overrides: what a cache must look at.
+    /// Every file that is read for it, without the graph's overrides ([`overrides_beside`](crate::overrides_beside)): what a cache must look at.
     #[must_use]
     pub fn files(&self) -> Vec<PathBuf> {
-        let own = self.path.is_file().then(|| self.path.clone());
-        let mut files: Vec<PathBuf> = own.into_iter().chain(self.vector.iter().flat_map(VectorMap::files)).collect();
+        let own = [self.path.clone(), cells_overrides_beside(&self.path)].into_iter().filter(|path| path.is_file());
+        let mut files: Vec<PathBuf> = own.chain(self.vector.iter().flat_map(VectorMap::files)).collect();
         files.extend(self.raster.iter().flat_map(|map| map.files(&self.path)));
         files.sort();
         files.dedup();

@@ -2,7 +2,9 @@
 //!
 //! ```text
 //!  OSM, GeoJSON, Shapefile, picture ─survey─► graph ─overrides─► grow ─► plan ─► partition ─► cells ─► packets ─► DIR.city
-//!                    *.graph.ron ──┘      ▲           *.plan.ron ──┼─► X.glb, X.svg, X.png
+//!                    *.graph.ron ──┘      ▲           *.plan.ron ──┤        ▲
+//!                                         │                        │        └── edits of cells
+//!                                         │                        └─► X.glb, X.svg, X.png
 //!                                         └── models, edits ◄── adopt ◄── X.glb, changed in a modeller
 //! ```
 //!
@@ -46,10 +48,10 @@ pub use export::{ExportError, ExportSettings, export_cells, export_glb, export_m
 pub use facade::{files_of_overrides, read_facade, read_facades};
 pub use input::{Heights, Input, InputKind};
 pub use model::read_models;
-pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, bake_input, cut, plan, survey, survey_bare};
+pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, bake_input, cell_edits, cut, plan, survey, survey_bare};
 pub use proof::{Missing, Proof, ProofSettings, prove};
 pub use raster_map::{RasterMap, RasterSurvey};
-pub use scene::overrides_beside;
+pub use scene::{cells_overrides_beside, overrides_beside};
 pub use terrain::lay_on_ground;
 pub use vector_map::{LayerFile, VectorMap};
 pub use veduta_cells::PARTITION_VERSION;

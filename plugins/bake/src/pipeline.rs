@@ -3,13 +3,15 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use veduta_cells::{Contents, PartitionSettings, ground_from_afar, partition};
-use veduta_city::{Cells, CityGraph, CityPlan, Finding, GraphOverrides, Id, Severity, file};
+use veduta_city::{CellOverride, Cells, CellsOverrides, CityGraph, CityPlan, Finding, GraphOverrides, Id, Severity, file};
 use veduta_growth::plan::Stock;
 use veduta_route::{StreetNet, Unreached, unreached};
 use veduta_store::{CellParts, CityStats, CityWriter};
 
 use crate::companions;
-use crate::{BakeError, Heights, Input, InputKind, lay_on_ground, overrides_beside, read_facades, read_models};
+use crate::{
+    BakeError, Heights, Input, InputKind, cells_overrides_beside, lay_on_ground, overrides_beside, read_facades, read_models,
+};
 
 /// What may be chosen of a bake.
 #[derive(Debug, Clone, Default)]
@@ -179,10 +181,24 @@ fn places_apart(plan: &CityPlan) -> Vec<Finding> {
     unreached(&net, &plan.places).into_iter().map(told).collect()
 }
 
-/// Cuts a plan into cells.
+/// A person's edits to the cells of an input, from `X.cells.overrides.ron` beside it; none where there is no such file.
+///
+/// # Errors
+/// If the file cannot be read or has a mistake.
+pub fn cell_edits(input: &Path) -> Result<Vec<CellOverride>, BakeError> {
+    let path = cells_overrides_beside(input);
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let overrides: CellsOverrides = file::read(&path)?;
+    let errors = overrides.validate();
+    if errors.is_empty() { Ok(overrides.edits) } else { Err(BakeError::Overrides { path, errors }) }
+}
+
+/// Cuts a plan into cells, with a person's edits to these.
 #[must_use]
-pub fn cut(plan: &CityPlan, settings: &BakeSettings) -> (Cells, Vec<Finding>) {
-    let cut = partition(plan, &settings.partition);
+pub fn cut(plan: &CityPlan, edits: &[CellOverride], settings: &BakeSettings) -> (Cells, Vec<Finding>) {
+    let cut = partition(plan, edits, &settings.partition);
     (cut.cells, cut.findings)
 }
 
@@ -199,11 +215,13 @@ pub fn bake(input: &Path, out: &Path, settings: &BakeSettings, progress: &mut dy
 /// # Errors
 /// As [`bake`].
 pub fn bake_input(input: &Input, out: &Path, settings: &BakeSettings, progress: &mut dyn FnMut(Stage)) -> Result<Baked, BakeError> {
+    // A mistake in them is told before the work begins.
+    let edits = cell_edits(&input.path)?;
     let Planned { plan, mut findings } = plan(input, settings, progress)?;
     findings.extend(places_apart(&plan));
     let mut writer = CityWriter::new(out, &plan)?;
     progress(Stage::Cut);
-    let (cells, more) = cut(&plan, settings);
+    let (cells, more) = cut(&plan, &edits, settings);
     findings.extend(more);
     if cells.cells.is_empty() {
         return Err(BakeError::Empty(input.path.clone()));

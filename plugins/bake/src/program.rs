@@ -23,7 +23,7 @@ use std::time::Instant;
 use anstream::{eprintln, println};
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use veduta_bake::{BakeSettings, ExportSettings, Planned, Stage, bake_input, lay_on_ground, plan, survey_bare};
+use veduta_bake::{BakeSettings, ExportSettings, Planned, Stage, bake_input, cell_edits, lay_on_ground, plan, survey_bare};
 use veduta_city::file;
 use veduta_survey::{GeoJsonSettings, to_geojson};
 
@@ -273,7 +273,10 @@ fn command(arguments: Arguments) -> Result<(), Failure> {
                     return Err(format!("{}: monuments have no cells and are no houses", path.display()).into());
                 }
                 Some((path, read)) => export::monuments((path, &read?.0), monument.as_deref(), with, &settings, &output)?,
-                None if by_cell => export::cells(&planned(&source, None, quiet)?.plan, &settings, &output, quiet)?,
+                None if by_cell => {
+                    let edits = cell_edits(&source.input()?.path)?;
+                    export::cells(&planned(&source, None, quiet)?.plan, &edits, &settings, &output, quiet)?;
+                }
                 None => export::city(&export::only(planned(&source, None, quiet)?.plan, &house)?, &settings, &output)?,
             }
         }

@@ -44,6 +44,13 @@ pub fn overrides_beside(input: &Path) -> PathBuf {
     input.with_file_name(format!("{}.graph.overrides.ron", stem_of(input)))
 }
 
+/// The overrides file of the cells of a graph, plan or map: `X.cells.overrides.ron` beside `X.graph.ron`, `X.plan.ron`, `X.osm.pbf` and the like.
+#[must_use]
+pub fn cells_overrides_beside(input: &Path) -> PathBuf {
+    let stem = stem_of(input);
+    input.with_file_name(format!("{}.cells.overrides.ron", stem.strip_suffix(".plan.ron").unwrap_or(&stem)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,6 +59,9 @@ mod tests {
     fn overrides_lie_beside_their_map() {
         assert_eq!(overrides_beside(Path::new("a/town.graph.ron")), Path::new("a/town.graph.overrides.ron"));
         assert_eq!(overrides_beside(Path::new("a/town.osm.pbf")), Path::new("a/town.graph.overrides.ron"));
+        for name in ["a/town.graph.ron", "a/town.plan.ron", "a/town.osm.pbf"] {
+            assert_eq!(cells_overrides_beside(Path::new(name)), Path::new("a/town.cells.overrides.ron"));
+        }
         assert_eq!(overrides_beside(Path::new("Žižkov.OSM")), Path::new("Žižkov.graph.overrides.ron"));
     }
 }

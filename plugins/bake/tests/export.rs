@@ -110,7 +110,7 @@ fn an_export_is_sound_and_whole() {
 #[test]
 fn cells_hold_every_house_and_object_once_and_share_their_textures() {
     let plan = planned("tests/places/riverside/riverside.graph.ron");
-    let (cells, _) = cut(&plan, &BakeSettings::default());
+    let (cells, _) = cut(&plan, &[], &BakeSettings::default());
     let mut files: BTreeMap<String, Vec<u8>> = BTreeMap::new();
     let mut write = |path: &str, bytes: &[u8]| -> Result<(), ExportError> {
         assert!(files.insert(path.to_owned(), bytes.to_vec()).is_none(), "{path} is written twice");

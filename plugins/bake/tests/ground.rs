@@ -25,7 +25,7 @@ fn every_square_metre_of_the_sample_city_is_in_a_cell_and_in_a_mesh() {
     let input = Input::of(&scene).unwrap_or_else(|e| panic!("{e}"));
     let settings = BakeSettings::default();
     let plan = plan(&input, &settings, &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).plan;
-    let (cells, _) = cut(&plan, &settings);
+    let (cells, _) = cut(&plan, &[], &settings);
     let shells = cell_shells(&plan, &cells);
     let (mut told, mut meshed) = (0.0, 0.0);
     for (i, shell) in shells.iter().enumerate() {

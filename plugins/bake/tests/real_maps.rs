@@ -319,7 +319,7 @@ fn cells_of_real_towns_keep_their_rules() {
         let input = Input::of(&data.join(file)).unwrap_or_else(|e| panic!("{e}"));
         let settings = BakeSettings::default();
         let plan = plan(&input, &settings, &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).plan;
-        let (cells, _) = cut(&plan, &settings);
+        let (cells, _) = cut(&plan, &[], &settings);
         let errors = veduta_cells::check(&plan, &cells);
         assert!(errors.is_empty(), "{file}: {} mistakes, the first: {}", errors.len(), errors[0]);
     }

@@ -148,7 +148,7 @@ const SQUARE_M: f64 = 8.0;
 impl Walls {
     /// All that a walker is stopped by.
     fn of(plan: &CityPlan) -> Self {
-        let (cells, _) = cut(plan, &BakeSettings::default());
+        let (cells, _) = cut(plan, &[], &BakeSettings::default());
         let contents = Contents::new(plan, &cells);
         let mut walls = Self { segments: Vec::new(), by_square: BTreeMap::new() };
         for cell in 0..cells.cells.len() {

@@ -30,7 +30,7 @@ fn stages(path: &Path) -> Stages {
     let (graph, _, _) = survey(&input).unwrap_or_else(|e| panic!("{e}"));
     let settings = BakeSettings::default();
     let planned = plan(&input, &settings, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
-    let (cells, more) = cut(&planned.plan, &settings);
+    let (cells, more) = cut(&planned.plan, &[], &settings);
     let findings: Vec<Finding> = planned.findings.into_iter().chain(more).collect();
     Stages {
         graph: file::to_text::<CityGraph>(&graph).unwrap_or_else(|e| panic!("{e}")),

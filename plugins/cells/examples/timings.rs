@@ -21,7 +21,7 @@ fn main() {
         _ => common::town(side.unwrap_or(16)),
     };
     let start = Instant::now();
-    let made = partition(&plan, &PartitionSettings::default());
+    let made = partition(&plan, &[], &PartitionSettings::default());
     let cells = &made.cells;
     let partition_s = start.elapsed().as_secs_f64();
     let start = Instant::now();

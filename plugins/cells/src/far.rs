@@ -5,19 +5,37 @@ use std::collections::BTreeMap;
 use veduta_city::bounds::{self, Bounds};
 use veduta_city::{Cells, CityPlan, GridPos};
 
+use crate::directions::Directions;
+use crate::lines::Frame;
+
 /// What is drawn with the cells whose middles lie in one [square](GridPos::square). None is larger than the smallest regions of a stored
 /// city, so that no region is missed of which something is seen.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Square {
     /// The first of the cells.
     pub(crate) cell: u32,
     /// Least and greatest corner of all.
-    bounds: Bounds,
+    pub(crate) bounds: Bounds,
 }
 
 impl Square {
+    /// Whether lines through a frame's portal in some of the directions in which they leave the sight may reach something of it: something
+    /// beyond the sight, and no farther away than one sees.
+    pub(crate) fn is_reached(&self, frame: &Frame, leaving: &[Directions], (sight_m, far_m): (f64, f64)) -> bool {
+        if !self.is_about(frame.origin(), GridPos::steps(far_m + frame.width_m())) {
+            return false;
+        }
+        let corners = self.corners().map(|corner| frame.local(corner));
+        let half_m = 0.5 * frame.width_m();
+        let off_m = |corner: (f64, f64)| libm::hypot(corner.0, corner.1 - half_m);
+        let farthest_m = corners.into_iter().map(off_m).fold(0.0, f64::max);
+        let across_m = libm::hypot(corners[0].0 - corners[2].0, corners[0].1 - corners[2].1);
+        let is_beyond = farthest_m + half_m > sight_m && farthest_m - across_m - half_m <= far_m;
+        is_beyond && leaving.iter().any(|slopes| slopes.reach(frame, corners))
+    }
+
     /// Whether something of it may lie within so many grid steps of a place.
-    pub(crate) fn is_about(&self, at: GridPos, reach: i32) -> bool {
+    fn is_about(&self, at: GridPos, reach: i32) -> bool {
         bounds::holds(bounds::grown(self.bounds, reach), at)
     }
 

@@ -10,7 +10,7 @@ use crate::overlay::edges;
 use crate::rooms::{Edges, Room};
 
 /// A line in plan at which something is seen.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Guest {
     /// Its ends as seen by who looks at it.
     pub(crate) left: GridPos,
@@ -53,6 +53,12 @@ impl Guests {
     /// Numbers of those in a room.
     pub(crate) fn of(&self, room: u32) -> core::ops::Range<u32> {
         self.first[room as usize]..self.first[room as usize + 1]
+    }
+
+    /// Those in a room.
+    pub(crate) fn within(&self, room: u32) -> &[Guest] {
+        let of_room = self.of(room);
+        &self.all[of_room.start as usize..of_room.end as usize]
     }
 
     /// One of them by number.

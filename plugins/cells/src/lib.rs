@@ -22,7 +22,7 @@
 //!     ..CityPlan::default()
 //! };
 //!
-//! let partition = partition(&plan, &PartitionSettings::default());
+//! let partition = partition(&plan, &[], &PartitionSettings::default());
 //! assert!(partition.findings.is_empty() && check(&plan, &partition.cells).is_empty());
 //! let area: f64 = partition.cells.cells.iter().map(|cell| cell.outline.area_m2()).sum();
 //! assert!((area - 10_000.0).abs() < 1e-6);
@@ -38,6 +38,7 @@
 //!   are joined across their longest edges first while the union stays small and nearly convex, so that the short edges, the
 //!   narrow places, are left as portals. Pieces without public ground that is wide enough to walk to (courtyards behind a slit
 //!   between houses, too) are left out of the cells; their ground goes to the nearest cell's packet.
+//! * A person's edits ([`veduta_city::CellsOverrides`]) come after: cells joined, cut along a line, named. They change no other cell.
 //! * Visible sets follow Teller and Séquin, *Visibility preprocessing for interactive walkthroughs* (1991), in plan: a cell is
 //!   visible if some straight line stabs a sequence of portals that leads to it. The set of stabbing lines is kept as a convex
 //!   polygon in the dual plane, where each portal's end is one half-plane; see [`PartitionSettings::line_sets`]. Lines go on through
@@ -45,6 +46,9 @@
 //!   two cells, roofs of corner houses, crowns of trees.
 //! * A shell tells its ground as it is seen, not as it was cut: what is alike is one piece, vertices at which nothing ends or turns are dropped from
 //!   all pieces at once, and yards run on under the houses about them.
+//! * What a plan's change does to the cut stays near it: of 599 changes of a house or block within two towns none reached a cell farther than 152 m
+//!   away; the outlines, ids and names of all others are the same. Where a house is built across the city's edge, though, corners move all
+//!   along that side, for it is cut in equal pieces. [`Recut`] makes a partition again with what it knows of the one before.
 //!
 //! # Limits
 //! * One floor: passages under hanging volumes are free space, and so is what lies under bridges: a span belongs to the cell that its
@@ -73,7 +77,9 @@
 mod afar;
 mod assign;
 mod check;
+mod chord;
 mod directions;
+mod edit;
 mod far;
 mod free;
 mod ground;
@@ -89,6 +95,7 @@ mod overlay;
 mod partition;
 mod patches;
 mod reach;
+mod recut;
 mod rooms;
 mod shell;
 mod skyline;
@@ -103,5 +110,6 @@ pub const PARTITION_VERSION: u32 = 6;
 pub use afar::ground_from_afar;
 pub use check::{CellsError, check};
 pub use partition::{Partition, PartitionSettings, partition};
+pub use recut::Recut;
 pub use shell::{Contents, cell_shells, facade_sheets};
 pub use visible::{Seen, visible_sets};

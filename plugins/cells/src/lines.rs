@@ -12,7 +12,7 @@ pub(crate) const SLACK_M: f64 = 1e-3;
 pub(crate) const STEEPEST: f64 = 1e6;
 
 /// The frame of a portal that is crossed forward.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Frame {
     origin: GridPos,
     /// Unit vector from the right end to the left one.

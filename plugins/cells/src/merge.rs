@@ -27,23 +27,24 @@ pub(crate) fn merge(triangles: &[Triangle], patches: &Patches<'_>, settings: &Pa
             }
         }
     }
-    numbered(triangles, &mut groups)
+    let group: Vec<u32> = (0..triangles.len() as u32).map(|t| groups.root(t)).collect();
+    numbered(triangles, &group)
 }
 
-/// Numbers the groups by the Morton codes of the middles of their bounds, so that those which lie together are told together.
-fn numbered(triangles: &[Triangle], groups: &mut Groups) -> Vec<u32> {
+/// Numbers the groups of triangles by the Morton codes of the middles of their bounds, so that those which lie together are told together.
+pub(crate) fn numbered(triangles: &[Triangle], group: &[u32]) -> Vec<u32> {
     let mut bounds: BTreeMap<u32, (GridPos, GridPos)> = BTreeMap::new();
-    for (t, triangle) in (0..).zip(triangles) {
-        let (lo, hi) = bounds.entry(groups.root(t)).or_insert((triangle.corners[0], triangle.corners[0]));
+    for (triangle, &group) in triangles.iter().zip(group) {
+        let (lo, hi) = bounds.entry(group).or_insert((triangle.corners[0], triangle.corners[0]));
         for corner in triangle.corners {
             *lo = GridPos(lo.0.min(corner.0), lo.1.min(corner.1));
             *hi = GridPos(hi.0.max(corner.0), hi.1.max(corner.1));
         }
     }
-    let mut order: Vec<(u64, u32)> = bounds.into_iter().map(|(root, (lo, hi))| (lo.midpoint(hi).morton(), root)).collect();
+    let mut order: Vec<(u64, u32)> = bounds.into_iter().map(|(group, (lo, hi))| (lo.midpoint(hi).morton(), group)).collect();
     order.sort_unstable();
-    let number: BTreeMap<u32, u32> = (0..).zip(order).map(|(n, (_, root))| (root, n)).collect();
-    (0..triangles.len() as u32).map(|t| number[&groups.root(t)]).collect()
+    let number: BTreeMap<u32, u32> = (0..).zip(order).map(|(n, (_, group))| (group, n)).collect();
+    group.iter().map(|group| number[group]).collect()
 }
 
 /// An edge between two triangles; sorts widest first, then by place.

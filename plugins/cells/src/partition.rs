@@ -1,6 +1,8 @@
-use veduta_city::{Cell, Cells, CityPlan, Finding, Id, Severity};
+use veduta_city::{Cell, CellOverride, Cells, CityPlan, Finding, Id, Severity};
 
-use crate::{assign, free, merge, name, outline, over, patches::Patches, reach, skyline, triangulate, tunnels, visible};
+use crate::edit::{self, Edited};
+use crate::visible::{self, Seen};
+use crate::{assign, free, merge, name, outline, over, patches::Patches, reach, skyline, triangulate, tunnels};
 
 /// How free space is cut.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,40 +67,56 @@ pub struct Partition {
     pub findings: Vec<Finding>,
 }
 
-/// Cuts a plan's free space into cells and says what belongs to each and what is seen from it. The same plan and settings give the
-/// same cells for any number of threads. Bad input leaves findings; if no free space is left there are no cells.
+/// Cuts a plan's free space into cells, makes a person's edits to them (see [`veduta_city::CellsOverrides`]), and says what belongs to each and
+/// what is seen from it. The same plan, edits and settings give the same cells for any number of threads. Bad input leaves findings, and so does
+/// an edit that cannot be made; if no free space is left there are no cells.
 #[must_use]
-pub fn partition(plan: &CityPlan, settings: &PartitionSettings) -> Partition {
+pub fn partition(plan: &CityPlan, edits: &[CellOverride], settings: &PartitionSettings) -> Partition {
     let mut findings = Vec::new();
+    let mut cells = cut(plan, edits, settings, &mut findings);
+    if !cells.cells.is_empty() {
+        let (seen, notes) = visible::visible_sets(plan, &cells, settings);
+        findings.extend(notes);
+        see(plan, &mut cells, seen, settings);
+    }
+    Partition { cells, findings }
+}
+
+/// The cells, with all that belongs to them, and nothing of what is seen.
+pub(crate) fn cut(plan: &CityPlan, edits: &[CellOverride], settings: &PartitionSettings, findings: &mut Vec<Finding>) -> Cells {
     let patches = Patches::new(plan);
-    let shapes = free::free_space(plan, &patches, settings, &mut findings);
-    let mesh = triangulate::triangulate(shapes, settings, &mut findings);
-    let (reached, rest) = reach::reachable(&mesh, plan, &patches, settings, &mut findings);
+    let shapes = free::free_space(plan, &patches, settings, findings);
+    let mesh = triangulate::triangulate(shapes, settings, findings);
+    let (reached, rest) = reach::reachable(&mesh, plan, &patches, settings, findings);
     drop(mesh);
     let label = merge::merge(&reached, &patches, settings);
-    let (outlines, portals) = outline::outlines(&reached, &label, &plan.extent);
-    drop((reached, label));
+    let Edited { triangles, label, names } = edit::edited(edits, (reached, label), &plan.extent, findings);
+    let (outlines, portals) = outline::outlines(&triangles, &label, &plan.extent);
+    drop((triangles, label));
     let mut cells = Cells { portals, ..Cells::default() };
     cells.cells = outlines.into_iter().map(|outline| Cell { outline, ..Cell::default() }).collect();
     if cells.cells.is_empty() {
         findings.push(Finding::new(Severity::Dropped, Id::NONE, None, "no free space is left to walk in: the city has no cells"));
-        return Partition { cells, findings };
+        return cells;
     }
     link_portals(&mut cells);
     give_ids(&mut cells);
     name::name_cells(plan, &mut cells);
-    assign::assign(plan, &mut cells, &mut findings);
+    let given = cells.cells.iter_mut().zip(names).filter_map(|(cell, name)| Some((cell, name?)));
+    given.for_each(|(cell, name)| cell.name = name);
+    assign::assign(plan, &mut cells, findings);
     assign::yards(reach::spaces(&rest, &plan.extent), &mut cells);
     drop(rest);
     assign::floors(&patches, &mut cells);
-    drop(patches);
-    let (seen, notes) = visible::visible_sets(plan, &cells, settings);
+    cells
+}
+
+/// Gives cells what is seen from them, through their portals and otherwise.
+pub(crate) fn see(plan: &CityPlan, cells: &mut Cells, seen: Seen, settings: &PartitionSettings) {
     (cells.visible, cells.far) = (seen.sets, seen.far);
-    findings.extend(notes);
-    tunnels::see_through(plan, &mut cells);
-    over::see_over(plan, &mut cells, settings);
-    cells.skyline = skyline::skyline(plan, &cells);
-    Partition { cells, findings }
+    tunnels::see_through(plan, cells);
+    over::see_over(plan, cells, settings);
+    cells.skyline = skyline::skyline(plan, cells);
 }
 
 fn link_portals(cells: &mut Cells) {

@@ -129,7 +129,7 @@ fn public_m2(shape: &GridPolygon, patches: &Patches<'_>, enough: f64) -> f64 {
 }
 
 /// Some of the triangles, with their neighbours renumbered.
-fn only(triangles: &[Triangle], is_kept: impl Fn(usize) -> bool) -> Vec<Triangle> {
+pub(crate) fn only(triangles: &[Triangle], is_kept: impl Fn(usize) -> bool) -> Vec<Triangle> {
     let kept: Vec<usize> = (0..triangles.len()).filter(|&t| is_kept(t)).collect();
     let number: BTreeMap<u32, u32> = (0..).zip(&kept).map(|(n, &t)| (t as u32, n)).collect();
     let beyond = |t: Option<u32>| t.and_then(|t| number.get(&t).copied());

@@ -1,5 +1,7 @@
 //! Constrained Delaunay triangulation of free space.
 
+use std::collections::HashMap;
+
 use rstar::{PointDistance, RTree, primitives::Line};
 use spade::handles::{FixedDirectedEdgeHandle, FixedVertexHandle};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
@@ -73,11 +75,65 @@ fn cut_up(a: GridPos, b: GridPos, max_diameter_m: f64) -> impl Iterator<Item = G
             let at = i64::from(from) + ((i64::from(to) - i64::from(from)) * i).div_euclid(pieces);
             (at.div_euclid(i64::from(step)) * i64::from(step)) as i32
         };
-        let (x, y) = (floor(a.0, b.0), floor(a.1, b.1));
-        let around = [GridPos(x, y), GridPos(x + step, y), GridPos(x, y + step), GridPos(x + step, y + step)];
-        around.into_iter().filter(|&p| a.cross(b, p) <= 0).max_by_key(|&p| (a.cross(b, p), p)).unwrap_or(a)
+        beside_line(a, b, GridPos(floor(a.0, b.0), floor(a.1, b.1)), step)
     };
     core::iter::once(a).chain((1..pieces).map(cut)).chain([b])
+}
+
+/// Of a position below a point of an edge and the three beside it, steps of a grid apart, the one that is nearest to the edge without being
+/// on its left.
+pub(crate) fn beside_line(a: GridPos, b: GridPos, GridPos(x, y): GridPos, step: i32) -> GridPos {
+    let around = [GridPos(x, y), GridPos(x + step, y), GridPos(x, y + step), GridPos(x + step, y + step)];
+    around.into_iter().filter(|&p| a.cross(b, p) <= 0).max_by_key(|&p| (a.cross(b, p), p)).unwrap_or(a)
+}
+
+/// Triangles of the space that some borders enclose on their left, and the piece of it that each lies in, as lines from border to border
+/// part it; `None` if a border or a line would cross another border.
+pub(crate) fn triangulate_within(
+    mut positions: Vec<GridPos>,
+    borders: &[(GridPos, GridPos)],
+    lines: &[(GridPos, GridPos)],
+) -> Option<(Vec<Triangle>, Vec<u32>)> {
+    positions.sort_unstable();
+    positions.dedup();
+    let mut cdt = Cdt::bulk_load(positions.into_iter().map(point).collect()).ok()?;
+    let handles: HashMap<GridPos, FixedVertexHandle> = cdt.vertices().map(|v| (grid(v.position()), v.fix())).collect();
+    let mut laid = Vec::with_capacity(borders.len() + 2 * lines.len());
+    for (n, (a, b)) in borders.iter().chain(lines).enumerate() {
+        let (a, b) = (*handles.get(a)?, *handles.get(b)?);
+        let parts = if a != b && cdt.can_add_constraint(a, b) { cdt.try_add_constraint(a, b) } else { return None };
+        if n >= borders.len() {
+            laid.extend(parts.iter().map(|part| part.rev()));
+        } else if parts.len() != 1 {
+            return None;
+        }
+        laid.extend(parts);
+    }
+    let inside = inside_faces(&cdt, &laid);
+    let piece = pieces_between(&cdt, &inside);
+    let piece = cdt.inner_faces().filter(|face| inside[face.index()]).map(|face| piece[face.index()]).collect();
+    Some((triangles(&cdt, &inside), piece))
+}
+
+/// Numbers the faces inside, alike where no constraint lies between.
+fn pieces_between(cdt: &Cdt, inside: &[bool]) -> Vec<u32> {
+    let mut piece = vec![u32::MAX; inside.len()];
+    let mut count = 0;
+    for start in cdt.inner_faces().filter(|face| inside[face.index()]) {
+        if piece[start.index()] != u32::MAX {
+            continue;
+        }
+        let mut stack = vec![start];
+        while let Some(face) = stack.pop() {
+            if core::mem::replace(&mut piece[face.index()], count) == u32::MAX {
+                let onward = face.adjacent_edges().into_iter().filter(|edge| !edge.is_constraint_edge());
+                let beyond = onward.filter_map(|edge| edge.rev().face().as_inner());
+                stack.extend(beyond.filter(|next| inside[next.index()] && piece[next.index()] == u32::MAX));
+            }
+        }
+        count += 1;
+    }
+    piece
 }
 
 /// Adds borders as constraints; returns their pieces, free space on the left.

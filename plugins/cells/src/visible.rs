@@ -34,14 +34,22 @@ pub struct Seen {
 /// If portals name cells that are not there, which [`crate::check`] tells.
 #[must_use]
 pub fn visible_sets(plan: &CityPlan, cells: &Cells, settings: &PartitionSettings) -> (Seen, Vec<Finding>) {
-    let mut findings = Vec::new();
     let rooms = rooms(cells);
-    let (guests, web) = rayon::join(|| Guests::new(plan, cells, &rooms), || Web::new(cells, &rooms));
-    let squares = squares(plan, cells);
-    let (mut seen, mut rest): (Vec<Vec<u32>>, Vec<Rest>) = (0..cells.cells.len() as u32)
+    let about = Surroundings::new(plan, cells, &rooms);
+    let found = (0..cells.cells.len() as u32)
         .into_par_iter()
-        .map_init(|| Search::new(&web, &guests, &squares, settings), |search, cell| search.seen_from(cell))
+        .map_init(|| Search::new(&about, settings, false), |search, cell| search.seen_from(cell))
         .unzip();
+    settled(&rooms, &about.squares, found)
+}
+
+/// What is seen from every cell, of what was found from each: the rooms that it looks into, and the rest.
+pub(crate) fn settled(
+    rooms: &[Room<'_>],
+    squares: &[Square],
+    (mut seen, mut rest): (Vec<Vec<u32>>, Vec<Rest>),
+) -> (Seen, Vec<Finding>) {
+    let mut findings = Vec::new();
     let cells_of = |far: Vec<u32>| far.into_iter().map(|square| squares[square as usize].cell).collect();
     let far = rest.iter_mut().map(|rest| cells_of(core::mem::take(&mut rest.far))).collect();
     let coarse = rest.iter().filter(|rest| rest.is_coarse).count();
@@ -49,7 +57,7 @@ pub fn visible_sets(plan: &CityPlan, cells: &Cells, settings: &PartitionSettings
         let message = format!(
             "{coarse} of {} cells lie on ground so open that what is seen from them was told by direction alone; \
              their visible sets may hold more than can be seen",
-            cells.cells.len()
+            seen.len()
         );
         findings.push(Finding::new(Severity::Note, Id::NONE, None, message));
     }
@@ -72,25 +80,42 @@ pub fn visible_sets(plan: &CityPlan, cells: &Cells, settings: &PartitionSettings
 }
 
 /// What a search found besides the cells that are looked into.
-struct Rest {
-    /// Squares that are seen beyond the sight.
-    far: Vec<u32>,
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Rest {
+    /// Squares that are seen beyond the sight, ascending.
+    pub(crate) far: Vec<u32>,
     /// Whether the coarse search was needed.
-    is_coarse: bool,
-    /// A room that is looked into, and another cell to which something in it belongs.
-    beside: Vec<(u32, u32)>,
+    pub(crate) is_coarse: bool,
+    /// A room that is looked into, and another cell to which something in it belongs, ascending.
+    pub(crate) beside: Vec<(u32, u32)>,
+    /// Directions of the lines that leave the sight, by the first portals; only if they are kept.
+    pub(crate) leaving: Vec<(Frame, Vec<Directions>)>,
+}
+
+/// What searches go through.
+pub(crate) struct Surroundings {
+    pub(crate) web: Web,
+    pub(crate) guests: Guests,
+    pub(crate) squares: Vec<Square>,
+}
+
+impl Surroundings {
+    pub(crate) fn new(plan: &CityPlan, cells: &Cells, rooms: &[Room<'_>]) -> Self {
+        let (guests, web) = rayon::join(|| Guests::new(plan, cells, rooms), || Web::new(cells, rooms));
+        Self { web, guests, squares: squares(plan, cells) }
+    }
 }
 
 /// A way from room to room.
-#[derive(Clone, Copy)]
-struct Crossing {
-    left: GridPos,
-    right: GridPos,
-    into: u32,
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Crossing {
+    pub(crate) left: GridPos,
+    pub(crate) right: GridPos,
+    pub(crate) into: u32,
 }
 
 /// All crossings, those out of one room side by side, since that is how they are looked at.
-struct Web {
+pub(crate) struct Web {
     crossings: Vec<Crossing>,
     /// The first crossing out of each room, and the end.
     first: Vec<u32>,
@@ -116,7 +141,13 @@ impl Web {
         Self { first: (0..=rooms.len() as u32).map(first).collect(), crossings: ways.into_iter().map(|(_, way)| way).collect() }
     }
 
-    /// The crossings out of a room.
+    /// The crossings out of a room, side by side.
+    pub(crate) fn ways_out(&self, room: u32) -> &[Crossing] {
+        let out = self.out(room);
+        &self.crossings[out.start as usize..out.end as usize]
+    }
+
+    /// The numbers of the crossings out of a room.
     fn out(&self, room: u32) -> core::ops::Range<u32> {
         self.first[room as usize]..self.first[room as usize + 1]
     }
@@ -183,7 +214,8 @@ impl About {
 /// Lines were followed for more steps than the settings allow.
 struct TooMany;
 
-struct Search<'a> {
+/// Looks from one cell after another.
+pub(crate) struct Search<'a> {
     web: &'a Web,
     guests: &'a Guests,
     most_sets: usize,
@@ -194,6 +226,9 @@ struct Search<'a> {
     is_seen: Vec<bool>,
     /// Directions of the lines through one first crossing that leave the sight.
     leaving: Vec<Directions>,
+    /// The same of all first crossings of the cell, if they are kept.
+    kept: Vec<(Frame, Vec<Directions>)>,
+    keeps: bool,
     squares: &'a [Square],
     is_far: Vec<bool>,
     /// Guests that are seen, by room, and whether each is.
@@ -202,7 +237,9 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(web: &'a Web, guests: &'a Guests, squares: &'a [Square], settings: &PartitionSettings) -> Self {
+    /// `keeps` tells whether directions that leave the sight are kept.
+    pub(crate) fn new(about: &'a Surroundings, settings: &PartitionSettings, keeps: bool) -> Self {
+        let Surroundings { web, guests, squares } = about;
         Self {
             web,
             guests,
@@ -213,6 +250,8 @@ impl<'a> Search<'a> {
             about: About::new(web.crossings.len()),
             is_seen: vec![false; web.first.len()],
             leaving: Vec::new(),
+            kept: Vec::new(),
+            keeps,
             squares,
             is_far: vec![false; squares.len()],
             met: Vec::new(),
@@ -221,7 +260,7 @@ impl<'a> Search<'a> {
     }
 
     /// Rooms looked into from a cell, ascending, and the rest that was found.
-    fn seen_from(&mut self, cell: u32) -> (Vec<u32>, Rest) {
+    pub(crate) fn seen_from(&mut self, cell: u32) -> (Vec<u32>, Rest) {
         let (mut seen, mut far) = (vec![cell], Vec::new());
         self.see_guests(cell, |_| true);
         let mut is_coarse = false;
@@ -256,7 +295,7 @@ impl<'a> Search<'a> {
         beside.sort_unstable();
         beside.dedup();
         beside.shrink_to_fit();
-        (seen, Rest { far, is_coarse, beside })
+        (seen, Rest { far, is_coarse, beside, leaving: core::mem::take(&mut self.kept) })
     }
 
     /// Notes what in a room belongs to other cells, as far as it is reached.
@@ -333,26 +372,15 @@ impl<'a> Search<'a> {
             }
             joins
         });
-        let reach = GridPos::steps(self.far_m + frame.width_m());
-        let is_new = |square: &Square, n: u32| !self.is_far[n as usize] && square.is_about(frame.origin(), reach);
-        let about = self.squares.iter().zip(0..).filter(|&(square, n)| is_new(square, n));
-        for (square, n) in about {
-            let corners = square.corners().map(|corner| frame.local(corner));
-            if self.is_beyond(frame, corners) && self.leaving.iter().any(|slopes| slopes.reach(frame, corners)) {
-                far.push(n);
-            }
-        }
+        let range = (self.sight_m, self.far_m);
+        let reached = |square: &Square| square.is_reached(frame, &self.leaving, range);
+        let new = self.squares.iter().zip(0..).filter(|&(square, n)| !self.is_far[n as usize] && reached(square));
+        far.extend(new.map(|(_, n)| n));
         far.iter().for_each(|&n| self.is_far[n as usize] = true);
+        if self.keeps {
+            self.kept.push((*frame, core::mem::take(&mut self.leaving)));
+        }
         self.leaving.clear();
-    }
-
-    /// Whether something in a box lies beyond the sight from a frame's portal, and one sees so far.
-    fn is_beyond(&self, frame: &Frame, corners: [(f64, f64); 4]) -> bool {
-        let half_m = 0.5 * frame.width_m();
-        let off_m = |corner: (f64, f64)| libm::hypot(corner.0, corner.1 - half_m);
-        let farthest_m = corners.into_iter().map(off_m).fold(0.0, f64::max);
-        let across_m = libm::hypot(corners[0].0 - corners[2].0, corners[0].1 - corners[2].1);
-        farthest_m + half_m > self.sight_m && farthest_m - across_m - half_m <= self.far_m
     }
 
     fn see(&mut self, cell: u32, seen: &mut Vec<u32>) {

@@ -13,7 +13,7 @@ use veduta_city::{
 };
 
 fn cut(plan: &CityPlan) -> Partition {
-    let partition = partition(plan, &PartitionSettings::default());
+    let partition = partition(plan, &[], &PartitionSettings::default());
     assert_eq!(check(plan, &partition.cells), [], "what partition makes passes the check");
     partition
 }
@@ -68,7 +68,7 @@ fn a_house_in_a_square_is_a_hole_in_no_more_than_the_cells_around_it() {
 fn a_house_within_one_cell_is_its_hole() {
     let settings = PartitionSettings { max_area_m2: 10_000.0, max_diameter_m: 200.0, ..PartitionSettings::default() };
     let plan = plan(rect(0.0, 0.0, 60.0, 60.0), [rect(25.0, 25.0, 35.0, 35.0)]);
-    let cells = partition(&plan, &settings).cells;
+    let cells = partition(&plan, &[], &settings).cells;
     assert_eq!(check(&plan, &cells), []);
     assert_eq!(cells.cells.len(), 1);
     assert_eq!(cells.cells[0].outline.holes.len(), 1);
@@ -363,10 +363,10 @@ fn floors_span_the_heights_of_the_ground() {
 
 #[test]
 fn bad_plans_end_in_findings() {
-    let empty = partition(&CityPlan::default(), &PartitionSettings::default());
+    let empty = partition(&CityPlan::default(), &[], &PartitionSettings::default());
     assert!(empty.cells.cells.is_empty() && empty.findings.iter().any(|f| f.severity == Severity::Dropped));
     let vast = rect(-1_000_000.0, -1_000_000.0, 1_000_000.0, 1_000_000.0);
-    assert!(!partition(&plan(vast, []), &PartitionSettings::default()).findings.is_empty());
+    assert!(!partition(&plan(vast, []), &[], &PartitionSettings::default()).findings.is_empty());
 
     // Degenerate, crossed, far and missing footprints.
     let bow = GridPolygon::simple(vec![at(10.0, 10.0), at(30.0, 30.0), at(30.0, 10.0), at(10.0, 30.0)]);
@@ -374,13 +374,13 @@ fn bad_plans_end_in_findings() {
     let far = GridPolygon::simple(vec![GridPos(i32::MAX, i32::MAX), GridPos(i32::MIN, 0), GridPos(0, i32::MIN)]);
     let mut plan = plan(rect(0.0, 0.0, 60.0, 60.0), [bow, line, far, GridPolygon::default()]);
     plan.houses.push(House { volumes: Vec::new(), ..house(9, rect(0.0, 0.0, 1.0, 1.0)) });
-    let made = partition(&plan, &PartitionSettings::default());
+    let made = partition(&plan, &[], &PartitionSettings::default());
     assert!(made.findings.iter().filter(|f| f.severity == Severity::Dropped).count() >= 4, "{:?}", made.findings);
     assert!(!made.cells.cells.is_empty());
     let _ = (cell_shells(&plan, &made.cells), facade_sheets(&plan, &made.cells));
 
     let grass = CityPlan { ground: vec![patch(SurfaceKind::Grass, rect(0.0, 0.0, 60.0, 60.0))], ..plan };
-    let made = partition(&grass, &PartitionSettings::default());
+    let made = partition(&grass, &[], &PartitionSettings::default());
     assert!(!made.cells.cells.is_empty(), "a city without streets still walks");
     assert!(made.findings.iter().any(|f| f.severity == Severity::Repaired));
 }

@@ -4,11 +4,11 @@ mod common;
 
 use std::collections::BTreeSet;
 
-use common::{at, plan, rect, turned};
+use common::{at, cast_rays, is_blocked, plan, rect, turned};
 use glam::{DVec2, IVec2};
 use proptest::prelude::*;
 use veduta_cells::{PartitionSettings, cell_shells, check, partition};
-use veduta_city::{Arcade, Cells, CityPlan, GridPolygon, GridPos, GridRing, GroundPatch, SurfaceKind};
+use veduta_city::{Arcade, Cells, CityPlan, GridPolygon, GridPos, GroundPatch, SurfaceKind};
 
 /// Side of the random plans, metres.
 const SIDE: i32 = 120;
@@ -66,57 +66,13 @@ fn flooded(houses: &[(IVec2, IVec2)]) -> Vec<(usize, IVec2)> {
     pieces
 }
 
-/// Whether a segment passes through the inside of a convex footprint (Cyrus and Beck), by more than a hair.
-fn is_blocked(p: DVec2, q: DVec2, footprint: &GridRing) -> bool {
-    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-    let way = q - p;
-    for i in 0..footprint.len() {
-        let (a, b) = (footprint[i].to_metres(), footprint[(i + 1) % footprint.len()].to_metres());
-        let inward = (b - a).perp().normalize();
-        let (from, speed) = ((p - a).dot(inward), way.dot(inward));
-        if speed.abs() < 1e-12 {
-            if from <= 0.0 {
-                return false;
-            }
-        } else if speed > 0.0 {
-            enter = enter.max(-from / speed);
-        } else {
-            leave = leave.min(-from / speed);
-        }
-    }
-    (leave - enter) * way.length() > 1e-3
-}
-
-/// Casts rays through free space and asserts that all cells along each see the first. Returns how many pairs were tried.
-fn cast_rays(plan: &CityPlan, cells: &Cells, starts: &[(f64, f64, f64)]) -> Result<usize, TestCaseError> {
-    let mut pairs = 0;
-    for &(x, y, angle) in starts {
-        let p = DVec2::new(x, y);
-        let Some(first) = cells.locate(GridPos::from_metres(p)) else { continue };
-        let way = DVec2::new(libm::cos(angle), libm::sin(angle));
-        for i in 1..80 {
-            let q = p + way * f64::from(i) * 2.0;
-            if plan.houses.iter().any(|house| is_blocked(p, q, &house.volumes[0].footprint.outer)) {
-                break;
-            }
-            if let Some(reached) = cells.locate(GridPos::from_metres(q)) {
-                pairs += 1;
-                let sees = cells.visible[first as usize].contains(&reached);
-                prop_assert!(sees, "{p} in cell {first} sees {q} in cell {reached}, but the visible set lacks it");
-                prop_assert!(cells.visible[reached as usize].contains(&first), "seeing is mutual");
-            }
-        }
-    }
-    Ok(pairs)
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
 
     #[test]
     fn cells_tile_the_reachable_free_space(houses in upright()) {
         let plan = upright_plan(&houses);
-        let made = partition(&plan, &small_cells());
+        let made = partition(&plan, &[], &small_cells());
         prop_assert_eq!(check(&plan, &made.cells), []);
         let pieces = flooded(&houses);
         // Without any piece that is large enough, the largest is kept.
@@ -135,18 +91,18 @@ proptest! {
         starts in proptest::collection::vec((1.0..119.0_f64, 1.0..119.0_f64, 0.0..6.2_f64), 150),
     ) {
         let plan = plan(rect(0.0, 0.0, SIDE.into(), SIDE.into()), houses);
-        let made = partition(&plan, &small_cells());
+        let made = partition(&plan, &[], &small_cells());
         prop_assert_eq!(check(&plan, &made.cells), []);
         cast_rays(&plan, &made.cells, &starts)?;
         // Few sets of lines to tell apart: merging must lose nothing.
-        let merged = partition(&plan, &PartitionSettings { line_sets: 1, ..small_cells() });
+        let merged = partition(&plan, &[], &PartitionSettings { line_sets: 1, ..small_cells() });
         cast_rays(&plan, &merged.cells, &starts)?;
     }
 
     #[test]
     fn ground_is_told_once_wherever_no_house_stands(houses in upright()) {
         let plan = upright_plan(&houses);
-        let made = partition(&plan, &small_cells());
+        let made = partition(&plan, &[], &small_cells());
         prop_assume!(!made.cells.cells.is_empty());
         let told: f64 = cell_shells(&plan, &made.cells).iter().flat_map(|s| &s.ground).map(|g| g.outline.area_m2()).sum();
         let is_built = |x: i32, y: i32| houses.iter().any(|(p, s)| p.x <= x && x < p.x + s.x && p.y <= y && y < p.y + s.y);
@@ -158,7 +114,7 @@ proptest! {
 #[test]
 fn yards_are_covered_with_few_vertices_and_reach_beyond_their_houses_nowhere() {
     let mut plan = common::town(4);
-    let made = partition(&plan, &PartitionSettings::default());
+    let made = partition(&plan, &[], &PartitionSettings::default());
     let told = |plan: &CityPlan| -> Vec<GroundPatch> {
         let shells = cell_shells(plan, &made.cells);
         let patches = shells.iter().flat_map(|shell| {
@@ -193,7 +149,7 @@ fn yards_are_covered_with_few_vertices_and_reach_beyond_their_houses_nowhere() {
 #[test]
 fn rays_through_a_town_find_only_visible_cells() {
     let plan = common::town(4);
-    let made = partition(&plan, &PartitionSettings::default());
+    let made = partition(&plan, &[], &PartitionSettings::default());
     let starts: Vec<_> = (0..4000)
         .map(|i| {
             let draw = veduta_city::draw::Draw::new(3, veduta_city::Id(i), "ray");
@@ -207,7 +163,7 @@ fn rays_through_a_town_find_only_visible_cells() {
 #[test]
 fn visible_sets_are_not_much_larger_than_what_rays_find() {
     let plan = common::town(3);
-    let cells = partition(&plan, &PartitionSettings::default()).cells;
+    let cells = partition(&plan, &[], &PartitionSettings::default()).cells;
     assert_eq!(check(&plan, &cells), []);
     let mut found: BTreeSet<(u32, u32)> = (0..cells.cells.len() as u32).map(|i| (i, i)).collect();
     for i in 0..20_000 {
@@ -236,9 +192,9 @@ fn what_is_seen_beyond_the_sight_is_told_by_squares() {
     let square = |cells: &Cells, cell: u32| cells.cells[cell as usize].outline.middle().square();
     // No lines are merged: whatever is told is seen.
     let exact = PartitionSettings { line_sets: 10_000, sight_steps: 1_000_000, sight_m: 2_000.0, ..PartitionSettings::default() };
-    let whole = partition(&plan, &exact).cells;
+    let whole = partition(&plan, &[], &exact).cells;
     assert!(whole.far.iter().all(Vec::is_empty), "nothing is so far away");
-    let cells = partition(&plan, &PartitionSettings { sight_m: 80.0, ..exact.clone() }).cells;
+    let cells = partition(&plan, &[], &PartitionSettings { sight_m: 80.0, ..exact.clone() }).cells;
     assert_eq!(check(&plan, &cells), []);
     assert_eq!(cells.cells, whole.cells);
     let (mut told, mut held) = (0, 0);
@@ -256,7 +212,7 @@ fn what_is_seen_beyond_the_sight_is_told_by_squares() {
     let share = held as f64 / (cells.cells.len() * squares.len()) as f64;
     println!("{told} pairs are farther away, and a cell sees {share:.2} of all squares there");
     assert!(share < 0.6, "a cell sees {share} of all squares there");
-    let none = partition(&plan, &PartitionSettings { sight_m: 80.0, far_m: 80.0, ..exact }).cells;
+    let none = partition(&plan, &[], &PartitionSettings { sight_m: 80.0, far_m: 80.0, ..exact }).cells;
     assert!(none.far.iter().all(Vec::is_empty), "nobody sees farther");
 }
 
@@ -266,7 +222,7 @@ fn the_number_of_threads_changes_nothing() {
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let made = partition(&plan, &PartitionSettings::default());
+            let made = partition(&plan, &[], &PartitionSettings::default());
             let shells = cell_shells(&plan, &made.cells);
             (made, shells)
         })

@@ -92,7 +92,9 @@ pub use limits::{FARTHEST_M, HIGHEST_M, MOST_LEVELS, WIDEST_M};
 pub use monument::{Design, Monument, MonumentError, MonumentTag, Monuments, PlacedMonument};
 pub use object::{ObjectKind, StandingObject};
 pub use ornament::{Articulation, Balconies, BalconyPlaces, Niche, Oriel, Ornament, Parapet};
-pub use overrides::{FacadeFile, GraphOverride, GraphOverrides, LinkEdit, ModelFile, OverrideError, Target};
+pub use overrides::{
+    CellOverride, CellsOverrides, FacadeFile, GraphOverride, GraphOverrides, LinkEdit, ModelFile, OverrideError, Target,
+};
 pub use overview::{District, DistrictOf, HouseName, MAP_STEP, Massing, Overview, OverviewParts, on_map};
 pub use packet::{CellShell, FacadeSheet, HouseShell, Level, Levels, ObjectShell, VolumeShell};
 pub use painted::{PaintedFacade, PaintedObject, PaintedWall, PictureFile, PlacedFacade, PlanFacade, SmallTexture};

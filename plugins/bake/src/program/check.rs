@@ -2,7 +2,9 @@ use std::path::{Path, PathBuf};
 
 use anstream::{eprintln, println};
 use glam::DVec2;
-use veduta_city::{CityGraph, CityPlan, GraphOverrides, Guide, Life, Monuments, Soundscape, StyleDraft, Views, file};
+use veduta_city::{
+    CellsOverrides, CityGraph, CityPlan, GraphOverrides, Guide, Life, Monuments, Soundscape, StyleDraft, Views, file,
+};
 use veduta_growth::plan::{Repetition, Stock, repetition};
 use veduta_survey::CityWords;
 
@@ -38,6 +40,10 @@ pub(crate) fn check(files: &[PathBuf], steps: bool) -> Result<(), Failure> {
 fn check_one(path: &Path, towns: &mut Towns) -> Result<String, Vec<String>> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let one = |e: file::FileError| vec![e.to_string()];
+    if name.ends_with(".cells.overrides.ron") {
+        let overrides: CellsOverrides = file::read(path).map_err(one)?;
+        return told(path, overrides.validate(), format!("{} edits of cells", overrides.edits.len()));
+    }
     if name.ends_with(".overrides.ron") {
         let overrides: GraphOverrides = file::read(path).map_err(one)?;
         let counts = [

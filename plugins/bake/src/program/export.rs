@@ -3,7 +3,7 @@ use std::path::Path;
 
 use anstream::println;
 use veduta_bake::{BakeError, BakeSettings, ExportSettings, cut, export_cells, export_glb, export_monuments};
-use veduta_city::{CityPlan, House, Monument, file};
+use veduta_city::{CellOverride, CityPlan, House, Monument, file};
 use veduta_growth::plan::Stock;
 
 use super::Failure;
@@ -40,12 +40,18 @@ pub(crate) fn only(mut plan: CityPlan, names: &[String]) -> Result<CityPlan, Fai
 }
 
 /// A model for each cell, into a folder that holds nothing else.
-pub(crate) fn cells(plan: &CityPlan, settings: &ExportSettings, output: &Path, quiet: bool) -> Result<(), Failure> {
+pub(crate) fn cells(
+    plan: &CityPlan,
+    edits: &[CellOverride],
+    settings: &ExportSettings,
+    output: &Path,
+    quiet: bool,
+) -> Result<(), Failure> {
     let is_free = || Ok::<_, std::io::Error>(!output.exists() || std::fs::read_dir(output)?.next().is_none());
     if !is_free().map_err(|error| format!("{}: {error}", output.display()))? {
         return Err(format!("{}: there are files in it; name a new folder", output.display()).into());
     }
-    let (cells, findings) = cut(plan, &BakeSettings::default());
+    let (cells, findings) = cut(plan, edits, &BakeSettings::default());
     report(&findings, quiet, false);
     let (mut files, mut bytes) = (0, 0);
     let mut write = |path: &str, content: &[u8]| -> Result<(), Failure> {

@@ -2,10 +2,11 @@
 #![allow(dead_code)] // Each test uses some of it.
 
 use glam::DVec2;
+use proptest::prelude::*;
 use veduta_city::draw::Draw;
 use veduta_city::{
-    CityPlan, GridPolygon, GridPos, GridRing, GroundPatch, House, Id, PlanRoof, PlanStreet, Rgb, RoofShape, SurfaceKind, Volume,
-    Wall, WallKind,
+    Cells, CityPlan, GridPolygon, GridPos, GridRing, GroundPatch, House, Id, PlanRoof, PlanStreet, Rgb, RoofShape, SurfaceKind,
+    Volume, Wall, WallKind,
 };
 
 /// Grid position of metres.
@@ -126,4 +127,48 @@ pub fn suburb(side: usize) -> CityPlan {
     });
     let end = side as f64 * 25.0;
     plan(rect(-30.0, -30.0, end, end), footprints)
+}
+
+/// Whether a segment passes through the inside of a convex footprint (Cyrus and Beck), by more than a hair.
+pub fn is_blocked(p: DVec2, q: DVec2, footprint: &GridRing) -> bool {
+    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+    let way = q - p;
+    for i in 0..footprint.len() {
+        let (a, b) = (footprint[i].to_metres(), footprint[(i + 1) % footprint.len()].to_metres());
+        let inward = (b - a).perp().normalize();
+        let (from, speed) = ((p - a).dot(inward), way.dot(inward));
+        if speed.abs() < 1e-12 {
+            if from <= 0.0 {
+                return false;
+            }
+        } else if speed > 0.0 {
+            enter = enter.max(-from / speed);
+        } else {
+            leave = leave.min(-from / speed);
+        }
+    }
+    (leave - enter) * way.length() > 1e-3
+}
+
+/// Casts rays through free space and asserts that all cells along each see the first. Returns how many pairs were tried.
+pub fn cast_rays(plan: &CityPlan, cells: &Cells, starts: &[(f64, f64, f64)]) -> Result<usize, TestCaseError> {
+    let mut pairs = 0;
+    for &(x, y, angle) in starts {
+        let p = DVec2::new(x, y);
+        let Some(first) = cells.locate(GridPos::from_metres(p)) else { continue };
+        let way = DVec2::new(libm::cos(angle), libm::sin(angle));
+        for i in 1..80 {
+            let q = p + way * f64::from(i) * 2.0;
+            if plan.houses.iter().any(|house| is_blocked(p, q, &house.volumes[0].footprint.outer)) {
+                break;
+            }
+            if let Some(reached) = cells.locate(GridPos::from_metres(q)) {
+                pairs += 1;
+                let sees = cells.visible[first as usize].contains(&reached);
+                prop_assert!(sees, "{p} in cell {first} sees {q} in cell {reached}, but the visible set lacks it");
+                prop_assert!(cells.visible[reached as usize].contains(&first), "seeing is mutual");
+            }
+        }
+    }
+    Ok(pairs)
 }

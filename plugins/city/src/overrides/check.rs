@@ -163,11 +163,11 @@ fn check_alone(graph: CityGraph, reasons: &mut Vec<String>) {
     reasons.extend(graph.validate().iter().map(ToString::to_string));
 }
 
-fn check_target(target: &Target, reasons: &mut Vec<String>) {
+pub(super) fn check_target(target: &Target, reasons: &mut Vec<String>) {
     check_place("at", target.at, reasons);
 }
 
-fn check_place(field: &str, DVec2 { x, y }: DVec2, reasons: &mut Vec<String>) {
+pub(super) fn check_place(field: &str, DVec2 { x, y }: DVec2, reasons: &mut Vec<String>) {
     if !(x.abs() <= FARTHEST_M && y.abs() <= FARTHEST_M) {
         reasons.push(format!("`{field}` is ({x:?}, {y:?}); both numbers must lie between -{FARTHEST_M} and {FARTHEST_M}"));
     }

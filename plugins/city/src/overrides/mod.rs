@@ -1,4 +1,5 @@
 mod areas;
+mod cells;
 mod check;
 mod network;
 #[cfg(test)]
@@ -12,6 +13,7 @@ use crate::{
     Block, BlockKind, Building, CityGraph, Finding, FurnitureRule, Id, LinkKind, Monument, MonumentTag, Place, Ring, RoofTags,
     Severity, Square, StandIn, StandingObject, StyleDraft, Surfacing,
 };
+pub use cells::{CellOverride, CellsOverrides};
 pub use check::OverrideError;
 use network::Outcome;
 pub use target::Target;

@@ -6,7 +6,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::ring_edges;
-use crate::{CityGraph, Id, Link};
+use crate::{CityGraph, GridPolygon, GridPos, Id, Link};
 
 /// What an edit is about: kind by the edit, id if it is known, and the place where the thing was when it was written.
 ///
@@ -21,6 +21,26 @@ pub struct Target {
     pub id: Id,
     /// Plan metres: the node itself, anywhere on a link, anywhere in an area. Best far from other things of the kind.
     pub at: DVec2,
+}
+
+impl Target {
+    /// Which of some areas of a kind is meant, and what is worth telling of it.
+    ///
+    /// # Errors
+    /// Why none is, in a clause.
+    pub fn area<'a>(
+        &self,
+        what: &str,
+        areas: impl IntoIterator<Item = (Id, &'a GridPolygon)>,
+    ) -> Result<(usize, Option<String>), String> {
+        let key = |(id, area): (Id, &GridPolygon)| {
+            // Of those far away, the distance of the one with the id is told.
+            let is_asked = self.id.is_given() && id == self.id;
+            (id, if is_asked || is_about(area, self.at) { distance_to_area(area, self.at) } else { f64::INFINITY })
+        };
+        let keys: Vec<(Id, f64)> = areas.into_iter().map(key).collect();
+        find(what, &keys, self, |key| *key)
+    }
 }
 
 /// How far a thing may have moved and still be found by place; metres.
@@ -124,6 +144,22 @@ pub(super) fn is_inside(ring: &[DVec2], p: DVec2) -> bool {
     ring_edges(ring).filter(crosses).count() % 2 == 1
 }
 
+/// Whether an area may be near enough to a place to be found by it.
+fn is_about(area: &GridPolygon, p: DVec2) -> bool {
+    area.bounds().is_some_and(|(lo, hi)| {
+        let (lo, hi) = (lo.to_metres() - (REACH_M + APART_M), hi.to_metres() + (REACH_M + APART_M));
+        p.cmpge(lo).all() && p.cmple(hi).all()
+    })
+}
+
+/// 0 inside, else the distance to the nearest border.
+fn distance_to_area(area: &GridPolygon, p: DVec2) -> f64 {
+    if area.contains(GridPos::from_metres(p)) {
+        return 0.0;
+    }
+    area.edges().map(|(a, b)| distance_to_edge(a.to_metres(), b.to_metres(), p)).fold(f64::INFINITY, f64::min)
+}
+
 /// Whether two pieces cross in the inside of both.
 pub(super) fn cross((a, b): (DVec2, DVec2), (c, d): (DVec2, DVec2)) -> bool {
     let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
@@ -166,6 +202,24 @@ mod tests {
         {
             assert_eq!(distance_beside(&line, DVec2::new(x, y)), away, "({x}, {y})");
         }
+    }
+
+    #[test]
+    fn an_area_is_found_from_within_and_from_near_by() {
+        let square = |x: i32| {
+            let (lo, hi) = (x * 1024, (x + 20) * 1024);
+            GridPolygon::simple(vec![GridPos(lo, 0), GridPos(hi, 0), GridPos(hi, 20_480), GridPos(lo, 20_480)])
+        };
+        let areas = [square(0), square(20), square(90)];
+        let find = |id: u64, x: f64| {
+            let target = Target { id: Id(id), at: DVec2::new(x, 10.0) };
+            target.area("cell", areas.iter().enumerate().map(|(i, area)| (Id(i as u64 + 5), area)))
+        };
+        assert_eq!((find(0, 10.0), find(0, 87.0), find(0, -4.5)), (Ok((0, None)), Ok((2, None)), Ok((0, None))));
+        assert!(find(0, 19.0).is_err_and(|e| e.contains("two cells lie there")), "either may be meant");
+        assert_eq!(find(5, 19.0), Ok((0, None)));
+        assert!(find(0, 60.0).is_err_and(|e| e.contains("no cell within 5 m")));
+        assert!(find(7, 10.0).is_ok_and(|(i, note)| i == 2 && note.is_some_and(|n| n.contains("80.0 m away"))));
     }
 
     #[test]

@@ -54,7 +54,7 @@ pub(crate) fn growth(bench: &GrowthBench) -> Result<(), Failure> {
     let houses = plan.houses.len() as f64;
     let mut figures = vec![Figure::new("planned_buildings_per_s", houses / seconds, "1/s")];
 
-    let (cells, _) = cut(&plan, &BakeSettings::default());
+    let (cells, _) = cut(&plan, &[], &BakeSettings::default());
     let parts: Vec<(CellShell, FacadeSheet)> = cell_shells(&plan, &cells).into_iter().zip(facade_sheets(&plan, &cells)).collect();
     let near = |(shell, sheet): &(CellShell, FacadeSheet)| {
         let level2 = mesh::facades(shell, sheet)?;

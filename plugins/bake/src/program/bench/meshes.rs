@@ -46,7 +46,7 @@ struct Sent {
 /// If the map cannot be read or grown, or a packet not be read back.
 pub(crate) fn meshes(bench: &MeshesBench) -> Result<(), Failure> {
     let plan = grow(&graph(bench.map.as_deref())?, &Stock::new())?.plan;
-    let cells = partition(&plan, &BakeSettings::default().partition).cells;
+    let cells = partition(&plan, &[], &BakeSettings::default().partition).cells;
     let contents = Contents::new(&plan, &cells);
     let palettes: Vec<Palette> = plan.styles.0.iter().map(Style::palette).collect();
     // Each tells its houses itself, which takes more than with what a region tells of them.
