@@ -532,7 +532,13 @@ fn a_region_of_a_large_city_comes_after_the_leaf_that_tells_where_it_is() {
     let temp = TempDir::new("leaves");
     city(1, 1).write(&temp.0).expect("written");
     let mut index = read_index(&DirReader::new(&temp.0).expect("a city")).expect("an index");
-    let region = |n: u32| RegionEntry { key: RegionKey(1 << 8 | n), first: 1, cells: 0, blob: None, ..index.regions[0].clone() };
+    let region = |n: u32| RegionEntry {
+        key: RegionKey::new(n, 8).expect("a square"),
+        first: 1,
+        cells: 0,
+        blob: None,
+        ..index.regions[0].clone()
+    };
     let mut regions: Vec<RegionEntry> = (0..65).map(region).collect();
     (regions[0].first, regions[0].cells) = (0, 1);
     let page = encode_region(&Region::default(), 64, &regions);
