@@ -14,11 +14,12 @@ fuzz_target!(|bytes: &[u8]| {
     let (cells, skyline, number) = (u32::from(told % 4), u32::from(told >> 2 & 1), usize::from(told >> 3 & 1));
     let stored = blob(18, content);
     let bounds = (GridPos(-1024, -1024), GridPos(1024, 1024));
-    let entry = |key, first, cells| RegionEntry { key: RegionKey(key), first, cells, skyline: 0, top: 0, bounds, blob: None };
+    let key = |square| RegionKey::new(square, 4).expect("a square of 16");
+    let entry = |square, first, cells| RegionEntry { key: key(square), first, cells, skyline: 0, top: 0, bounds, blob: None };
     let mut regions = if number == 0 {
-        [entry(0b1_11_00, 0, cells), entry(0b1_11_01, cells, 3)]
+        [entry(0b11_00, 0, cells), entry(0b11_01, cells, 3)]
     } else {
-        [entry(0b1_11_00, 0, 3), entry(0b1_11_01, 3, cells)]
+        [entry(0b11_00, 0, 3), entry(0b11_01, 3, cells)]
     };
     (regions[number].skyline, regions[number].blob) = (skyline, Some(BlobRef::of(&stored)));
     let Ok(region) = bounded(content, || decode_region(&stored, number as u32, &regions)) else { return };

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use veduta_city::{Finding, Guide, Id, Severity, Soundscape, Tour, file};
 use veduta_store::{CityWriter, StoreError};
 
-use crate::scene::{below, stem_of};
+use crate::scene::{Astray, below, stem_of};
 
 /// Endings of files that belong to the city of the same stem beside them.
 const OF_STEM: [&str; 3] = [".guide.ron", ".life.ron", ".sound.ron"];
@@ -26,11 +26,17 @@ pub(crate) fn bring(input: &Path, writer: &mut CityWriter) -> Result<Vec<Finding
     let mut taken = BTreeSet::new();
     for path in beside(input) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let named = named_by(&path).into_iter().filter_map(|file| Some((below(folder, &file)?, file)));
-        for (path, name) in core::iter::once((path, name)).chain(named) {
-            if !taken.insert(name.clone()) {
-                continue;
-            }
+        for name in core::iter::once(name).chain(named_by(&path)) {
+            let path = match below(folder, &name) {
+                // `check` tells of it.
+                Err(Astray::Path) => continue,
+                _ if !taken.insert(name.clone()) => continue,
+                Err(astray) => {
+                    told(&folder.join(&name), astray.to_string());
+                    continue;
+                }
+                Ok(path) => path,
+            };
             match std::fs::read(&path) {
                 Err(error) => told(&path, error.to_string()),
                 Ok(content) => match writer.file(&name, &content) {
@@ -110,5 +116,39 @@ mod tests {
         let names: Vec<_> = found.iter().filter_map(|path| path.file_name()).collect();
         std::fs::remove_dir_all(&dir).expect("was made");
         assert_eq!(names, ["a.guide.ron", "one.tour.ron"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_lies_behind_a_link_out_of_the_folder_stays_at_home() {
+        use std::os::unix::fs::symlink;
+        let dir = std::env::temp_dir().join(format!("veduta-companions-links-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&dir);
+        std::fs::create_dir_all(dir.join("town/pictures")).expect("room");
+        let put = |name: &str, text: &str| std::fs::write(dir.join(name), text).expect("room");
+        put("secret.png", "a secret");
+        put("town/pictures/own.png", "a picture");
+        put("town/a.graph.ron", "");
+        put("town/pictures/a space.png", "a picture");
+        let named = ["a space", "own", "out", "within"].map(|name| format!("(file: \"pictures/{name}.png\", credit: {{}})"));
+        put("town/a.guide.ron", &format!("(places: [(name: \"P\", pictures: [{}])])", named.join(", ")));
+        symlink(dir.join("secret.png"), dir.join("town/pictures/out.png")).expect("a link");
+        symlink("own.png", dir.join("town/pictures/within.png")).expect("a link");
+        symlink(dir.join("secret.png"), dir.join("town/a.life.ron")).expect("a link");
+        let baked = dir.join("a.city");
+        let (plan, none) = (veduta_city::CityPlan::default(), veduta_city::Cells::default());
+        let mut writer = CityWriter::new(&baked, &plan).expect("begun");
+        writer.cells(&plan, &none, &|cell| panic!("there is no cell {cell}")).expect("written");
+        let findings = bring(&dir.join("town/a.graph.ron"), &mut writer).expect("written");
+        let told: Vec<&str> = findings.iter().map(|finding| finding.message.as_str()).collect();
+        assert!(told.len() == 3 && told[1..].iter().all(|one| one.contains("leads out of the folder")), "{told:?}");
+        assert!(told[0].contains("a space.png") && told[0].contains("only letters"), "{told:?}");
+        assert!(told[1].contains("out.png") && told[2].contains("a.life.ron"), "{told:?}");
+        writer.finish(none).expect("written");
+        let reader = veduta_store::DirReader::new(&baked).expect("a city");
+        let index = veduta_store::read_index(&reader).expect("an index");
+        let brought: Vec<&str> = index.files.iter().map(|file| file.path.as_str()).collect();
+        std::fs::remove_dir_all(&dir).expect("was made");
+        assert_eq!(brought, ["a.guide.ron", "pictures/own.png", "pictures/within.png"]);
     }
 }

@@ -9,7 +9,7 @@ use veduta_survey::raster::{Picture, PictureLimits};
 use veduta_texture::{CutFacade, MOST_FLATS_BYTES, PICTURE_SIDE, PICTURE_STORED_CAP, Pixels, cut_facade, keep_flats};
 
 use crate::BakeError;
-use crate::scene::below;
+use crate::scene::{Astray, below};
 
 /// What a façade's picture may take: 8,192 pixels a side.
 const LIMITS: PictureLimits = PictureLimits { side_px: 8_192, bytes: 1 << 30 };
@@ -21,7 +21,8 @@ const LIMITS: PictureLimits = PictureLimits { side_px: 8_192, bytes: 1 << 30 };
 pub fn read_facades(overrides: &GraphOverrides, path: &Path) -> Result<Vec<PlacedFacade>, Vec<BakeError>> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let read = |FacadeFile { file, at }: &FacadeFile| {
-        below(folder, file).ok_or_else(|| fault(&folder.join(file), AWAY)).and_then(|path| read_facade(&path, *at))
+        let path = below(folder, file).map_err(|astray| fault(&folder.join(file), &astray.to_string()))?;
+        read_facade(&path, *at)
     };
     let read: Vec<Result<PlacedFacade, BakeError>> = overrides.facades.par_iter().map(read).collect();
     let (mut facades, mut errors) = (Vec::new(), Vec::new());
@@ -41,7 +42,8 @@ pub fn read_facades(overrides: &GraphOverrides, path: &Path) -> Result<Vec<Place
 pub fn read_facade(path: &Path, at: DVec2) -> Result<PlacedFacade, BakeError> {
     let draft: FacadeDraft = file::read(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let picture = below(folder, &draft.picture).ok_or_else(|| fault(path, &format!("picture: {AWAY}")))?;
+    let told = |astray: Astray| fault(path, &format!("the picture {:?}: {astray}", draft.picture));
+    let picture = below(folder, &draft.picture).map_err(told)?;
     let bytes = std::fs::read(&picture).map_err(|source| BakeError::Read { path: picture.clone(), source })?;
     let name = picture.display().to_string();
     let Picture { width, pixels, .. } = Picture::decode(&bytes, &name, &LIMITS).map_err(|error| fault(path, &error.to_string()))?;
@@ -104,18 +106,16 @@ fn encode(pictures: &[Pixels], most_bytes: usize) -> Option<Vec<PictureFile>> {
 pub fn files_of_overrides(overrides: &GraphOverrides, path: &Path) -> Vec<PathBuf> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let named = overrides.models.iter().map(|model| &model.file).chain(overrides.facades.iter().map(|facade| &facade.file));
-    let mut files: Vec<PathBuf> = named.filter_map(|name| below(folder, name)).collect();
+    let mut files: Vec<PathBuf> = named.filter_map(|name| below(folder, name).ok()).collect();
     let pictures = files.iter().filter_map(|file| {
         let draft: FacadeDraft = file::read(file).ok()?;
-        below(file.parent().unwrap_or(Path::new("")), &draft.picture)
+        below(file.parent().unwrap_or(Path::new("")), &draft.picture).ok()
     });
     let pictures: Vec<PathBuf> = pictures.collect();
     files.extend(pictures);
     files.retain(|file| file.is_file());
     files
 }
-
-const AWAY: &str = "a façade needs a path that leads down from the folder of the file that names it";
 
 fn fault(path: &Path, reason: &str) -> BakeError {
     BakeError::Facade { path: path.to_owned(), reason: reason.to_owned() }

@@ -51,7 +51,7 @@ pub use model::read_models;
 pub use pipeline::{BakeSettings, Baked, Planned, Stage, bake, bake_input, cell_edits, cut, plan, survey, survey_bare};
 pub use proof::{Missing, Proof, ProofSettings, prove};
 pub use raster_map::{RasterMap, RasterSurvey};
-pub use scene::{cells_overrides_beside, overrides_beside};
+pub use scene::{Astray, below, cells_overrides_beside, overrides_beside};
 pub use terrain::lay_on_ground;
 pub use vector_map::{LayerFile, VectorMap};
 pub use veduta_cells::PARTITION_VERSION;

@@ -355,8 +355,10 @@ pub fn read_models(overrides: &GraphOverrides, path: &Path) -> Result<(Vec<Desig
 
 /// The design of a model that overrides name, and what is to be told of it. `folder`: that of the overrides.
 fn read(model: &ModelFile, folder: &Path) -> Result<(Design, Vec<String>), Fault> {
-    let path = below(folder, &model.file).filter(|_| !model.name.is_empty());
-    let path = path.ok_or("a model needs a name, and a path that leads down from the folder of the overrides")?;
+    if model.name.is_empty() {
+        return Err("a model needs a name".to_owned());
+    }
+    let path = below(folder, &model.file).map_err(|astray| astray.to_string())?;
     let file = File::read(&path)?;
     let nodes = file.nodes();
     let own = match model.node.as_str() {

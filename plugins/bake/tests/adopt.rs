@@ -167,6 +167,16 @@ fn what_cannot_be_taken_is_told() {
     };
     assert!(told("(name: \"a\", file: \"none.glb\")").contains("none.glb: "), "{}", told("(name: \"a\", file: \"none.glb\")"));
     assert!(told("(name: \"a\", file: \"../out.glb\")").contains("leads down from the folder"));
+    #[cfg(unix)]
+    {
+        let outside = Folder::new("adopt-outside");
+        std::os::unix::fs::symlink(outside.write("model.glb", "glTF"), folder.0.join("link.glb")).expect("a link");
+        let away = told("(name: \"a\", file: \"link.glb\")");
+        assert!(
+            away.contains("link.glb: ") && away.contains("leads out of the folder") && away.contains("copy the file"),
+            "{away}"
+        );
+    }
     folder.write("text.glb", "{}");
     assert!(told("(name: \"a\", file: \"text.glb\")").contains("export the model as .glb"));
     let plan = planned(folder.write("other.graph.ron", LANE).as_path()).unwrap_or_else(|e| panic!("{e}")).plan;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use veduta_city::Level;
 
 pub use event::{ClientEvent, ClientStats};
-use slot::{RegionSlot, Slot, State, back_off_s};
+use slot::{RegionSlot, Slot, State};
 
 use crate::index::WHAT as INDEX;
 use crate::{BlobRef, CityIndex, INDEX_NAME, Payload, Request, RequestId, StoreError, What};
@@ -19,9 +19,10 @@ pub struct ClientSettings {
     pub max_in_flight: usize,
     /// Most bytes on their way at a time, as far as they are known beforehand; what is larger by itself travels alone.
     pub max_bytes_in_flight: u64,
-    /// Seconds until a failed request is tried again; twice as long after each further failure.
+    /// Seconds from one try to the next; twice as long after each further failure. After a failure, and after somebody answers who did
+    /// not, at least so much time passes.
     pub retry_first_s: f64,
-    /// Longest time in seconds until a failed request is tried again.
+    /// Longest time in seconds from one try to the next, unless the first of them takes longer.
     pub retry_cap_s: f64,
     /// Seconds after which something that has only failed counts as not to be had, though it is tried on.
     pub patience_s: f64,
@@ -35,7 +36,7 @@ impl Default for ClientSettings {
             max_in_flight: 8,
             max_bytes_in_flight: 4 << 20,
             retry_first_s: 0.5,
-            retry_cap_s: 4.0,
+            retry_cap_s: 3.0,
             patience_s: 65.0,
             index_limit: 4 << 20,
         }
@@ -64,9 +65,20 @@ pub struct Client {
     wanted: Vec<(u32, Level)>,
     /// So many of the most urgent are here: the search for the next begins behind them.
     all_here_before: usize,
-    in_flight: BTreeMap<RequestId, (What, u64)>,
+    in_flight: BTreeMap<RequestId, Asked>,
     next_id: u64,
+    /// Something failed because nobody answered, and nothing has come since.
+    is_unreachable: bool,
     stats: ClientStats,
+}
+
+/// A request that is on its way.
+#[derive(Debug, Clone, Copy)]
+struct Asked {
+    what: What,
+    /// As far as it is known beforehand.
+    bytes: u64,
+    since_s: f64,
 }
 
 impl Client {
@@ -90,6 +102,7 @@ impl Client {
             all_here_before: 0,
             in_flight: BTreeMap::new(),
             next_id: 0,
+            is_unreachable: false,
             stats: ClientStats::default(),
         }
     }
@@ -139,7 +152,7 @@ impl Client {
             return None;
         }
         if self.index.is_none() {
-            return self.index_slot.is_due(now_s).then(|| self.request(What::Index, None));
+            return self.index_slot.is_due(now_s).then(|| self.request(What::Index, None, now_s));
         }
         let more = self.wanted[self.all_here_before..].iter().take_while(|&&(cell, level)| self.has(cell, level)).count();
         self.all_here_before += more;
@@ -152,21 +165,21 @@ impl Client {
         // Overviews are in nobody's way.
         let is_overview = |what: &What| matches!(what, What::Overview(_));
         let counts = |asked: &What| !is_overview(asked) || is_overview(&what);
-        let on_the_way: u64 = self.in_flight.values().filter(|(asked, _)| counts(asked)).map(|(_, bytes)| bytes).sum();
+        let on_the_way: u64 = self.in_flight.values().filter(|asked| counts(&asked.what)).map(|asked| asked.bytes).sum();
         let has_room = on_the_way == 0 || on_the_way + u64::from(blob.bytes) <= self.settings.max_bytes_in_flight;
-        has_room.then(|| self.request(what, Some(blob)))
+        has_room.then(|| self.request(what, Some(blob), now_s))
     }
 
     /// What is on its way.
     pub fn pending(&self) -> impl Iterator<Item = What> {
-        self.in_flight.values().map(|(what, _)| *what)
+        self.in_flight.values().map(|asked| asked.what)
     }
 
     /// Requests for packets that are on their way and not wanted any more: those that were not sent yet may be taken back with
     /// [`Client::cancel`].
     #[must_use]
     pub fn unwanted(&self) -> Vec<RequestId> {
-        let packets = self.in_flight.iter().filter_map(|(id, (what, _))| match *what {
+        let packets = self.in_flight.iter().filter_map(|(id, asked)| match asked.what {
             What::Packet { cell, level } => Some((*id, (cell, level))),
             _ => None,
         });
@@ -181,7 +194,7 @@ impl Client {
     /// Takes back a request that was never sent: it counts as if it had not been made. Returns what it asked for; `None` if it is not on its
     /// way.
     pub fn cancel(&mut self, request: RequestId) -> Option<What> {
-        let (what, _) = self.in_flight.remove(&request)?;
+        let Asked { what, .. } = self.in_flight.remove(&request)?;
         self.stats.requests -= 1;
         self.stats.cancelled += 1;
         if let Some(slot) = self.slot_mut(what) {
@@ -193,17 +206,14 @@ impl Client {
 
     /// Lets everything that failed and waits be tried again at once, as after a lost connection that stands again.
     pub fn retry_now(&mut self) {
-        let regions = self.regions.iter_mut().flat_map(RegionSlot::slots_mut);
-        for slot in regions
-            .chain([&mut self.index_slot])
-            .chain(&mut self.leaves)
-            .chain(&mut self.houses)
-            .chain(&mut self.overviews)
-            .chain(&mut self.files)
-            .filter(|slot| slot.state == State::Missing)
-        {
+        for slot in self.all_slots().filter(|slot| slot.state == State::Missing) {
             *slot = Slot::default();
         }
+    }
+
+    fn all_slots(&mut self) -> impl Iterator<Item = &mut Slot> {
+        let others = self.leaves.iter_mut().chain(&mut self.houses).chain(&mut self.overviews).chain(&mut self.files);
+        self.regions.iter_mut().flat_map(RegionSlot::slots_mut).chain([&mut self.index_slot]).chain(others)
     }
 
     /// A region, or the leaf that is to tell of it, if it is to be asked for now.
@@ -268,7 +278,7 @@ impl Client {
 
     /// Takes the answer to a request.
     pub fn deliver(&mut self, request: RequestId, result: Result<Payload, StoreError>, now_s: f64) -> Vec<ClientEvent> {
-        let Some((what, _)) = self.in_flight.remove(&request) else {
+        let Some(Asked { what, since_s, .. }) = self.in_flight.remove(&request) else {
             self.stats.unexpected += 1;
             return Vec::new();
         };
@@ -278,9 +288,13 @@ impl Client {
                 if let Some(slot) = self.slot_mut(what) {
                     *slot = Slot { state: State::Here, ..Slot::default() };
                 }
+                if std::mem::take(&mut self.is_unreachable) {
+                    let until_s = now_s + self.settings.retry_first_s;
+                    self.all_slots().for_each(|slot| slot.hope(until_s));
+                }
                 vec![event]
             }
-            Err(error) => vec![self.fail(what, error, now_s)],
+            Err(error) => vec![self.fail(what, error, since_s, now_s)],
         }
     }
 
@@ -410,14 +424,15 @@ impl Client {
         }
     }
 
-    fn request(&mut self, what: What, blob: Option<BlobRef>) -> Request {
+    fn request(&mut self, what: What, blob: Option<BlobRef>, now_s: f64) -> Request {
         if let Some(slot) = self.slot_mut(what) {
             slot.state = State::InFlight;
         }
         let id = RequestId(self.next_id);
         self.next_id += 1;
         self.stats.requests += 1;
-        self.in_flight.insert(id, (what, blob.as_ref().map_or(0, |blob| u64::from(blob.bytes))));
+        let bytes = blob.as_ref().map_or(0, |blob| u64::from(blob.bytes));
+        self.in_flight.insert(id, Asked { what, bytes, since_s: now_s });
         let (path, limit) = match &blob {
             Some(blob) => (blob.path(), u64::from(blob.bytes)),
             None => (INDEX_NAME.to_owned(), self.settings.index_limit),
@@ -520,20 +535,21 @@ impl Client {
 
     /// Notes a failure and when to try again. An index that is wrong stays so: only one that did not arrive is asked for
     /// again. All else is named by its content, so that a copy with other bytes is a damaged one.
-    fn fail(&mut self, what: What, error: StoreError, now_s: f64) -> ClientEvent {
+    fn fail(&mut self, what: What, error: StoreError, since_s: f64, now_s: f64) -> ClientEvent {
         self.stats.failures += 1;
         let is_final = error.is_permanent() || (what == What::Index && !matches!(error, StoreError::Read(_)));
+        let is_unreachable = matches!(&error, StoreError::Read(error) if error.is_unreachable());
+        self.is_unreachable |= is_unreachable;
         let settings = self.settings;
         let mut again_in_s = None;
         if let Some(slot) = self.slot_mut(what) {
             if slot.failures == 0 {
                 slot.failing_since_s = now_s;
             }
-            slot.failures = slot.failures.saturating_add(1);
-            slot.state = if is_final { State::Dead } else { State::Missing };
-            if !is_final {
-                let wait_s = back_off_s(&settings, slot.failures);
-                slot.again_s = now_s + wait_s;
+            let wait_s = slot.fail(&settings, is_unreachable, now_s - since_s, now_s);
+            if is_final {
+                slot.state = State::Dead;
+            } else {
                 again_in_s = Some(wait_s);
             }
         }

@@ -1,31 +1,31 @@
 use std::io::ErrorKind;
 use std::time::Duration;
 
-use ureq::{
-    Agent, Body, Error, RequestBuilder,
-    http::{Response, Uri},
-    typestate::WithoutBody,
-};
+use ureq::http::{Response, Uri};
+use ureq::unversioned::resolver::DefaultResolver;
+use ureq::unversioned::transport::{ConnectProxyConnector, Connector, RustlsConnector, TcpConnector};
+use ureq::{Agent, Body, Error, Timeout};
 
+use crate::pace::{Pace, Paced};
 use crate::{Fresh, INDEX_NAME, ReadError, Reader, reader::check_path};
 
-/// How long to wait for a server, in seconds. A connection that closes without an answer is followed by one more, which may
-/// take as long again.
+/// How long to wait for a server, in seconds. All of a file may take any time, as long as it goes on coming. A connection that closes
+/// without an answer is followed by one more, which may take as long again.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HttpSettings {
     /// For the connection to stand.
     pub connect_s: f64,
-    /// For the answer to begin.
-    pub response_s: f64,
-    /// For more of a file to arrive, each time.
-    pub body_s: f64,
-    /// Slowest line that is waited for, bytes a second: all of a file may take so much longer than that once.
+    /// For the answer to begin, and for it to go on.
+    pub stall_s: f64,
+    /// So much longer than that, as long as other files come from there: on a slow line an answer waits behind those before it.
+    pub patience_s: f64,
+    /// Slowest line that is waited for, bytes a second: what comes slower counts as if it did not come.
     pub least_bytes_s: f64,
 }
 
 impl Default for HttpSettings {
     fn default() -> Self {
-        Self { connect_s: 3.0, response_s: 4.0, body_s: 3.0, least_bytes_s: 16_384.0 }
+        Self { connect_s: 3.0, stall_s: 2.5, patience_s: 7.5, least_bytes_s: 512.0 }
     }
 }
 
@@ -35,8 +35,10 @@ pub struct HttpReader {
     agent: Agent,
     /// Without a slash at its end.
     base: String,
-    settings: HttpSettings,
 }
+
+/// Nobody waits longer.
+const A_DAY: Duration = Duration::from_secs(86_400);
 
 /// Redirects that are followed: enough for http to https and a moved folder.
 const REDIRECTS: u32 = 3;
@@ -67,7 +69,6 @@ impl HttpReader {
         let mut config = Agent::config_builder()
             .timeout_resolve(limit(settings.connect_s))
             .timeout_connect(limit(settings.connect_s))
-            .timeout_recv_response(limit(settings.response_s))
             .max_redirects(REDIRECTS)
             .http_status_as_error(false)
             .user_agent("veduta");
@@ -75,22 +76,29 @@ impl HttpReader {
             config = config.proxy(None);
         }
         let base = base.strip_suffix(INDEX_NAME).unwrap_or(base).trim_end_matches('/').to_owned();
-        Ok(Self { agent: config.build().new_agent(), base, settings })
+        let seconds = |seconds: f64| limit(seconds).unwrap_or(A_DAY).min(A_DAY);
+        let paced = Paced::new(Pace {
+            stall: seconds(settings.stall_s),
+            patience: seconds(settings.patience_s),
+            least_bytes_s: settings.least_bytes_s,
+        });
+        let connector =
+            ().chain(ConnectProxyConnector::default())
+                .chain(TcpConnector::default())
+                .chain(paced)
+                .chain(RustlsConnector::default());
+        Ok(Self { agent: Agent::with_parts(config.build(), connector, DefaultResolver::default()), base })
     }
 
     /// The answer to `GET url`. A connection that closes without one says nothing of the file (mostly it was kept, and the
     /// server closed it meanwhile): it is asked once more over a new one.
-    fn get(&self, url: &str, limit: u64, tag: Option<&str>) -> Result<Response<Body>, Error> {
-        let body_s = self.settings.body_s + limit as f64 / self.settings.least_bytes_s;
-        let seconds = |s: f64| Duration::try_from_secs_f64(s).ok();
-        let stall_s = self.settings.body_s;
-        let request = || self.agent.get(url).config().timeout_recv_body(seconds(body_s)).timeout_per_read(seconds(stall_s));
-        let marked = |request: RequestBuilder<WithoutBody>| match tag {
-            Some(tag) => request.header("If-None-Match", tag),
-            None => request,
+    fn get(&self, url: &str, tag: Option<&str>) -> Result<Response<Body>, Error> {
+        let request = || match tag {
+            Some(tag) => self.agent.get(url).header("If-None-Match", tag),
+            None => self.agent.get(url),
         };
-        match marked(request().build()).call() {
-            Err(Error::Io(error)) if is_hang_up(error.kind()) => marked(request().max_idle_age(Duration::ZERO).build()).call(),
+        match request().call() {
+            Err(Error::Io(error)) if is_hang_up(error.kind()) => request().config().max_idle_age(Duration::ZERO).build().call(),
             answer => answer,
         }
     }
@@ -98,6 +106,7 @@ impl HttpReader {
     fn error(&self, path: &str, limit: u64, error: Error) -> ReadError {
         let (place, path) = (self.describe(), path.to_owned());
         match error {
+            Error::Timeout(Timeout::PerRead) => ReadError::Timeout { place, path, phase: "nothing came any more".to_owned() },
             Error::Timeout(phase) => ReadError::Timeout { place, path, phase: phase.to_string() },
             Error::BodyExceedsLimit(_) => ReadError::TooLarge { place, path, limit },
             Error::StatusCode(status) => ReadError::Status { place, path, status },
@@ -130,7 +139,7 @@ impl Reader for HttpReader {
     fn read_if_changed(&self, path: &str, limit: u64, tag: Option<&str>) -> Result<Fresh, ReadError> {
         check_path(path)?;
         let url = format!("{}/{path}", self.base);
-        let mut response = self.get(&url, limit, tag).map_err(|error| self.error(path, limit, error))?;
+        let mut response = self.get(&url, tag).map_err(|error| self.error(path, limit, error))?;
         match response.status().as_u16() {
             200 => {}
             304 => return Ok(Fresh::Same),

@@ -378,7 +378,7 @@ mod tests {
         ];
         let bounds = (GridPos(-1024, 0), GridPos(2048, 8192));
         let entry = |key, first, cells, skyline| RegionEntry {
-            key: RegionKey(key),
+            key,
             first,
             cells,
             skyline,
@@ -386,7 +386,8 @@ mod tests {
             bounds,
             blob: None,
         };
-        let mut regions = [entry(0b1_11_00_00, 0, 2, 1), entry(0b1_11_00_01, 2, 1, 0)];
+        let key = |square| RegionKey::new(square, 6).expect("a square");
+        let mut regions = [entry(key(0b11_00_00), 0, 2, 1), entry(key(0b11_00_01), 2, 1, 0)];
         for n in 0..2 {
             regions[n].blob = Some(BlobRef::of(&encode_region(&pages[n], n as u32, &regions)));
         }
@@ -491,6 +492,22 @@ mod tests {
         Arc::make_mut(&mut index.regions)[0].blob = Some(BlobRef::of(&stored));
         let error = decode_region(&stored, 0, &index.regions).expect_err("a large packet").to_string();
         assert!(error.contains("a packet of level 1 claims 17825792 bytes"), "{error}");
+    }
+
+    #[test]
+    fn a_region_may_not_reach_higher_than_anything_does() {
+        let read = |top: i32| {
+            let mut index = index().without_pages();
+            Arc::make_mut(&mut index.regions)[1].top = top;
+            decode_index(&encode_index(&index)).map(|read| read.regions[1].top)
+        };
+        for top in [0, 1 << 27, -(1 << 27)] {
+            assert_eq!(read(top), Ok(top));
+        }
+        for top in [(1 << 27) + 1024, -(1 << 27) - 1024, i32::MAX / 1024 * 1024] {
+            let error = read(top).expect_err("too high").to_string();
+            assert!(error.contains(&format!("region 1: its top is at a height of {top} steps")), "{error}");
+        }
     }
 
     #[test]

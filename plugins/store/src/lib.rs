@@ -64,8 +64,9 @@
 //! those of others are named by the other's square, so that what is built at one end of a city changes no bytes at the other.
 //!
 //! # Failures
-//! What is damaged or missing is asked for again, after 0.5 s at first, then twice as long each time, 4 s at most; the others
-//! keep coming. What cannot get better (a newer format, a damaged index, sound bytes that make no sense) is told once. Bytes
+//! What is damaged or missing is asked for again, 0.5 s later at first, then twice as long each time, 3 s at most, counted from when it
+//! was asked for; the others keep coming. When the line comes back to life, what failed because of it does not wait any longer. A line
+//! is given up by its silence, however slow it is ([`HttpSettings`]): so that 5 s after the end of any fault all is as it was. What cannot get better (a newer format, a damaged index, sound bytes that make no sense) is told once. Bytes
 //! from anywhere are safe to decode: they are bounded in memory before they are believed, and every index in what comes out
 //! points at something, but for bays and storeys of ornaments and doors: whoever draws them leaves out what a wall does not have.
 //!
@@ -95,6 +96,8 @@ mod http;
 mod index;
 mod leaf;
 mod overview;
+#[cfg(not(target_arch = "wasm32"))]
+mod pace;
 mod packet;
 mod reader;
 mod region;

@@ -10,10 +10,10 @@ use crate::{BlobRef, StoreError, valid};
 /// A square of the whole grid or a half of one, named by the way down to it: a one, then a bit for each time that it was halved (north,
 /// east, north, …). They are the same for every city, so that what is built at one end changes no names at the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct RegionKey(pub u32);
+pub struct RegionKey(u32);
 
-/// What has more cells than this is halved.
-const MOST_CELLS: usize = 128;
+/// What has more cells than this is halved, unless it is one of the smallest squares.
+pub(crate) const MOST_CELLS: usize = 128;
 
 impl RegionKey {
     /// How often the smallest squares were halved: they measure 128 m.
@@ -22,8 +22,9 @@ impl RegionKey {
     /// The whole grid.
     pub(crate) const WHOLE: Self = Self(1);
 
-    /// One of the squares so many steps down; `None` if there are fewer, or none so deep.
-    pub(crate) fn new(square: u32, depth: u32) -> Option<Self> {
+    /// One of the squares so many steps down, counted along the curve of their Morton codes; `None` if there are fewer, or none so deep.
+    #[must_use]
+    pub fn new(square: u32, depth: u32) -> Option<Self> {
         (depth <= Self::DEEPEST && square < 1 << depth).then(|| Self(1 << depth | square))
     }
 
@@ -49,12 +50,7 @@ impl RegionKey {
 
     /// Whether a plan position lies in it.
     pub(crate) fn holds(self, pos: GridPos) -> bool {
-        self.is_sound() && Self::of(pos.morton(), self.depth()) == self
-    }
-
-    /// Whether anything is called so.
-    pub(crate) const fn is_sound(self) -> bool {
-        self.0 != 0 && self.depth() <= Self::DEEPEST
+        Self::of(pos.morton(), self.depth()) == self
     }
 }
 
@@ -190,11 +186,11 @@ mod tests {
     fn crowded_squares_are_halved() {
         let at = |x: i32, y: i32| GridPos(x * 1024, y * 1024).morton();
         let few: Vec<u64> = (0..100).map(|i| at(i, 0)).collect();
-        assert_eq!(squares(&few), [(RegionKey(1), 0..100)]);
+        assert_eq!(squares(&few), [(RegionKey::WHOLE, 0..100)]);
         let mut many: Vec<u64> = (-20..20).flat_map(|x| (-20..20).map(move |y| at(40 * x, 40 * y))).collect();
         many.sort_unstable();
         let squares = squares(&many);
-        assert!(squares.iter().all(|(key, cells)| cells.len() <= MOST_CELLS && key.is_sound()), "{squares:?}");
+        assert!(squares.iter().all(|(key, cells)| cells.len() <= MOST_CELLS && key.depth() <= RegionKey::DEEPEST), "{squares:?}");
         assert_eq!(squares.iter().map(|(_, cells)| cells.len()).sum::<usize>(), many.len());
         assert!(squares.windows(2).all(|pair| pair[0].1.end == pair[1].1.start), "one after another: {squares:?}");
         assert!(squares.is_sorted_by_key(|(key, _)| key.first_code()), "{squares:?}");
@@ -220,7 +216,7 @@ mod tests {
     fn any_number_of_cells_may_lie_on_one_spot() {
         let codes = vec![GridPos(5, 5).morton(); 1000];
         assert_eq!(squares(&codes), [(RegionKey::of(codes[0], RegionKey::DEEPEST), 0..1000)]);
-        assert_eq!(squares(&[]), [(RegionKey(1), 0..0)], "a city without cells has a region all the same");
+        assert_eq!(squares(&[]), [(RegionKey::WHOLE, 0..0)], "a city without cells has a region all the same");
     }
 
     #[test]
@@ -228,11 +224,13 @@ mod tests {
         for pos in [GridPos(0, 0), GridPos(-1, 7), GridPos(123_456, -654_321), GridPos(i32::MIN, i32::MAX)] {
             for depth in 0..=RegionKey::DEEPEST {
                 let key = RegionKey::of(pos.morton(), depth);
-                assert!(key.is_sound(), "{key:?}");
+                assert_eq!(RegionKey::new(key.square(), depth), Some(key));
                 assert_eq!(RegionKey::of(key.first_code(), depth), key);
                 assert!(key.first_code() <= pos.morton());
             }
         }
-        assert!(![0, 1 << 31, u32::MAX].map(RegionKey).iter().any(|key| key.is_sound()));
+        for (square, depth) in [(1, 0), (16, 4), (u32::MAX, 30), (0, 31), (0, 32), (0, u32::MAX)] {
+            assert_eq!(RegionKey::new(square, depth), None, "{square} {depth}");
+        }
     }
 }

@@ -11,6 +11,7 @@ use veduta_city::{
 use crate::blob::BlobKind;
 use crate::file::check_files;
 use crate::leaf::LEAF;
+use crate::region::MOST_CELLS;
 use crate::{BlobRef, CellEntry, CityIndex, Region, RegionEntry, RegionHouses};
 
 /// A reason in a sentence without a full stop.
@@ -22,8 +23,6 @@ const MOST_FACES: u64 = 16_000_000;
 const MOST_SQUARES: u64 = 1 << 20;
 /// As many in an overview, which tells of many cells.
 const MOST_SQUARES_AFAR: u64 = 1 << 22;
-/// Cells of an overview that count, however many it says it has.
-const MOST_CELLS: usize = 128;
 /// Most spans of ways of a cell, and how long all are together, metres: posts, sleepers and dashes on them are counted by
 /// that.
 const MOST_SPANS: usize = 1 << 14;
@@ -273,6 +272,7 @@ pub(crate) fn check_overview(overview: &Overview) -> Check {
         }
     }
     check_districts(overview)?;
+    // No more count than a region has, however many it says it has.
     check_spans(&overview.spans, FAR, overview.districts.len().clamp(1, MOST_CELLS))?;
     let mut in_streets = overview.streets.iter().flat_map(|street| &street.line);
     if let Some(pos) = in_streets.find(|&&pos| !is_within(pos, FAR)) {
@@ -337,7 +337,9 @@ pub(crate) fn check_index(index: &CityIndex) -> Check {
         return Err("it has no region".to_owned());
     }
     for (i, region) in index.regions.iter().enumerate() {
-        check_bounds(region.bounds).map_err(|reason| format!("region {i}: {reason}"))?;
+        check_bounds(region.bounds)
+            .and_then(|()| check_height("its top", region.top))
+            .map_err(|reason| format!("region {i}: {reason}"))?;
         if region.skyline > region.cells {
             return Err(format!("region {i} has more cells on the skyline than cells"));
         }

@@ -106,8 +106,13 @@ impl CityWriter {
         let stored = encode_file(content)?;
         let file = CityFile { path: path.to_owned(), blob: BlobRef::of(&stored) };
         let files = &mut self.index.files;
-        files.insert(files.partition_point(|other| other.path.as_str() < path), file);
-        check_files(files).map_err(invalid)?;
+        let at = files.partition_point(|other| other.path.as_str() < path);
+        files.insert(at, file);
+        if let Err(reason) = check_files(files) {
+            // One that is refused is in nobody else's way.
+            files.remove(at);
+            return Err(invalid(reason));
+        }
         self.stats.bytes_files += stored.len() as u64;
         self.files.add(&BlobRef::of(&stored), &stored)
     }

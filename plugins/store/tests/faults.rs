@@ -1,9 +1,11 @@
 //! Every read made to fail in turn, every byte of a city flipped: what was written arrives, or an error names what did not.
 
+mod escapes;
 mod sample;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use escapes::{corpus, is_plain};
 use sample::{TempDir, city, files};
 use veduta_city::Level;
 use veduta_store::*;
@@ -108,59 +110,6 @@ fn any_flipped_byte_of_a_city_is_an_error_that_names_the_file() {
     assert!(flipped > 1_000, "only {flipped} bytes");
 }
 
-/// Ways in which someone might try to get out of a folder, and ways to write them.
-fn corpus() -> Vec<String> {
-    let ups = [
-        "..",
-        "../..",
-        "../../..",
-        ".",
-        "...",
-        "....",
-        "~",
-        "",
-        "%2e%2e",
-        "%2E%2E",
-        "..%2f",
-        "%252e%252e",
-        "..;",
-        "..\u{2215}",
-        "．．",
-    ];
-    let targets =
-        ["etc/passwd", "city.veduta", "secret.txt", "blobs", "", "windows/win.ini", "proc/self/environ", "x\0.bin", "nul", "con"];
-    let heads = [
-        "",
-        "/",
-        "\\",
-        "//",
-        "\\\\",
-        "C:",
-        "C:/",
-        "C:\\",
-        "file:///",
-        "http://h/",
-        "blobs/",
-        "blobs/ab/",
-        "./",
-        "%2f",
-        "\u{feff}",
-        " ",
-    ];
-    let joints = ["/", "\\", "//", "/./", "\\\\", "%2f", "%5c", "/\0/", "/ /"];
-    let mut all = Vec::new();
-    for head in heads {
-        for up in ups {
-            for joint in joints {
-                for target in targets {
-                    all.push(format!("{head}{up}{joint}{target}"));
-                }
-            }
-        }
-    }
-    all
-}
-
 #[test]
 fn ten_thousand_paths_lead_out_of_no_reader() {
     let temp = TempDir::new("escape");
@@ -185,13 +134,39 @@ fn ten_thousand_paths_lead_out_of_no_reader() {
                 Err(error) => panic!("{path:?}: {error}"),
             }
         }
-        let is_plain = path.bytes().all(|b| b.is_ascii_alphanumeric() || b"._-/".contains(&b))
-            && !path.split('/').any(|part| part.is_empty() || part.starts_with('.'));
-        if !is_plain {
+        if !is_plain(path) {
             assert!(matches!(http.read(path, 1 << 20), Err(ReadError::Forbidden { .. })), "{path:?}");
         }
     }
     assert!(refused > corpus.len(), "{refused} of {} were refused", 2 * corpus.len());
     let after: Vec<_> = files(&temp.0).into_iter().filter(|(path, _)| !path.starts_with(&cache)).collect();
     assert_eq!(after, before.into_iter().collect::<Vec<_>>(), "nothing was written elsewhere");
+}
+
+/// Files of a city are named by whoever baked it: neither its index nor its writer takes a name that leads elsewhere.
+#[test]
+fn no_file_of_an_index_is_called_by_a_path_that_leads_elsewhere() {
+    let temp = TempDir::new("names");
+    let sample = city(1, 1);
+    sample.write(&temp.join("x.city")).expect("written");
+    let whole = read_index(&DirReader::new(temp.join("x.city")).expect("a city")).expect("an index");
+    let mut writer = CityWriter::new(&temp.join("y.city"), &sample.plan).expect("begun");
+    let mut taken = 0;
+    for path in corpus() {
+        let mut index = whole.clone();
+        index.files = vec![CityFile { path: path.clone(), blob: BlobRef::of(b"a secret") }];
+        match decode_index(&encode_index(&index)) {
+            Ok(read) => {
+                taken += 1;
+                assert!(is_plain(&path) && read.files == index.files, "{path:?}");
+            }
+            Err(StoreError::Invalid { reason, .. }) => {
+                assert!(!is_plain(&path) && reason.contains("no path within a city"), "{path:?}: {reason}");
+                assert!(matches!(writer.file(&path, b"x"), Err(StoreError::Invalid { .. })), "{path:?}");
+            }
+            Err(error) => panic!("{path:?}: {error}"),
+        }
+    }
+    assert!(taken > 0, "some of them are names within a folder");
+    assert!(writer.file("notes/con", b"x").is_ok(), "a good name after so many bad ones");
 }

@@ -66,7 +66,7 @@ impl Server {
 
     /// A reader that waits so long for an answer, and for what it holds.
     fn reader_with(&self, seconds: f64) -> HttpReader {
-        let settings = HttpSettings { connect_s: 60.0, response_s: seconds, body_s: seconds, least_bytes_s: 1e9 };
+        let settings = HttpSettings { connect_s: 60.0, stall_s: seconds, patience_s: 0.0, least_bytes_s: 1.0 };
         HttpReader::with_settings(&self.base, settings).expect("an address")
     }
 }

@@ -3,6 +3,7 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use veduta_bake::below;
 use veduta_city::{Life, LifeKind, Place};
 use veduta_route::Gazetteer;
 
@@ -112,7 +113,8 @@ fn found_beside(path: &Path, file: &str, kind: &Kind) -> Result<PathBuf, String>
     if !endings.iter().any(|ending| small.ends_with(ending)) {
         return Err(of_another_kind(file, kind));
     }
-    let at = path.with_file_name("").join(file);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let at = below(folder, file).map_err(|astray| format!("the {what} `{shown}`: {astray}"))?;
     if at.is_dir() {
         return Err(format!("`{shown}` is a folder; give a {what}"));
     }

@@ -9,22 +9,36 @@ use super::Failure;
 /// Largest file that is served, bytes.
 const LARGEST: u64 = 256 << 20;
 
+/// Threads that answer.
+const THREADS: usize = 4;
+
 /// Serves a city on the loopback address until it is stopped.
 pub(crate) fn serve(city: &Path, port: u16) -> Result<(), Failure> {
+    let (reader, server) = open(city, port)?;
+    println!("http://{} serves {}", server.server_addr(), city.display());
+    answer_all(&reader, &server);
+    Ok(())
+}
+
+/// A city that can be read, and a port of the loopback address; 0 for any.
+fn open(city: &Path, port: u16) -> Result<(DirReader, Server), Failure> {
     let reader = DirReader::new(city)?;
     reader.read(INDEX_NAME, LARGEST)?;
     let server = Server::http(("127.0.0.1", port)).map_err(|e| format!("port {port}: {e}"))?;
-    println!("http://{} serves {}", server.server_addr(), city.display());
+    Ok((reader, server))
+}
+
+/// Answers until every thread is unblocked.
+fn answer_all(reader: &DirReader, server: &Server) {
     std::thread::scope(|scope| {
-        for _ in 0..4 {
+        for _ in 0..THREADS {
             scope.spawn(|| {
                 while let Ok(request) = server.recv() {
-                    answer(&reader, request);
+                    answer(reader, request);
                 }
             });
         }
     });
-    Ok(())
 }
 
 fn answer(reader: &DirReader, request: Request) {
@@ -126,69 +140,4 @@ fn finish(sent: std::io::Result<()>) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn reply(known: Option<&str>, range: Option<&str>, if_range: Option<&str>) -> Reply {
-        Reply::to(b"0123456789".to_vec(), true, known, range, if_range)
-    }
-
-    fn told<'a>(reply: &'a Reply, name: &str) -> Option<&'a str> {
-        reply.headers.iter().find(|header| header.0 == name).map(|header| header.1.as_str())
-    }
-
-    #[test]
-    fn what_is_held_already_is_not_sent_again() {
-        let first = reply(None, None, None);
-        assert_eq!((first.code, first.body.as_slice()), (200, &b"0123456789"[..]));
-        let tag = told(&first, "ETag").expect("a tag").to_owned();
-        assert_eq!((tag.len(), &tag[..1], &tag[25..]), (26, "\"", "\""), "{tag}");
-        for known in [tag.clone(), format!("W/{tag}"), format!("\"other\", {tag}"), "*".to_owned()] {
-            let again = reply(Some(&known), Some("bytes=0-3"), None);
-            assert_eq!((again.code, again.body.len(), told(&again, "ETag")), (304, 0, Some(tag.as_str())), "{known}");
-        }
-        assert_eq!(reply(Some("\"other\""), None, None).code, 200);
-        let index = Reply::to(vec![1], false, None, None, None);
-        assert_eq!(told(&index, "Cache-Control"), Some("no-cache"));
-        assert_eq!(told(&first, "Cache-Control"), Some("public, max-age=31536000, immutable"));
-    }
-
-    #[test]
-    fn ranges_are_cut_out() {
-        let cases = [
-            ("bytes=0-3", Some("0123")),
-            ("bytes=7-", Some("789")),
-            ("bytes=8-99", Some("89")),
-            ("bytes=-4", Some("6789")),
-            ("bytes=-40", Some("0123456789")),
-            ("bytes=9-9", Some("9")),
-            ("bytes=10-", None),
-            ("bytes=-0", None),
-            ("bytes=99999999999999999999-", None),
-        ];
-        for (range, part) in cases {
-            let reply = reply(None, Some(range), None);
-            let expected = part.map_or((416, ""), |part| (206, part));
-            assert_eq!((reply.code, core::str::from_utf8(&reply.body).expect("digits")), expected, "{range}");
-        }
-        assert_eq!(told(&reply(None, Some("bytes=2-5"), None), "Content-Range"), Some("bytes 2-5/10"));
-        assert_eq!(told(&reply(None, Some("bytes=20-"), None), "Content-Range"), Some("bytes */10"));
-        for odd in ["bytes=5-2", "bytes=0-1,4-5", "lines=1-2", "bytes=", "bytes=-", "bytes=a-b", "bytes=+1-2", "1-2"] {
-            assert_eq!(reply(None, Some(odd), None).code, 200, "{odd}");
-        }
-    }
-
-    #[test]
-    fn a_range_of_what_has_changed_is_the_whole() {
-        let tag = told(&reply(None, None, None), "ETag").expect("a tag").to_owned();
-        assert_eq!(reply(None, Some("bytes=0-3"), Some(&tag)).code, 206);
-        assert_eq!(reply(None, Some("bytes=0-3"), Some("\"other\"")).code, 200);
-        assert_eq!(reply(None, Some("bytes=0-3"), Some(&format!("W/{tag}"))).code, 200, "weak tags do not tell bytes");
-    }
-
-    #[test]
-    fn an_empty_file_has_no_range() {
-        assert_eq!(Reply::to(Vec::new(), true, None, Some("bytes=0-"), None).code, 416);
-        assert_eq!(Reply::to(Vec::new(), true, None, None, None).code, 200);
-    }
-}
+mod tests;

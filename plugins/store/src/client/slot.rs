@@ -22,11 +22,31 @@ pub(super) struct Slot {
     pub(super) failing_since_s: f64,
     /// Not asked for before this time.
     pub(super) again_s: f64,
+    /// It failed because nobody answered: when somebody does, it need not wait so long.
+    pub(super) is_unreachable: bool,
 }
 
 impl Slot {
     pub(super) fn is_due(&self, now_s: f64) -> bool {
         self.state == State::Missing && (self.failures == 0 || now_s >= self.again_s)
+    }
+
+    /// Notes that it failed, and returns in how many seconds it may be asked for again: so long after it was asked for as is waited after so
+    /// many failures, but not at once. A failure that took long has waited already.
+    pub(super) fn fail(&mut self, settings: &ClientSettings, is_unreachable: bool, took_s: f64, now_s: f64) -> f64 {
+        self.failures = self.failures.saturating_add(1);
+        self.state = State::Missing;
+        self.is_unreachable = is_unreachable;
+        let wait_s = (back_off_s(settings, self.failures) - took_s).max(back_off_s(settings, 1));
+        self.again_s = now_s + wait_s;
+        wait_s
+    }
+
+    /// Notes that somebody answers again.
+    pub(super) fn hope(&mut self, until_s: f64) {
+        if self.state == State::Missing && self.is_unreachable {
+            self.again_s = self.again_s.min(until_s);
+        }
     }
 
     pub(super) fn gave_up(&self, now_s: f64, patience_s: f64) -> bool {
@@ -49,7 +69,7 @@ impl RegionSlot {
 }
 
 /// Seconds to wait after so many failures in a row: doubled each time, up to the cap.
-pub(super) fn back_off_s(settings: &ClientSettings, failures: u32) -> f64 {
+fn back_off_s(settings: &ClientSettings, failures: u32) -> f64 {
     // Beyond 2^60 times anything the cap holds.
     let doublings = failures.saturating_sub(1).min(60);
     (settings.retry_first_s * (1_u64 << doublings) as f64).min(settings.retry_cap_s)

@@ -9,6 +9,9 @@ use super::lines::{Vertices, section_of};
 use super::models::{Models, Node};
 use super::range::{Bits, Chance, Decoder};
 
+/// For so many letters of a text memory is taken before they are read.
+const TEXT_AT_ONCE: usize = 4_096;
+
 /// Finds values in bits.
 pub(crate) struct Source<'b, 'm> {
     bits: Decoder<'b>,
@@ -52,7 +55,7 @@ impl<'b, 'm> Source<'b, 'm> {
     }
 
     /// Whether more was read than is there.
-    pub(crate) const fn is_beyond(&self) -> bool {
+    pub(crate) fn is_beyond(&self) -> bool {
         self.bits.is_beyond()
     }
 
@@ -205,7 +208,8 @@ impl<'de> de::Deserializer<'de> for &mut Source<'_, '_> {
 
     fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unread> {
         let count = self.count()?;
-        let mut text = Vec::with_capacity(count);
+        // No memory for letters that may not come.
+        let mut text = Vec::with_capacity(count.min(TEXT_AT_ONCE));
         let mut before = 0;
         for _ in 0..count {
             self.spend(1)?;

@@ -391,7 +391,8 @@ impl Vertices {
             if is_point {
                 break;
             }
-            if line.len() as u64 > most {
+            // Beyond the end of the bytes nothing is told that memory should be taken for.
+            if line.len() as u64 > most || bits.is_beyond() {
                 return None;
             }
         }

@@ -78,6 +78,11 @@ pub(crate) trait Bits {
 
     /// The lowest bits of a number about which nothing can be known.
     fn raw(&mut self, value: u64, bits: u32) -> u64;
+
+    /// Whether more was read than is there.
+    fn is_beyond(&self) -> bool {
+        false
+    }
 }
 
 /// Writes bits.
@@ -203,11 +208,6 @@ impl<'b> Decoder<'b> {
         one
     }
 
-    /// Whether more was read than is there.
-    pub(crate) const fn is_beyond(&self) -> bool {
-        self.beyond > AHEAD
-    }
-
     /// Whether all bytes have been read.
     pub(crate) const fn is_at_end(&self) -> bool {
         self.bytes.is_empty()
@@ -232,5 +232,9 @@ impl Bits for Decoder<'_> {
 
     fn raw(&mut self, _: u64, bits: u32) -> u64 {
         (0..bits).fold(0, |value, _| value << 1 | u64::from(self.part(self.range >> 1)))
+    }
+
+    fn is_beyond(&self) -> bool {
+        self.beyond > AHEAD
     }
 }

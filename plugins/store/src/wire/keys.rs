@@ -3,7 +3,8 @@ use serde::{Deserialize, Serialize};
 use super::{Malformed, columns::Pull};
 use crate::RegionKey;
 
-/// Keys of regions, ascending: how deep each lies, and how many squares of its size lie between it and the one before.
+/// Keys of regions: how deep each lies, and how many squares of its size lie between the end of the one before and it. In an index they
+/// ascend, and so do those that a region names, so that neighbours cost next to nothing; others come back as well.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Keys {
     depths: Vec<u8>,
@@ -14,11 +15,10 @@ pub(crate) struct Keys {
 const NOWHERE: u32 = RegionKey::DEEPEST + 1;
 
 impl Keys {
-    /// As seen from a sound one; those of no region are `None`.
+    /// As seen from one; those of no region are `None`.
     pub(crate) fn of(own: RegionKey, keys: impl IntoIterator<Item = Option<RegionKey>>) -> Self {
         let (mut told, mut last) = (Self::default(), Last::new(own));
         for key in keys {
-            let key = key.filter(|key| key.is_sound());
             let depth = key.map_or(NOWHERE, RegionKey::depth);
             told.depths.push(depth as u8);
             told.gaps.extend(key.map(|key| key.square() as i32 - last.next(depth)));
@@ -43,12 +43,12 @@ impl Keys {
     }
 }
 
-/// Where the last key ends, in smallest squares.
+/// Where the next key is expected: where the last one ends, in smallest squares.
 #[derive(Clone, Copy)]
 struct Last(u32);
 
 impl Last {
-    /// Before the first key, which is looked for about a region.
+    /// Before the first key: where the region begins that names them, for most are those about it. That of the whole grid is 0.
     fn new(own: RegionKey) -> Self {
         Self(own.square() << (RegionKey::DEEPEST - own.depth()))
     }
@@ -65,7 +65,40 @@ impl Last {
 
 #[cfg(test)]
 mod tests {
+    use proptest::collection::vec;
+    use proptest::prelude::*;
+
     use super::*;
+    use crate::code::{Prior, press};
+
+    fn any_key() -> impl Strategy<Value = RegionKey> {
+        (0..=RegionKey::DEEPEST).prop_flat_map(|depth| (0..1_u32 << depth).prop_map(move |square| key(square, depth)))
+    }
+
+    proptest! {
+        #[test]
+        fn any_keys_come_back_from_any_region(own in any_key(), mut keys in vec(any_key(), 0..40), is_sorted in any::<bool>()) {
+            if is_sorted {
+                keys.sort_by_key(|key| key.first_code());
+            }
+            let told = Keys::of(own, keys.iter().copied().map(Some));
+            prop_assert_eq!(told.pull(own), Ok(keys));
+        }
+    }
+
+    /// What most regions name: those about them, which ascend with few gaps.
+    #[test]
+    fn regions_about_a_region_take_few_bytes() {
+        let bytes = |own: RegionKey, keys: &[RegionKey]| {
+            let mut out = Vec::new();
+            press(&Keys::of(own, keys.iter().copied().map(Some)), None, Prior::None, &mut out);
+            out.len()
+        };
+        let about: Vec<RegionKey> = [0, 1, 2, 3, 8, 9, 12, 13, 14].map(|n| key(0x35_5550 + n, 24)).into();
+        let far: Vec<RegionKey> = (0..9).map(|n| key(0x35_5550 + n * 0x1111, 24)).collect();
+        let (about, far) = (bytes(key(0x35_5553, 24), &about), bytes(key(0x35_5553, 24), &far));
+        assert_eq!((about, far), (9, 10), "bytes, of which one counts the values");
+    }
 
     fn key(square: u32, depth: u32) -> RegionKey {
         RegionKey::new(square, depth).expect("a key")
@@ -84,7 +117,7 @@ mod tests {
     fn what_lies_nowhere_is_no_region() {
         let nowhere = Malformed::Reason("a region lies nowhere");
         assert_eq!(Keys::of(key(3, 5), [None]).pull(key(3, 5)), Err(nowhere));
-        assert_eq!(Keys::of(key(3, 5), [Some(RegionKey(0))]).pull(key(3, 5)), Err(nowhere));
+        assert_eq!(Keys::of(key(3, 5), [Some(key(3, 5)), None, Some(key(4, 5))]).pull(key(3, 5)), Err(nowhere));
         for (depth, gap) in [(31, 0), (4, -6), (4, 11), (0, 0), (30, i32::MAX), (255, 0)] {
             let told = Keys { depths: vec![depth], gaps: vec![gap] };
             assert_eq!(told.pull(key(5, 4)), Err(nowhere), "{depth} {gap}");
