@@ -181,6 +181,8 @@ enum Way {
 /// Figures of one walk along the tour: microseconds of the main thread's time for each frame.
 struct Walk {
     frames: Vec<f64>,
+    /// How many of them came before the first leap.
+    before_leap: usize,
     sets: [Vec<f64>; 4],
     /// For each cell that was walked into, frames until its level 1 stood.
     late_frames: Vec<u32>,
@@ -223,6 +225,7 @@ impl Walk {
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / FPS)));
         let mut walk = Self {
             frames: Vec::new(),
+            before_leap: 0,
             sets: Default::default(),
             late_frames: Vec::new(),
             entities: 0,
@@ -232,7 +235,7 @@ impl Walk {
         };
         let mut entered = app.world().resource::<Messages<CellEntered>>().get_cursor();
         let mut waiting: Vec<(u32, u32)> = Vec::new();
-        let (mut here, mut cell) = (DVec2::INFINITY, None);
+        let (mut here, mut cell, mut is_leap_over) = (DVec2::INFINITY, None, false);
         for frame in 0..(duration_s * FPS) as u32 {
             if frame % FPS as u32 == 0 {
                 walk.memory = walk.memory.max(memory(app.world()));
@@ -249,6 +252,8 @@ impl Walk {
             let eye = app.world_mut().query::<&Eye>().iter(app.world()).next().map_or(here, |eye| eye.plan_pos);
             // Who leaps comes through no portal.
             let has_leapt = core::mem::replace(&mut here, eye).distance(eye) > LEAP_M;
+            is_leap_over |= has_leapt && frame > 0;
+            walk.before_leap += usize::from(!is_leap_over);
             for message in entered.read(app.world().resource::<Messages<CellEntered>>()) {
                 let from = core::mem::replace(&mut cell, message.cell);
                 waiting.extend(message.cell.filter(|_| from.is_some() && !has_leapt).map(|cell| (cell, 0)));
@@ -301,7 +306,7 @@ impl Walk {
     }
 }
 
-/// Bytes of the content that is loaded, as it was sent, and of all meshes.
+/// Bytes of the content that is loaded, as it was sent, and of all meshes, whoever made them: not as streaming counts them.
 fn memory(world: &World) -> u64 {
     let mesh = |mesh: &Mesh| {
         let corners = mesh.indices().map_or(0, |indices| indices.len() * 4);
@@ -356,6 +361,7 @@ fn quiet_app(city: &Path, way: Way) -> App {
         let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
         (settings.flying_from_m, settings.level_2_m) = (0.0, around_m);
         settings.overview_flying_m = settings.overview_m;
+        settings.memory_cap_bytes = u64::MAX;
         (settings.packets_a_frame, settings.bytes_a_frame) = (usize::MAX, u64::MAX);
         app.insert_resource(BuildSettings {
             vertices_a_frame: usize::MAX,

@@ -172,6 +172,8 @@ keys-dropped = Z kláves vynecháno: { $what }
 expert-title = Jak město přichází
 expert-cells = Buňky: načteno { $loaded } z { $all }. Oblasti: známo { $told } z { $regions }.
 expert-figures = Obsah: { $content }, přijato: { $received }. Požadavky: { $requests }, na cestě: { $flying }, nezdařené: { $failed }.
+expert-memory = Paměť: { $cells } v buňkách, { $afar } zdálky, z { $cap }.
+expert-made = Vyrobeno zde: { $made } sítí z { $sent } za { $seconds } s na vlákně. Hotové by přišly dřív po linkách nad { $megabits } Mbit/s.
 expert-pace = Když se na něco čeká, přichází { $bytes } za sekundu.
 expert-pace-unknown = Na nic se nečekalo dost dlouho, aby byla známa rychlost linky.
 expert-latency = zpoždění, s
@@ -187,6 +189,8 @@ expert-reach-auto = dosah sám, při { $frames ->
    *[other] { $frames } snímcích
 } za sekundu
 expert-downloaded = staženo { $bytes } za { $seconds } s
+expert-of-maps = rejstřík, domy, mapy { $bytes }
+expert-of-level = úroveň { $level }: { $bytes }
 expert-by-cell = { $n ->
     [one] v poslední buňce; nejvýš { $bytes }
    *[other] v každé z posledních { $n } buněk; nejvýš { $bytes }

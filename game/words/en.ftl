@@ -172,6 +172,8 @@ keys-dropped = Left out of the keys: { $what }
 expert-title = How the city streams
 expert-cells = Cells: { $loaded } of { $all } loaded. Regions: { $told } of { $regions } told of.
 expert-figures = In content: { $content }, received: { $received }. Requests: { $requests }, on their way: { $flying }, failed: { $failed }.
+expert-memory = Memory: { $cells } in cells, { $afar } from afar, of { $cap }.
+expert-made = Made here: { $made } of meshes of { $sent } in { $seconds } s on a thread. Ready ones would come sooner on lines above { $megabits } Mbit/s.
 expert-pace = When something is awaited, { $bytes } a second come.
 expert-pace-unknown = Nothing was awaited long enough to tell the line's pace.
 expert-latency = latency, s
@@ -184,6 +186,8 @@ expert-ask = ask again now
 expert-reach = reach of levels
 expert-reach-auto = reach as far as { $frames } frames a second allow
 expert-downloaded = { $bytes } downloaded in { $seconds } s
+expert-of-maps = index, houses, maps { $bytes }
+expert-of-level = level { $level }: { $bytes }
 expert-by-cell = { $n ->
     [one] in the last cell; at most { $bytes }
    *[other] in each of the last { $n } cells; at most { $bytes }

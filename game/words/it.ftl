@@ -172,6 +172,8 @@ keys-dropped = Lasciato fuori dai tasti: { $what }
 expert-title = Come arriva la città
 expert-cells = Celle: { $loaded } di { $all } caricate. Regioni: { $told } di { $regions } note.
 expert-figures = Contenuto: { $content }, ricevuti: { $received }. Richieste: { $requests }, in arrivo: { $flying }, fallite: { $failed }.
+expert-memory = Memoria: { $cells } nelle celle, { $afar } da lontano, di { $cap }.
+expert-made = Fatti qui: { $made } di mesh da { $sent } in { $seconds } s su un thread. Quelli pronti arriverebbero prima su linee oltre { $megabits } Mbit/s.
 expert-pace = Quando si attende qualcosa, arrivano { $bytes } al secondo.
 expert-pace-unknown = Non si è ancora atteso abbastanza per conoscere la velocità della linea.
 expert-latency = latenza, s
@@ -184,6 +186,8 @@ expert-ask = richiedi subito
 expert-reach = portata dei livelli
 expert-reach-auto = portata automatica, a { $frames } fotogrammi al secondo
 expert-downloaded = scaricati { $bytes } in { $seconds } s
+expert-of-maps = indice, case, mappe { $bytes }
+expert-of-level = livello { $level }: { $bytes }
 expert-by-cell = { $n ->
     [one] nell’ultima cella; al massimo { $bytes }
    *[other] in ognuna delle ultime { $n } celle; al massimo { $bytes }

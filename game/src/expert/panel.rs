@@ -5,15 +5,16 @@ use core::ops::RangeInclusive;
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 use bevy_egui::egui::{Align2, Id, ScrollArea, Slider, Ui, Vec2, Window};
+use veduta::buildings::BuildStats;
 use veduta::controls::KeyNames;
-use veduta::ecs::{Interface, Words};
+use veduta::ecs::{DistrictMemory, Interface, Words};
 use veduta::facade::{AutoLevels, LevelReach};
 use veduta::prelude::*;
 use veduta::streaming::{Link, Pace, Reconnect, Streamed, StreamingStats};
 use veduta::ui::{Look, Surface, Symbol, symbol_button};
 
 use super::plots::{self, Downloads};
-use super::told::bytes;
+use super::told::{bytes, made};
 use super::{Expert, INK, MARGIN, frame, look};
 use crate::hud::controls::ExpertOpen;
 
@@ -27,6 +28,7 @@ pub(super) fn draw(
     time: Res<Time>,
     (words, interface, keys): (Res<Words>, Res<Interface>, Res<KeyNames>),
     (stats, downloads, pace, streamed): (Res<StreamingStats>, Res<Downloads>, Res<Pace>, Streamed<'_>),
+    (afar, build): (Res<DistrictMemory>, Res<BuildStats>),
     mut expert: ResMut<Expert>,
     (mut link, mut settings): (ResMut<Link>, ResMut<StreamingSettings>),
     mut reconnect: MessageWriter<Reconnect>,
@@ -50,6 +52,8 @@ pub(super) fn draw(
             let told =
                 streamed.index().map_or((0, 0, 0), |index| (index.regions_here_count(), index.regions.len(), index.cell_count()));
             figures(ui, &words, &stats, told, pace.bytes_s());
+            memory(ui, &words, &stats, *afar, settings.memory_cap_bytes);
+            ui.label(made(&words, stats.bytes_received.iter().sum(), &build));
             asks = line(ui, &words, &mut own, &mut is_paused);
             levels(ui, &words, auto.as_deref().copied().unwrap_or_default(), &mut is_auto, &mut percent);
             plots::show(ui, &look, &words, &downloads, time.elapsed_secs_f64());
@@ -103,6 +107,12 @@ fn figures(ui: &mut Ui, words: &Words, stats: &StreamingStats, (told, regions, c
         Some(bytes_s) => words.say_with("expert-pace", &[("bytes", bytes(words, bytes_s as u64).into())]),
         None => words.say("expert-pace-unknown"),
     });
+}
+
+/// Memory of cells and of the city from afar, of so much that they may take.
+fn memory(ui: &mut Ui, words: &Words, stats: &StreamingStats, afar: DistrictMemory, cap: u64) {
+    let told = [("cells", stats.bytes_in_memory), ("afar", afar.bytes), ("cap", cap)];
+    ui.label(words.say_with("expert-memory", &told.map(|(name, size)| (name, bytes(words, size).into()))));
 }
 
 /// Sliders of the simulated line; whether to ask again.
@@ -162,6 +172,7 @@ mod tests {
         chosen.closes |= head(ui, look, words, words.say("expert-title"), "F2");
         figures(ui, words, &StreamingStats::default(), (1, 2, 3), Some(5_000.0));
         figures(ui, words, &StreamingStats::default(), (1, 2, 3), None);
+        memory(ui, words, &StreamingStats::default(), DistrictMemory::default(), 9);
         chosen.asks |= line(ui, words, &mut chosen.link, &mut chosen.is_paused);
         levels(ui, words, AutoLevels::default(), &mut chosen.is_auto, &mut chosen.percent);
     }

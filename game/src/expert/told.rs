@@ -1,5 +1,6 @@
 //! What streaming does and wants, in the visitor's language.
 
+use veduta::buildings::BuildStats;
 use veduta::city::Level;
 use veduta::ecs::Words;
 use veduta::streaming::{Event, Reason, What, Why};
@@ -16,6 +17,31 @@ pub(super) fn bytes(words: &Words, n: u64) -> String {
 /// What was downloaded in so many seconds.
 pub(super) fn downloaded(words: &Words, size: u64, seconds: f64) -> String {
     words.say_with("expert-downloaded", &[("bytes", bytes(words, size).into()), ("seconds", words.number(seconds, 0).into())])
+}
+
+/// A kind of what was downloaded: 0 for all but packets, then levels.
+pub(super) fn of_kind(words: &Words, kind: usize, size: u64) -> String {
+    let size = bytes(words, size);
+    match kind {
+        0 => words.say_with("expert-of-maps", &[("bytes", size.into())]),
+        level => words.say_with("expert-of-level", &[("level", level.into()), ("bytes", size.into())]),
+    }
+}
+
+/// What was made of what came, on the spot, beside ready meshes, and from how many bits a second on these would come sooner.
+pub(super) fn made(words: &Words, sent: u64, stats: &BuildStats) -> String {
+    // The same line would bring ready meshes in their bytes' time, and packets in theirs and that of their making.
+    let saved = stats.bytes.saturating_sub(sent) as f64;
+    let megabits = saved * 8.0 / stats.seconds.max(1e-3) / 1e6;
+    words.say_with(
+        "expert-made",
+        &[
+            ("sent", bytes(words, sent).into()),
+            ("made", bytes(words, stats.bytes).into()),
+            ("seconds", words.number(stats.seconds, 1).into()),
+            ("megabits", words.number(megabits, 0).into()),
+        ],
+    )
 }
 
 /// What the last cells cost, so many of them, and the dearest.
@@ -220,7 +246,15 @@ mod tests {
         for words in tongues() {
             check(
                 &words,
-                vec![downloaded(&words, 1_200, 7.0), by_cell(&words, 1, 90), by_cell(&words, 60, 90), across(&words, 440.0)],
+                vec![
+                    downloaded(&words, 1_200, 7.0),
+                    of_kind(&words, 0, 5),
+                    of_kind(&words, 3, 5),
+                    made(&words, 9, &BuildStats::default()),
+                    by_cell(&words, 1, 90),
+                    by_cell(&words, 60, 90),
+                    across(&words, 440.0),
+                ],
             );
         }
     }

@@ -2,12 +2,13 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use bevy::ecs::system::SystemParam;
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 use veduta_city::{CellShell, FacadeSheet, Level, PictureFile, Season};
 use veduta_ecs::{
-    CellContent, CellMemory, CellMesh, CellMeshKind, CellPictures, CellReady, CellStands, Eye, MaterialsProvided, StandingCells,
-    Viewer,
+    CellContent, CellMemory, CellMesh, CellMeshKind, CellPictures, CellReady, CellStands, CityOpened, Eye, MaterialsProvided,
+    StandingCells, Viewer,
 };
 use veduta_growth::mesh::{self, MeshData, MonumentDetail};
 
@@ -62,10 +63,21 @@ struct Made {
     meshes: Vec<(CellMeshKind, Mesh, usize)>,
     /// Bytes of all of it.
     bytes: u64,
+    /// Seconds that it took.
+    seconds: f64,
     /// Pictures of its painted walls, as fine as the level.
     pictures: Option<Image>,
     season: Season,
     error: Option<String>,
+}
+
+/// What was made of cells' content since the city was opened: for whoever weighs that against meshes that would come ready.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Default)]
+pub struct BuildStats {
+    /// Bytes of meshes and pictures.
+    pub bytes: u64,
+    /// Seconds that their making took, on whatever thread.
+    pub seconds: f64,
 }
 
 /// Bytes of a picture that cost as much as a vertex to hand over.
@@ -143,7 +155,7 @@ enum Work {
 
 /// Starts making what has arrived.
 pub(crate) fn start(
-    mut ready: MessageReader<CellReady>,
+    (mut ready, mut opened): (MessageReader<CellReady>, MessageReader<CityOpened>),
     contents: Query<&CellContent>,
     building: Res<Building>,
     settings: Res<BuildSettings>,
@@ -151,7 +163,11 @@ pub(crate) fn start(
     provided: Option<Res<MaterialsProvided>>,
     viewers: Query<&Eye, With<Viewer>>,
     mut queue: ResMut<Queue>,
+    mut stats: ResMut<BuildStats>,
 ) {
+    if opened.read().count() > 0 {
+        *stats = BuildStats::default();
+    }
     let (settings, season) = (settings.in_frame(&viewers), season.0);
     let provided = provided.as_deref().copied();
     for &ready in ready.read() {
@@ -176,8 +192,9 @@ pub(crate) fn start(
 }
 
 /// Makes the meshes of one level of one cell; of a level that stands, for another season, its trees. Where there are no cards trees are
-/// bodies at level 1. Pure.
+/// bodies at level 1. Pure, but for the time it took.
 fn make(order: Order, season: Season, provided: Option<MaterialsProvided>) -> Made {
+    let began = Instant::now();
     // Without the tiles a card is but a board.
     let has_cards = provided.is_some();
     let in_blocks = provided.is_some_and(|provided| provided.reads_blocks);
@@ -234,7 +251,7 @@ fn make(order: Order, season: Season, provided: Option<MaterialsProvided>) -> Ma
     let meshes: Vec<_> = meshes.collect();
     let texels = pictures.as_ref().and_then(|image| image.data.as_ref()).map_or(0, |texels| texels.len() as u64);
     let bytes = texels + meshes.iter().map(|(_, mesh, _)| bytes_of(mesh)).sum::<u64>();
-    Made { meshes, bytes, order, pictures, season, error }
+    Made { meshes, bytes, seconds: began.elapsed().as_secs_f64(), order, pictures, season, error }
 }
 
 /// Walls of level 2 or 4: those of tiles, and those that somebody painted.
@@ -274,6 +291,7 @@ pub(crate) fn finish(
     trees: Query<(Entity, &CellMesh, &ChildOf), With<MadeFor>>,
     mut standing: ResMut<StandingCells>,
     mut stands: MessageWriter<CellStands>,
+    mut stats: ResMut<BuildStats>,
 ) {
     let settings = settings.in_frame(&viewers);
     let mut vertices = 0;
@@ -292,6 +310,7 @@ pub(crate) fn finish(
             },
         };
         let CellReady { entity, cell, level } = made.order.ready;
+        (stats.bytes, stats.seconds) = (stats.bytes + made.bytes, stats.seconds + made.seconds);
         if made.order.is_turned {
             queue.turning.retain(|&turned| turned != (entity, level));
         }

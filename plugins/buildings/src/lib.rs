@@ -49,7 +49,7 @@ mod season;
 use bevy::prelude::*;
 use veduta_ecs::{MaterialsProvided, VedutaSystems};
 
-pub use build::{BuildSettings, Building};
+pub use build::{BuildSettings, BuildStats, Building};
 pub use season::CitySeason;
 
 /// Makes meshes of arriving cells.
@@ -65,6 +65,7 @@ impl Plugin for BuildingsPlugin {
         app.insert_resource(self.building)
             .init_resource::<BuildSettings>()
             .register_type::<BuildSettings>()
+            .init_resource::<BuildStats>()
             .init_resource::<CitySeason>()
             .init_resource::<build::Queue>()
             .init_resource::<district::Districts>()
