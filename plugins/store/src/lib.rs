@@ -66,9 +66,10 @@
 //! # Failures
 //! What is damaged or missing is asked for again, 0.5 s later at first, then twice as long each time, 3 s at most, counted from when it
 //! was asked for; the others keep coming. When the line comes back to life, what failed because of it does not wait any longer. A line
-//! is given up by its silence, however slow it is ([`HttpSettings`]): so that 5 s after the end of any fault all is as it was. What cannot get better (a newer format, a damaged index, sound bytes that make no sense) is told once. Bytes
-//! from anywhere are safe to decode: they are bounded in memory before they are believed, and every index in what comes out
-//! points at something, but for bays and storeys of ornaments and doors: whoever draws them leaves out what a wall does not have.
+//! is given up by its silence, however slow it is ([`HttpSettings`]): so that 5 s after the end of any fault an open city is as it was.
+//! What cannot get better (a newer format, a damaged index, sound bytes that make no sense) is told once. Bytes from anywhere are safe to
+//! decode: they are bounded in memory before they are believed, and every index in what comes out points at something, but for bays and
+//! storeys of ornaments and doors: whoever draws them leaves out what a wall does not have.
 //!
 //! # Limits
 //! The list of regions (some 5 bytes each) is read whole. A walk that goes on while its city is baked again sees packets missing until it
