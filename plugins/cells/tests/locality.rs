@@ -9,7 +9,7 @@ use glam::DVec2;
 use proptest::prelude::*;
 use veduta_cells::{Partition, PartitionSettings, Recut, partition};
 use veduta_city::draw::Draw;
-use veduta_city::{CityPlan, GridPolygon, GridPos, Id};
+use veduta_city::{CellOverride, CityPlan, GridPolygon, GridPos, Id, Target};
 
 /// A change of one house, or of a whole block.
 #[derive(Debug, Clone, Copy)]
@@ -123,16 +123,18 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(24) })]
 
     #[test]
-    fn a_partition_made_again_is_what_it_would_be_anew(changes in proptest::collection::vec(change(), 1..4), is_suburb in any::<bool>()) {
+    fn a_partition_made_again_is_what_it_would_be_anew(changes in proptest::collection::vec(change(), 1..4), is_suburb in any::<bool>(), is_edited in any::<bool>()) {
         let mut plan = if is_suburb { suburb(9) } else { town(4) };
         let settings = PartitionSettings { sight_m: 120.0, ..PartitionSettings::default() };
-        let mut recut = Recut::new(&plan, &[], &settings);
-        prop_assert!(*recut.partition() == partition(&plan, &[], &settings));
+        let line = [CellOverride::Cut { from: DVec2::new(-40.0, 71.3), to: DVec2::new(340.0, 68.0) }];
+        let edits = if is_edited { &line[..] } else { &[] };
+        let mut recut = Recut::new(&plan, edits, &settings);
+        prop_assert!(*recut.partition() == partition(&plan, edits, &settings));
         for change in changes {
             plan = changed(&plan, change).0;
-            let searched = recut.update(&plan, &[]);
-            prop_assert!(*recut.partition() == partition(&plan, &[], &settings), "{:?}, {} cells searched", change, searched);
-            prop_assert_eq!(recut.update(&plan, &[]), 0);
+            let searched = recut.update(&plan, edits);
+            prop_assert!(*recut.partition() == partition(&plan, edits, &settings), "{:?}, {} cells searched", change, searched);
+            prop_assert_eq!(recut.update(&plan, edits), 0);
         }
     }
 }
@@ -148,10 +150,7 @@ fn few_cells_are_looked_from_again_after_a_small_change() {
     println!("{searched} of {count} cells were looked from again");
     assert!(*recut.partition() == partition(&plan, &[], &settings));
     assert!(0 < searched && 3 * searched < count, "{searched} of {count}");
-    let edits = [veduta_city::CellOverride::Name {
-        target: veduta_city::Target { id: Id::NONE, at: at(70.0, 75.0).to_metres() },
-        name: "x".into(),
-    }];
+    let edits = [CellOverride::Name { target: Target { id: Id::NONE, at: at(70.0, 75.0).to_metres() }, name: "x".into() }];
     assert_eq!(recut.update(&plan, &edits), 0, "a name is not seen");
     assert!(*recut.partition() == partition(&plan, &edits, &settings));
 }
