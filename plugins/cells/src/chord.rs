@@ -3,8 +3,8 @@
 use glam::DVec2;
 use veduta_city::GridPos;
 
+use crate::hull::distance_2;
 use crate::overlay::Edge;
-use crate::triangulate::beside_line;
 
 /// A line that meets the border no farther from a corner goes to that corner, metres.
 pub(crate) const CORNER_M: f64 = 0.5;
@@ -72,16 +72,19 @@ fn meeting(from: DVec2, along: DVec2, side: &Side) -> Option<(f64, Landing)> {
     Some((along.dot(meets), Landing { at, parts: (!is_corner).then_some((low, high)) }))
 }
 
-/// A position for a corner on a side: in a wall rather than before it.
+/// A position for a corner on a side: as near to it as the steps of plans allow, in a wall rather than before it.
 fn new_corner(meets: DVec2, side: &Side) -> GridPos {
     let (a, b) = side.ends;
     let step = GridPos::common_step([&a, &b]);
-    if side.is_wall {
-        let floor = |at_m: f64| GridPos::steps(at_m).div_euclid(step) * step;
-        beside_line(a, b, GridPos(floor(meets.x), floor(meets.y)), step)
-    } else {
-        GridPos::from_metres(meets).rounded(step)
+    let meets = GridPos::from_metres(meets);
+    if !side.is_wall {
+        return meets.rounded(step);
     }
+    let floor = |n: i32| n.div_euclid(step) * step;
+    let (x, y) = (floor(meets.0), floor(meets.1));
+    let around = [GridPos(x, y), GridPos(x + step, y), GridPos(x, y + step), GridPos(x + step, y + step)];
+    let within = around.into_iter().filter(|&p| a.cross(b, p) <= 0);
+    within.max_by_key(|&p| (a.cross(b, p), core::cmp::Reverse(distance_2(p, meets)), p)).unwrap_or(a)
 }
 
 #[cfg(test)]

@@ -75,16 +75,11 @@ fn cut_up(a: GridPos, b: GridPos, max_diameter_m: f64) -> impl Iterator<Item = G
             let at = i64::from(from) + ((i64::from(to) - i64::from(from)) * i).div_euclid(pieces);
             (at.div_euclid(i64::from(step)) * i64::from(step)) as i32
         };
-        beside_line(a, b, GridPos(floor(a.0, b.0), floor(a.1, b.1)), step)
+        let (x, y) = (floor(a.0, b.0), floor(a.1, b.1));
+        let around = [GridPos(x, y), GridPos(x + step, y), GridPos(x, y + step), GridPos(x + step, y + step)];
+        around.into_iter().filter(|&p| a.cross(b, p) <= 0).max_by_key(|&p| (a.cross(b, p), p)).unwrap_or(a)
     };
     core::iter::once(a).chain((1..pieces).map(cut)).chain([b])
-}
-
-/// Of a position below a point of an edge and the three beside it, steps of a grid apart, the one that is nearest to the edge without being
-/// on its left.
-pub(crate) fn beside_line(a: GridPos, b: GridPos, GridPos(x, y): GridPos, step: i32) -> GridPos {
-    let around = [GridPos(x, y), GridPos(x + step, y), GridPos(x, y + step), GridPos(x + step, y + step)];
-    around.into_iter().filter(|&p| a.cross(b, p) <= 0).max_by_key(|&p| (a.cross(b, p), p)).unwrap_or(a)
 }
 
 /// Triangles of the space that some borders enclose on their left, and the piece of it that each lies in, as lines from border to border
