@@ -342,7 +342,7 @@ fn arrive(world: &mut World, store: &mut Store, cell: u32, level: Level, packet:
     world.write_message(CellReady { entity, cell, level });
 }
 
-/// Lets go of cells that nobody has wanted for a while, and of the furthest ones where memory runs over.
+/// Lets go of cells and finer levels that nobody has wanted for a while, and of the farthest ones where memory runs over.
 pub(crate) fn release_cells(world: &mut World, eyes: &mut QueryState<&Eye, With<Viewer>>) {
     let Some(mut store) = world.remove_resource::<Store>() else { return };
     let Some(mut loaded) = world.remove_resource::<LoadedCells>() else {

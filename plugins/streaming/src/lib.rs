@@ -108,7 +108,7 @@ pub struct StreamingSettings {
     /// The overview is wanted within this distance of a viewer above the roofs, metres. Districts are made of it as far as
     /// `BuildSettings::districts_m` goes.
     pub overview_flying_m: f64,
-    /// Seconds that a cell stays after it was last wanted.
+    /// Seconds that a cell, or a finer level of one that stays, is kept after it was last wanted.
     pub keep_s: f64,
     /// Most bytes of memory that the city takes: packets, and the meshes and pictures made of them, in cells and from afar. What is farthest is
     /// left out, and over it what is no longer wanted goes, the farthest first; of what is seen from afar no more comes than takes half of it.
