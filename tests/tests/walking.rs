@@ -2,10 +2,11 @@
 
 use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
+use veduta::ecs::JumpTo;
 use veduta::prelude::*;
-use veduta::walker::{Gait, Intent};
-use veduta_city::{GridPos, metres};
-use veduta_tests::{sample_city, sample_plan, walker_in};
+use veduta::walker::{Gait, Intent, Jump};
+use veduta_city::{GridPos, Viewpoint, metres};
+use veduta_tests::{sample_city, sample_plan, update_until, walker_in};
 
 /// An app with a walker that has arrived at the start.
 fn arrived() -> (App, Entity) {
@@ -169,4 +170,20 @@ fn flying_ends_in_a_street() {
     walk(&mut app, walker, 2.0, DVec3::ZERO, false);
     let at = eye(&app, walker).plan_pos;
     assert!(!in_a_house(at), "landed in a house at {at:?}");
+}
+
+#[test]
+fn two_walkers_jump_together_and_neither_stays_in_the_dark() {
+    let (mut app, first) = arrived();
+    let beside = eye(&app, first);
+    let second = app.world_mut().spawn((Walker, Transform::default(), beside)).id();
+    let to = Viewpoint { heading_deg: 90.0, ..app.world().resource::<City>().start };
+    app.world_mut().write_message(JumpTo(to));
+    app.update();
+    assert!(matches!(app.world().resource::<Jump>(), Jump::Leaving(_)));
+    update_until(&mut app, 600, "the jump is over", |world| *world.resource::<Jump>() == Jump::None);
+    for walker in [first, second] {
+        let eye = eye(&app, walker);
+        assert_eq!((eye.fade, eye.heading_deg), (0.0, 90.0), "{:?}", eye.plan_pos);
+    }
 }

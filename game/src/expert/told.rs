@@ -28,7 +28,8 @@ pub(super) fn of_kind(words: &Words, kind: usize, size: u64) -> String {
     }
 }
 
-/// What was made of what came, on the spot, beside ready meshes, and from how many bits a second on these would come sooner.
+/// What was made of what came, on the spot, beside ready meshes as they lie in memory, and from how many bits a second on these would come sooner.
+/// Pressed ones would from less; `veduta-bake bench meshes` measures that.
 pub(super) fn made(words: &Words, sent: u64, stats: &BuildStats) -> String {
     // The same line would bring ready meshes in their bytes' time, and packets in theirs and that of their making.
     let saved = stats.bytes.saturating_sub(sent) as f64;
