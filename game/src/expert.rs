@@ -1,7 +1,8 @@
 //! The expert's view: how the city streams, as it does so. The plan of cells with what is loaded and in sight, the line with its faults
 //! to set, what was downloaded over the walk, the journal; and in the street itself blue stones for what is on its way and
-//! proximity walls in the portals: a click on one walks through.
+//! proximity walls in the portals: a click on one walks through. All of it can be looked at from above.
 
+mod aloft;
 mod journal;
 mod layout;
 mod panel;
@@ -14,7 +15,7 @@ use bevy_egui::EguiPrimaryContextPass;
 use bevy_egui::egui::{self, Color32, CornerRadius, Frame, Margin};
 use veduta::city::Level;
 use veduta::controls::{Layers, Presses};
-use veduta::ecs::Interface;
+use veduta::ecs::{Interface, VedutaSystems};
 use veduta::guide::PickSettings;
 use veduta::ui::Look;
 use veduta::walker::WalkerSystems;
@@ -28,6 +29,8 @@ pub(crate) struct ExpertPlugin;
 #[derive(Resource)]
 pub(crate) struct Expert {
     pub is_shown: bool,
+    /// Whether the camera is above the walk.
+    pub is_aloft: bool,
     /// Metres from the middle of the plan of cells to its edge.
     pub reach_m: f32,
     /// A place on the plan that was clicked, plan metres.
@@ -36,12 +39,13 @@ pub(crate) struct Expert {
 
 impl Plugin for ExpertPlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(Expert { is_shown: false, reach_m: 220.0, leap: None })
+        app.insert_resource(Expert { is_shown: false, is_aloft: false, reach_m: 220.0, leap: None })
             .init_resource::<plots::Downloads>()
             .init_resource::<walls::WalkThrough>()
             .add_systems(Update, (toggle, plots::record))
             .add_systems(Update, walls::walk_through.after(WalkerSystems::Input).before(WalkerSystems::Move))
-            .add_systems(Update, (walls::draw, walls::click).run_if(is_shown))
+            .add_systems(Update, aloft::lift.before(VedutaSystems::Show))
+            .add_systems(Update, (walls::draw, walls::click, aloft::draw).run_if(is_shown))
             .add_systems(EguiPrimaryContextPass, (panel::draw, journal::draw, layout::draw).chain().run_if(is_shown));
     }
 }

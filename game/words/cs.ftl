@@ -183,6 +183,7 @@ expert-loss = ztráty
 expert-down = server neodpovídá
 expert-pause = pozastavit
 expert-ask = požádat hned znovu
+expert-aloft = z ptačí perspektivy: výšku nastaví kolečko nad plánem
 expert-reach = dosah úrovní
 expert-reach-auto = dosah sám, při { $frames ->
     [one] { $frames } snímku

@@ -183,6 +183,7 @@ expert-loss = lost
 expert-down = server gone
 expert-pause = pause
 expert-ask = ask again now
+expert-aloft = bird's eye: the wheel on the plan sets how high
 expert-reach = reach of levels
 expert-reach-auto = reach as far as { $frames } frames a second allow
 expert-downloaded = { $bytes } downloaded in { $seconds } s

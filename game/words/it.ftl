@@ -183,6 +183,7 @@ expert-loss = perdite
 expert-down = server irraggiungibile
 expert-pause = pausa
 expert-ask = richiedi subito
+expert-aloft = a volo d’uccello: la rotella sulla pianta ne regola l’altezza
 expert-reach = portata dei livelli
 expert-reach-auto = portata automatica, a { $frames } fotogrammi al secondo
 expert-downloaded = scaricati { $bytes } in { $seconds } s

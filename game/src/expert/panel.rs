@@ -43,7 +43,7 @@ pub(super) fn draw(
     // Settings count as changed when they are written to.
     let (mut own, mut is_paused) = (*link, settings.paused);
     let (mut is_auto, mut percent) = (auto.is_some(), reach.0 * 100.0);
-    let (mut closes, mut asks) = (false, false);
+    let (mut closes, mut asks, mut is_aloft) = (false, false, expert.is_aloft);
     window.anchor(Align2::RIGHT_TOP, Vec2::new(-MARGIN, MARGIN) * look.text).show(context, |ui| {
         look.dress(ui, Surface::Dusk);
         ui.set_width(look.text * BROAD);
@@ -55,12 +55,16 @@ pub(super) fn draw(
             memory(ui, &words, &stats, *afar, settings.memory_cap_bytes);
             ui.label(made(&words, stats.bytes_received.iter().sum(), &build));
             asks = line(ui, &words, &mut own, &mut is_paused);
+            aloft(ui, &words, &mut is_aloft);
             levels(ui, &words, auto.as_deref().copied().unwrap_or_default(), &mut is_auto, &mut percent);
             plots::show(ui, &look, &words, &downloads, time.elapsed_secs_f64());
         });
     });
     if closes {
         expert.is_shown = false;
+    }
+    if is_aloft != expert.is_aloft {
+        expert.is_aloft = is_aloft;
     }
     if asks {
         reconnect.write(Reconnect);
@@ -132,6 +136,11 @@ fn line(ui: &mut Ui, words: &Words, link: &mut Link, is_paused: &mut bool) -> bo
     ui.button(words.say("expert-ask")).clicked()
 }
 
+/// Whether the camera is above the walk.
+fn aloft(ui: &mut Ui, words: &Words, is_aloft: &mut bool) {
+    ui.checkbox(is_aloft, words.say("expert-aloft"));
+}
+
 /// A slider of a number that is read and written as the language does.
 fn number<'a>(words: &'a Words, value: &'a mut f64, range: RangeInclusive<f64>) -> Slider<'a> {
     Slider::new(value, range)
@@ -161,6 +170,7 @@ mod tests {
     struct Chosen {
         link: Link,
         is_paused: bool,
+        is_aloft: bool,
         is_auto: bool,
         percent: f32,
         asks: bool,
@@ -174,6 +184,7 @@ mod tests {
         figures(ui, words, &StreamingStats::default(), (1, 2, 3), None);
         memory(ui, words, &StreamingStats::default(), DistrictMemory::default(), 9);
         chosen.asks |= line(ui, words, &mut chosen.link, &mut chosen.is_paused);
+        aloft(ui, words, &mut chosen.is_aloft);
         levels(ui, words, AutoLevels::default(), &mut chosen.is_auto, &mut chosen.percent);
     }
 
@@ -189,7 +200,7 @@ mod tests {
                 harness.get_by_role_and_label(Role::Slider, &words.say(name));
             }
             let auto = words.say_with("expert-reach-auto", &[("frames", 50.into())]);
-            for name in [words.say("expert-down"), words.say("expert-pause"), auto] {
+            for name in [words.say("expert-down"), words.say("expert-pause"), words.say("expert-aloft"), auto] {
                 harness.get_by_role_and_label(Role::CheckBox, &name).click();
                 harness.run();
             }
@@ -197,8 +208,8 @@ mod tests {
                 harness.get_by_label(&words.say(name)).click();
                 harness.run();
             }
-            let Chosen { link, is_paused, is_auto, asks, closes, .. } = harness.state();
-            assert!(link.is_down && *is_paused && *is_auto && *asks && *closes, "{}", words.language());
+            let Chosen { link, is_paused, is_aloft, is_auto, asks, closes, .. } = harness.state();
+            assert!(link.is_down && *is_paused && *is_aloft && *is_auto && *asks && *closes, "{}", words.language());
             assert!(harness.query_all_by_label_contains("expert-").next().is_none(), "{}", words.language());
         }
     }

@@ -28,7 +28,7 @@ const PATIENCE_S: f64 = 20.0;
 #[derive(Resource, Default)]
 pub(crate) struct WalkThrough(Option<(DVec2, f64)>);
 
-fn colour(colour: Color32, alpha: f32) -> Color {
+pub(super) fn colour(colour: Color32, alpha: f32) -> Color {
     Color::srgba_u8(colour.r(), colour.g(), colour.b(), (alpha * 255.0) as u8)
 }
 

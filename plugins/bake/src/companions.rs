@@ -1,4 +1,4 @@
-//! Files that belong to a city and travel with it: what is told of its places, and its tours.
+//! Files that belong to a city and travel with it: what is told of its places, what lies beyond it, and its tours.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use veduta_store::{CityWriter, StoreError};
 use crate::scene::{Astray, below, stem_of};
 
 /// Endings of files that belong to the city of the same stem beside them.
-const OF_STEM: [&str; 3] = [".guide.ron", ".life.ron", ".sound.ron"];
+const OF_STEM: [&str; 4] = [".backdrop.png", ".guide.ron", ".life.ron", ".sound.ron"];
 
 /// Gives a city that is being written the files that lie beside its input: those of its stem (`X.guide.ron` beside `X.graph.ron`), tours that name
 /// it, and the pictures and recordings that these name. What cannot be taken along is told.
@@ -101,6 +101,7 @@ mod tests {
         let tour = |city: &str| format!("(title: \"T\", city: \"{city}\", steps: [Wait(seconds: 1)])");
         let files = [
             ("a.graph.ron", String::new()),
+            ("a.backdrop.png", String::new()),
             ("a.guide.ron", String::new()),
             ("a.graph.overrides.ron", String::new()),
             ("ab.guide.ron", String::new()),
@@ -115,7 +116,7 @@ mod tests {
         let found = beside(&dir.join("a.graph.ron"));
         let names: Vec<_> = found.iter().filter_map(|path| path.file_name()).collect();
         std::fs::remove_dir_all(&dir).expect("was made");
-        assert_eq!(names, ["a.guide.ron", "one.tour.ron"]);
+        assert_eq!(names, ["a.backdrop.png", "a.guide.ron", "one.tour.ron"]);
     }
 
     #[cfg(unix)]

@@ -85,6 +85,26 @@ pub struct Stop {
     pub eye_m: f64,
 }
 
+/// Lifts a viewer's camera above its [`Eye`], to look down on where that is with north at the top. The eye goes on as before: what is
+/// loaded is what it needs, and is to be seen from above.
+#[derive(Component, Reflect, Debug, Clone, Copy, PartialEq)]
+#[reflect(Component)]
+pub struct BirdsEye {
+    /// Metres above the eye.
+    pub height_m: f64,
+}
+
+impl BirdsEye {
+    /// Degrees; steep enough that streets are seen between their houses.
+    const PITCH_DEG: f64 = -65.0;
+
+    /// Where the camera of an eye stands, plan metres and elevation.
+    fn stand(self, eye: &Eye) -> (DVec2, f64) {
+        let back_m = self.height_m / (-Self::PITCH_DEG).to_radians().tan();
+        (eye.plan_pos - DVec2::new(0.0, back_m), eye.z_m() + self.height_m)
+    }
+}
+
 /// Who moves the viewer's eye.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Steering {
@@ -100,11 +120,13 @@ pub enum Steering {
 /// Puts every eye on screen.
 pub(crate) fn apply_eyes(
     origin: Res<WorldOrigin>,
-    mut viewers: Query<(&Eye, &mut Transform, Option<&mut Projection>, Option<&mut ColorGrading>), With<Viewer>>,
+    mut viewers: Query<(&Eye, Option<&BirdsEye>, &mut Transform, Option<&mut Projection>, Option<&mut ColorGrading>), With<Viewer>>,
 ) {
-    for (eye, mut transform, projection, grading) in &mut viewers {
-        let next = Transform::from_translation(origin.world_from_plan(eye.plan_pos, eye.z_m()))
-            .with_rotation(WorldOrigin::rotation(eye.heading_deg, eye.pitch_deg));
+    for (eye, above, mut transform, projection, grading) in &mut viewers {
+        let (plan_pos, z_m) = above.map_or((eye.plan_pos, eye.z_m()), |above| above.stand(eye));
+        let (heading_deg, pitch_deg) = above.map_or((eye.heading_deg, eye.pitch_deg), |_| (0.0, BirdsEye::PITCH_DEG));
+        let next = Transform::from_translation(origin.world_from_plan(plan_pos, z_m))
+            .with_rotation(WorldOrigin::rotation(heading_deg, pitch_deg));
         transform.set_if_neq(next);
         let fov = (eye.fov_deg as f32).to_radians().clamp(0.05, 2.8);
         if let Some(mut projection) = projection
@@ -140,5 +162,23 @@ mod tests {
         assert!((at - Vec3::new(3.0, 2.65, -4.0)).length() < 1e-5, "{at}");
         let Some(Projection::Perspective(p)) = entity.get::<Projection>() else { panic!("spawned above") };
         assert!((p.fov - 40_f32.to_radians()).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_birds_eye_looks_at_its_eye_from_above() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, EcsPlugin));
+        let eye = Eye { plan_pos: DVec2::new(3.0, 4.0), ground_m: 1.0, heading_deg: 77.0, ..Eye::default() };
+        let viewer = app.world_mut().spawn((Viewer, Footing::Own, eye, Transform::default(), BirdsEye { height_m: 200.0 })).id();
+        app.update();
+        let transform = *app.world().get::<Transform>(viewer).expect("spawned above");
+        assert!((transform.translation.y - (1.0 + 1.65 + 200.0)).abs() < 1e-3, "{transform:?}");
+        let to_eye = Vec3::new(3.0, 2.65, -4.0) - transform.translation;
+        assert!(transform.forward().dot(to_eye.normalize()) > 0.99999, "{transform:?}");
+        assert_eq!(*app.world().get::<Eye>(viewer).expect("spawned above"), eye, "the eye stays where it is");
+        app.world_mut().entity_mut(viewer).remove::<BirdsEye>();
+        app.update();
+        let at = app.world().get::<Transform>(viewer).expect("spawned above").translation;
+        assert!((at - Vec3::new(3.0, 2.65, -4.0)).length() < 1e-5, "{at}");
     }
 }

@@ -23,6 +23,7 @@ mod ground;
 mod interface;
 mod overview;
 mod place;
+mod rim;
 mod sets;
 mod sight;
 mod space;
@@ -38,11 +39,12 @@ pub use cell::{
 pub use clock::CityClock;
 pub use cue::{Accompany, Cue, Part};
 pub use daylight::{Daylight, Weather};
-pub use eye::{Eye, Itinerary, Steering, Stop, Viewer};
+pub use eye::{BirdsEye, Eye, Itinerary, Steering, Stop, Viewer};
 pub use ground::{Footing, Ground};
 pub use interface::{Docks, Interface, PlaceNames, PointersTaken, Route, ShowOnMap, TourPath, WalkTo, keys_are_free};
 pub use overview::{Around, OverviewWants, Overviews};
 pub use place::{CITY_SOURCE, City, CityFailed, CityOpened, JumpTo, OpenCity, own_file};
+pub use rim::Rim;
 pub use sets::{InterfaceSystems, VedutaSystems};
 pub use sight::{Sight, Sights, house_key};
 pub use space::WorldOrigin;
@@ -74,6 +76,7 @@ impl Plugin for EcsPlugin {
             .init_resource::<Daylight>()
             .register_type::<Eye>()
             .register_type::<Viewer>()
+            .register_type::<BirdsEye>()
             .register_type::<Footing>()
             .register_type::<Subject>()
             .register_type::<LevelFade>()

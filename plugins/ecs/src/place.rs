@@ -1,7 +1,7 @@
 use bevy::prelude::*;
 use veduta_city::{Anchor, GridPolygon, Viewpoint};
 
-use crate::Overviews;
+use crate::{Overviews, Rim};
 
 /// The open city, as maps, guides and tours need it. Streaming inserts it; a game without streaming may insert its own.
 #[derive(Resource, Debug, Clone, Default)]
@@ -16,6 +16,8 @@ pub struct City {
     pub start: Viewpoint,
     /// Edge of the modelled city.
     pub extent: GridPolygon,
+    /// How high it rises near its edge.
+    pub rim: Rim,
     /// Streets, areas, houses in outline and places, in parts that come and go.
     pub overviews: Overviews,
     /// Files that travel with it, by their paths: guides, tours, pictures. The asset server loads one as `city://` and its path.

@@ -7,7 +7,8 @@
 //!
 //! The sun stands where it stands in the city's latitude at that day and hour. One palette of light is drawn from its
 //! altitude, so that sky, fog, fill and exposure always agree. The sky is a dome with a gradient, the sun's glow and a
-//! layer of clouds: cheap enough for software rendering, and within WebGL2.
+//! layer of clouds: cheap enough for software rendering, and within WebGL2. Beyond the city's edge roofs and hills stand in haze, as high
+//! as the city's own rise there, or a picture of what lies there ([`Backdrop`]), so that a street that ends does not end in nothing.
 //!
 //! # Use
 //! ```no_run
@@ -30,6 +31,7 @@
 //! Bevy's atmosphere for every profile: it needs compute shaders, which WebGL2 lacks, and costs most of a frame on a
 //! software renderer.
 
+mod backdrop;
 mod dome;
 mod lamps;
 mod light;
@@ -39,6 +41,7 @@ mod sun;
 use bevy::prelude::*;
 use veduta_ecs::{CityClock, VedutaSystems};
 
+pub use backdrop::Backdrop;
 pub use dome::SkyMaterial;
 pub use lamps::LampSettings;
 pub use light::{KeyLight, SkySettings};

@@ -9,9 +9,15 @@ struct Sky {
     horizon: vec4<f32>,
     sun: vec4<f32>,
     key: vec4<f32>,
+    // How much the backdrop rises with every metre to it, by direction: first to the north, then clockwise.
+    backdrop: array<vec4<f32>, 8>,
+    // x: height of the picture of what lies beyond the city, radians; 0 without one.
+    picture: vec4<f32>,
 }
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> sky: Sky;
+@group(#{MATERIAL_BIND_GROUP}) @binding(1) var beyond: texture_2d<f32>;
+@group(#{MATERIAL_BIND_GROUP}) @binding(2) var beyond_sampler: sampler;
 
 fn hash(p: vec2<f32>) -> f32 {
     var q = fract(vec3<f32>(p.xyx) * 0.1031);
@@ -58,10 +64,64 @@ fn moon(dir: vec3<f32>, to_moon: vec3<f32>) -> vec3<f32> {
     return sky.key.rgb * glow + vec3(1.0, 0.96, 0.86) * disc * lit * (1.7 - 0.75 * seas);
 }
 
+// How many houses in a row stand round the horizon, and how many windows each of their storeys has.
+const ROOFS: f32 = 720.0;
+const WINDOWS: f32 = 5.0;
+
+fn slope(direction: i32) -> f32 {
+    let n = (direction + 32) % 32;
+    return sky.backdrop[n / 4][n % 4];
+}
+
+// Outline of a row of roofs: the share of the backdrop's height that it has at a place in the row.
+fn roofs(along: f32, seed: f32) -> f32 {
+    let n = floor(along);
+    let from_middle = abs(2.0 * fract(along) - 1.0);
+    let house = vec2(n, seed);
+    let eaves = 0.34 + 0.26 * hash(house);
+    let kind = hash(house + 3.7);
+    // Ridges along the row, gables, and now and then a tower.
+    if kind > 0.975 { return eaves + (0.25 + 0.35 * hash(house + 9.1)) * max(1.0 - 3.5 * from_middle, 0.0); }
+    if kind > 0.55 { return eaves + 0.16 * (1.0 - from_middle); }
+    return eaves + 0.12 * min(4.0 * (1.0 - from_middle), 1.0);
+}
+
+// What lies beyond the city's edge: hills, a row of roofs before them, and one more before that, the nearer the darker. `rise` is how much
+// the direction rises with every metre, `pixel` by how much it changes from one pixel to the next.
+fn backdrop(dir: vec3<f32>, rise: f32, pixel: f32, behind: vec3<f32>, day: f32) -> vec3<f32> {
+    let turn = fract(atan2(dir.x, -dir.z) / 6.2831853);
+    if sky.picture.x > 0.0 {
+        let up = atan(rise) / sky.picture.x;
+        let seen = textureSampleLevel(beyond, beyond_sampler, vec2(turn, clamp(1.0 - up, 0.002, 0.998)), 0.0);
+        let lit = seen.rgb * mix(sky.zenith.rgb * 0.3 + sky.key.rgb * 0.05, sky.horizon.rgb * 0.4 + sky.key.rgb * 0.6, day);
+        return mix(behind, lit, seen.a * step(up, 1.0));
+    }
+    let at = turn * 32.0;
+    let high = mix(slope(i32(floor(at))), slope(i32(floor(at)) + 1), smoothstep(0.0, 1.0, fract(at)));
+    if high <= 0.0 || rise > high * 1.5 { return behind; }
+    let flat = normalize(vec2(dir.x, dir.z));
+    let hills = high * (0.35 + 0.75 * noise(flat * 3.0 + 11.0) + 0.12 * noise(flat * 31.0));
+    let back = high * roofs(turn * ROOFS * 1.4, 1.0) * (0.75 + 0.5 * noise(flat * 9.0));
+    let front = high * 0.8 * roofs(turn * ROOFS, 2.0) * (0.6 + 0.7 * noise(flat * 13.0 + 5.0));
+    // In haze, and against it.
+    let haze = sky.horizon.rgb;
+    let dark = mix(sky.zenith.rgb * 0.22, haze * vec3(0.50, 0.53, 0.60), day);
+    var colour = behind;
+    colour = mix(colour, mix(dark, haze, 0.72), 1.0 - smoothstep(-pixel, pixel, rise - hills));
+    colour = mix(colour, mix(dark, haze, 0.50), 1.0 - smoothstep(-pixel, pixel, rise - back));
+    colour = mix(colour, mix(dark, haze, 0.30), 1.0 - smoothstep(-pixel, pixel, rise - front));
+    // Some windows are lit at night.
+    let window = vec2(floor(turn * ROOFS * WINDOWS), floor(rise / (high * 0.07)));
+    let is_lit = step(0.90, hash(window)) * step(rise, front * 0.85) * step(0.0, rise);
+    return colour + vec3(0.30, 0.19, 0.08) * is_lit * smoothstep(0.35, 0.9, 1.0 - day);
+}
+
 @fragment
 fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     let dir = normalize(in.world_position.xyz - view.world_position.xyz);
     let up = max(dir.y, 0.0);
+    let rise = dir.y / max(length(dir.xz), 1e-4);
+    let pixel = max(fwidth(rise) * 0.7, 1e-5);
     let toward = max(dot(dir, sky.sun.xyz), 0.0);
     var colour = mix(sky.horizon.rgb, sky.zenith.rgb, pow(up, 0.45));
     // The horizon towards the sun is warmer and brighter than the one behind.
@@ -94,6 +154,7 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     colour += sky.key.rgb * smoothstep(0.99965, 0.9998, dot(dir, sky.sun.xyz)) * 12.0 * day;
     // Below the horizon: haze.
     colour = mix(colour, sky.horizon.rgb * 0.8, smoothstep(0.0, -0.08, dir.y));
+    if rise > -0.08 && rise < max(0.4, tan(min(sky.picture.x, 1.5))) { colour = mix(backdrop(dir, rise, pixel, colour, day), colour, smoothstep(0.0, -0.08, rise)); }
     var out = vec4<f32>(colour * sky.zenith.w * view.exposure, 1.0);
 #ifdef TONEMAP_IN_SHADER
     out = tone_mapping(out, view.color_grading);

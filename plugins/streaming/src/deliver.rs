@@ -3,10 +3,10 @@ use std::sync::Arc;
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use veduta_city::{GridPos, Level, bounds};
+use veduta_city::{GridPos, Level, bounds, metres};
 use veduta_ecs::{
     Awaited, Cell, CellContent, CellMemory, CellMesh, CellReady, CellReleased, City, CityFailed, CityOpened, Eye, LevelFade,
-    Overviews, StandingCells, Viewer, WorldOrigin,
+    Overviews, Rim, StandingCells, Viewer, WorldOrigin,
 };
 use veduta_store::{CityIndex, Client, ClientEvent, Packet, What, sheet_fits};
 
@@ -289,6 +289,7 @@ fn open(world: &mut World, index: &CityIndex) {
         anchor: index.anchor,
         start: index.start,
         extent: index.extent.clone(),
+        rim: Rim::of(index.regions.iter().filter(|region| region.cells > 0).map(|region| (region.bounds, metres(region.top)))),
         overviews: Overviews::awaited(index.regions.iter().map(|region| region.bounds)),
         files,
     });

@@ -9,8 +9,8 @@
 //! what is in sight first; parts of the overview, for maps, tours and the city from afar, when all in sight stands: those about the viewers,
 //! what plugins ask for ([`OverviewWants`](veduta_ecs::OverviewWants)), and of what is seen from where viewers are the nearest and the tallest. Wanted are the cells of its visible set at level 1, nearest
 //! first, then level 2 within [`StreamingSettings::level_2_m`] and finer ones within [`StreamingSettings::level_3_m`], then level 1 of all
-//! that is seen from the cells next to it and from where an [`Itinerary`](veduta_ecs::Itinerary) leads: a cell opens ([`OpenCells`](veduta_ecs::OpenCells)) when nothing would be
-//! missing from there. A viewer above the roofs wants everything within [`StreamingSettings::level_2_m`], and the overview beyond. Levels of
+//! that is seen from the cells next to it and from those ahead, the soonest first: where an [`Itinerary`](veduta_ecs::Itinerary) leads, else
+//! where the viewer's [`Motion`] does. A cell opens ([`OpenCells`](veduta_ecs::OpenCells)) when nothing would be missing from there. A viewer above the roofs wants everything within [`StreamingSettings::level_2_m`], and the overview beyond. Levels of
 //! a cell arrive strictly in order. Of finer levels no more is asked for than the line brings in a while: its [`Pace`] is measured. Nothing
 //! is read or decoded on the main thread.
 //!
@@ -41,6 +41,7 @@ mod journal;
 mod link;
 mod look;
 mod memory;
+mod motion;
 mod overviews;
 mod pace;
 mod want;
@@ -56,6 +57,7 @@ pub use follow::CurrentCell;
 pub use journal::{Entry, Event, Journal, JournalError, Reason, read_journal, replay, write_journal};
 pub use link::Link;
 pub use look::Streamed;
+pub use motion::Motion;
 pub use pace::Pace;
 pub use veduta_store::What;
 pub use want::{Wanted, Why};
@@ -189,7 +191,7 @@ impl Plugin for StreamingPlugin {
             .register_type::<StreamingSettings>()
             .configure_sets(Update, (Open, Follow, Want, Deliver, Release).chain().in_set(VedutaSystems::Stream))
             .add_systems(Update, (fetch::open_city, fetch::reconnect).chain().in_set(Open))
-            .add_systems(Update, follow::follow_viewers.in_set(Follow))
+            .add_systems(Update, (follow::follow_viewers, motion::measure).chain().in_set(Follow))
             .add_systems(
                 Update,
                 (memory::measure, want::plan_wanted, (want::count_awaited, want::open_cells, overviews::plan_overviews))

@@ -11,6 +11,7 @@ use veduta_store::CityIndex;
 use crate::deliver::LoadedCells;
 use crate::fetch::Store;
 use crate::memory::Sizes;
+use crate::motion::Motion;
 use crate::pace::Pace;
 use crate::{CurrentCell, StreamingSettings, StreamingStats};
 
@@ -130,12 +131,12 @@ pub(crate) fn count_awaited(
     awaited.set_if_neq(Awaited { cells: cells + regions });
 }
 
-/// How urgently a cell is wanted: rank (0 in sight, 1 in sight from the next cell), then metres.
+/// How urgently a cell is wanted: rank (0 in sight, 1 in sight from where a viewer may be next), then seconds, then metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Need {
     rank: u8,
-    /// Metres to walk until it comes into sight; 0 if it is.
-    way_m: f64,
+    /// Seconds until it may come into sight; 0 if it is.
+    in_s: f64,
     distance_m: f64,
     finest: Level,
     why: Why,
@@ -168,7 +169,7 @@ impl Needs<'_> {
         is_here
     }
 
-    fn need(&mut self, cell: u32, why: Why, way_m: f64, eye: &Eye) {
+    fn need(&mut self, cell: u32, why: Why, in_s: f64, eye: &Eye) {
         let rank = rank(why);
         let Some(region) = self.index.region_of(cell) else { return };
         if !self.has(region, rank) {
@@ -181,11 +182,11 @@ impl Needs<'_> {
             far if far <= self.settings.level_2_m => Level::Two,
             _ => Level::One,
         };
-        let new = Need { rank, way_m, distance_m, finest, why };
+        let new = Need { rank, in_s, distance_m, finest, why };
         let nearer = |old: &mut Need| {
             *old = Need {
                 rank: old.rank.min(rank),
-                way_m: old.way_m.min(way_m),
+                in_s: old.in_s.min(in_s),
                 distance_m: old.distance_m.min(distance_m),
                 finest: old.finest.max(finest),
                 why: if rank < old.rank { why } else { old.why },
@@ -195,7 +196,7 @@ impl Needs<'_> {
     }
 
     /// Adds what one viewer needs.
-    fn add(&mut self, eye: &Eye, cell: Option<u32>) {
+    fn add(&mut self, eye: &Eye, cell: Option<u32>, motion: &Motion) {
         let (index, settings) = (self.index, self.settings);
         if cell.is_none() {
             let pos = GridPos::from_metres(eye.plan_pos);
@@ -208,14 +209,12 @@ impl Needs<'_> {
             for &seen in visible(index, cell) {
                 self.need(seen, Why::Seen { from: cell }, 0.0, eye);
             }
-            // Cells open when all that is seen from them stands: the nearest ahead first.
-            let mut ahead: Vec<(f64, u32)> =
-                index.portals(cell).filter_map(|portal| Some((way_m(portal, eye), portal.other(cell)?))).collect();
-            ahead.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            for (way_m, next) in ahead {
-                for &seen in visible(index, next) {
-                    self.need(seen, Why::Ahead { from: next }, way_m, eye);
-                }
+            // Cells open when all that is seen from them stands: the one that is reached soonest first.
+            let next = index.portals(cell).filter_map(|portal| Some((portal.other(cell)?, way_m(portal, eye, motion))));
+            let mut ahead: Vec<(u32, f64)> = next.collect();
+            ahead.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+            for (next, way_m) in ahead {
+                self.add_ahead(next, way_m / motion.pace_m_s(), eye);
             }
         }
         // Above the roofs, or in a place that no cell covers: what is near, whatever stands between.
@@ -254,26 +253,28 @@ impl Needs<'_> {
         }
     }
 
+    /// Adds what is seen from a cell into which a viewer may come.
+    fn add_ahead(&mut self, from: u32, in_s: f64, eye: &Eye) {
+        for &seen in visible(self.index, from) {
+            self.need(seen, Why::Ahead { from }, in_s, eye);
+        }
+    }
+
     /// Adds what is seen from where a viewer will be.
     fn add_stop(&mut self, stop: &Stop, eye: &Eye) {
-        let way_m = stop.in_s * PACE_M_S;
         let (index, settings) = (self.index, self.settings);
         let pos = GridPos::from_metres(stop.plan_pos);
         if index.regions_at(pos).filter(|&region| !self.has(region, 1)).count() > 0 {
             return;
         }
         match index.locate(pos).filter(|_| stop.eye_m < settings.flying_from_m) {
-            Some(from) => {
-                for &seen in visible(index, from) {
-                    self.need(seen, Why::Ahead { from }, way_m, eye);
-                }
-            }
-            None => self.near(stop.plan_pos, Why::OnTheWay, way_m, eye),
+            Some(from) => self.add_ahead(from, stop.in_s, eye),
+            None => self.near(stop.plan_pos, Why::OnTheWay, stop.in_s, eye),
         }
     }
 
     /// Adds all that shows level 2 about a place, whatever stands between: beyond, the overview's districts tell as much.
-    fn near(&mut self, plan_pos: DVec2, why: Why, way_m: f64, eye: &Eye) {
+    fn near(&mut self, plan_pos: DVec2, why: Why, in_s: f64, eye: &Eye) {
         let (index, around_m) = (self.index, self.settings.level_2_m);
         for (number, region) in index.regions_about(GridPos::from_metres(plan_pos), GridPos::steps(around_m)) {
             if bounds::distance_m(region.bounds, plan_pos) > around_m || !self.has(number, rank(why)) {
@@ -282,7 +283,7 @@ impl Needs<'_> {
             let page = index.region(number).map_or(&[][..], |page| &page.cells);
             for (cell, entry) in region.numbers().zip(page) {
                 if bounds::distance_m(entry.bounds, plan_pos) <= around_m {
-                    self.need(cell, why, way_m, eye);
+                    self.need(cell, why, in_s, eye);
                 }
             }
         }
@@ -306,15 +307,28 @@ fn rank(why: Why) -> u8 {
     u8::from(matches!(why, Why::Ahead { .. } | Why::OnTheWay))
 }
 
-/// Metres a second at which a walker comes to a portal: by that, what is to be seen in so many seconds is compared with it.
-const PACE_M_S: f64 = 1.4;
+/// Where a viewer will be, and cells that he will come into, each with the metres to it: as an itinerary tells, else as he moves.
+fn expected<'a>(
+    eye: &Eye,
+    itinerary: &Itinerary,
+    motion: &'a Motion,
+    settings: &StreamingSettings,
+) -> (Vec<Stop>, &'a [(u32, f64)]) {
+    if !itinerary.0.is_empty() {
+        return (itinerary.0.clone(), &[]);
+    }
+    if eye.eye_m < settings.flying_from_m {
+        return (Vec::new(), &motion.ahead);
+    }
+    (motion.is_moving().then(|| motion.stop(eye)).into_iter().collect(), &[])
+}
 
-/// Plans anew when a viewer has changed cell or moved eight metres or up or down as much, when more of the city is told, when the line has become slower than what
-/// is asked for, or can bring what was left out.
+/// Plans anew when a viewer has changed cell or moved eight metres or up or down as much, when other cells lie ahead of him, when more of the
+/// city is told, when the line has become slower than what is asked for, or can bring what was left out.
 pub(crate) fn plan_wanted(
     store: Option<Res<Store>>,
     settings: Res<StreamingSettings>,
-    viewers: Query<(&Eye, Option<&CurrentCell>, &Itinerary), With<Viewer>>,
+    viewers: Query<(&Eye, Option<&CurrentCell>, &Itinerary, &Motion), With<Viewer>>,
     (pace, stats, loaded): (Res<Pace>, Res<StreamingStats>, Option<Res<LoadedCells>>),
     (sizes, afar): (Res<Sizes>, Res<DistrictMemory>),
     mut wanted: ResMut<Wanted>,
@@ -326,10 +340,12 @@ pub(crate) fn plan_wanted(
     };
     let standpoints: Vec<(Option<u32>, IVec4)> = viewers
         .iter()
-        .flat_map(|(eye, current, itinerary)| {
+        .flat_map(|(eye, current, itinerary, motion)| {
             let here = (current.and_then(|c| c.0), coarse(eye.plan_pos, eye.ground_m, eye.eye_m));
-            let stops = itinerary.0.iter().map(|stop| (None, coarse(stop.plan_pos, 0.0, stop.eye_m)));
-            core::iter::once(here).chain(stops).collect::<Vec<_>>()
+            let (stops, cells) = expected(eye, itinerary, motion, &settings);
+            let stops = stops.into_iter().map(|stop| (None, coarse(stop.plan_pos, 0.0, stop.eye_m)));
+            let cells = cells.iter().map(|&(cell, _)| (Some(cell), IVec4::ZERO));
+            core::iter::once(here).chain(stops).chain(cells).collect::<Vec<_>>()
         })
         .collect();
     let finer_bytes = pace.bytes_within(settings.finer_within_s);
@@ -339,9 +355,11 @@ pub(crate) fn plan_wanted(
     }
     let mut needs =
         Needs { index, settings: &settings, cells: BTreeMap::new(), used: BTreeSet::new(), missing: [Vec::new(), Vec::new()] };
-    for (eye, current, itinerary) in &viewers {
-        needs.add(eye, current.and_then(|c| c.0));
-        itinerary.0.iter().for_each(|stop| needs.add_stop(stop, eye));
+    for (eye, current, itinerary, motion) in &viewers {
+        needs.add(eye, current.and_then(|c| c.0), motion);
+        let (stops, cells) = expected(eye, itinerary, motion, &settings);
+        cells.iter().for_each(|&(cell, way_m)| needs.add_ahead(cell, way_m / motion.pace_m_s(), eye));
+        stops.iter().for_each(|stop| needs.add_stop(stop, eye));
     }
     // What is here, or will not come, costs the line nothing.
     let is_free = |cell: u32, level: Level| {
@@ -374,15 +392,13 @@ fn visible(index: &CityIndex, cell: u32) -> &[u32] {
     index.cell(cell).map_or(&[], |entry| &entry.visible)
 }
 
-/// Metres from a viewer to a portal; those behind the back count as so many times as far.
-fn way_m(portal: &Portal, eye: &Eye) -> f64 {
+/// Metres from a viewer to a portal; those behind the back, or that are gone away from, count as so many times as far.
+fn way_m(portal: &Portal, eye: &Eye, motion: &Motion) -> f64 {
     const BEHIND: f64 = 2.0;
     let (a, b) = (portal.ends.0.to_metres(), portal.ends.1.to_metres());
     let along = ((eye.plan_pos - a).dot(b - a) / (b - a).length_squared().max(1e-9)).clamp(0.0, 1.0);
     let way = a.lerp(b, along) - eye.plan_pos;
-    let heading = eye.heading_deg.to_radians();
-    let is_ahead = way.dot(DVec2::new(heading.sin(), heading.cos())) >= 0.0;
-    way.length() * if is_ahead { 1.0 } else { BEHIND }
+    way.length() * if way.dot(motion.direction(eye)) >= 0.0 { 1.0 } else { BEHIND }
 }
 
 /// Opens the cells about viewers from which nothing would be missing.
@@ -412,8 +428,8 @@ pub(crate) fn open_cells(
     open.set_if_neq(OpenCells { cells: Some(about.into_iter().filter(is_open).collect()) });
 }
 
-/// So near to a portal, what is seen from beyond it comes before the finer levels of what is in sight; metres.
-const NEXT_M: f64 = 20.0;
+/// What may be seen so soon comes before the finer levels of what is in sight; seconds.
+const NEXT_S: f64 = 14.0;
 
 /// What is wanted, in order.
 struct Ranked {
@@ -439,7 +455,7 @@ fn ranked(
     cells.sort_by(|a, b| {
         a.1.rank
             .cmp(&b.1.rank)
-            .then(a.1.way_m.total_cmp(&b.1.way_m))
+            .then(a.1.in_s.total_cmp(&b.1.in_s))
             .then(a.1.distance_m.total_cmp(&b.1.distance_m))
             .then(a.0.cmp(&b.0))
     });
@@ -468,12 +484,12 @@ fn ranked(
     let of_rank = |rank: u8| cells.iter().filter(move |(_, need)| need.rank == rank);
     of_rank(0).for_each(|&(cell, _)| take(cell, Level::One));
     // Whoever is about to walk on must not stand before a shut door.
-    of_rank(1).filter(|(_, need)| need.way_m <= NEXT_M).for_each(|&(cell, _)| take(cell, Level::One));
+    of_rank(1).filter(|(_, need)| need.in_s <= NEXT_S).for_each(|&(cell, _)| take(cell, Level::One));
     for level in [Level::Two, Level::Three, Level::Four] {
         let is_allowed = |need: &Need| level <= need.finest && level as u8 <= finest;
         of_rank(0).filter(|(_, need)| is_allowed(need)).for_each(|&(cell, _)| take(cell, level));
     }
-    of_rank(1).filter(|(_, need)| need.way_m > NEXT_M).for_each(|&(cell, _)| take(cell, Level::One));
+    of_rank(1).filter(|(_, need)| need.in_s > NEXT_S).for_each(|&(cell, _)| take(cell, Level::One));
     let in_sight = cells.iter().filter(|(_, need)| need.rank == 0).map(|(cell, _)| *cell).collect();
     Ranked { order, in_sight, asked_bytes, is_any_left_out }
 }
