@@ -65,7 +65,7 @@ fn moon(dir: vec3<f32>, to_moon: vec3<f32>) -> vec3<f32> {
 }
 
 // How many houses in a row stand round the horizon, and how many windows each of their storeys has.
-const ROOFS: f32 = 720.0;
+const ROOFS: f32 = 300.0;
 const WINDOWS: f32 = 5.0;
 
 fn slope(direction: i32) -> f32 {
@@ -78,12 +78,12 @@ fn roofs(along: f32, seed: f32) -> f32 {
     let n = floor(along);
     let from_middle = abs(2.0 * fract(along) - 1.0);
     let house = vec2(n, seed);
-    let eaves = 0.34 + 0.26 * hash(house);
+    let eaves = 0.26 + 0.14 * hash(house);
     let kind = hash(house + 3.7);
     // Ridges along the row, gables, and now and then a tower.
-    if kind > 0.975 { return eaves + (0.25 + 0.35 * hash(house + 9.1)) * max(1.0 - 3.5 * from_middle, 0.0); }
-    if kind > 0.55 { return eaves + 0.16 * (1.0 - from_middle); }
-    return eaves + 0.12 * min(4.0 * (1.0 - from_middle), 1.0);
+    if kind > 0.98 { return eaves + (0.3 + 0.4 * hash(house + 9.1)) * clamp(2.0 - 6.0 * from_middle, 0.0, 1.0); }
+    if kind > 0.7 { return eaves + 0.14 * (1.0 - from_middle); }
+    return eaves + 0.11 * min(5.0 * (1.0 - from_middle), 1.0);
 }
 
 // What lies beyond the city's edge: hills, a row of roofs before them, and one more before that, the nearer the darker. `rise` is how much
@@ -100,19 +100,20 @@ fn backdrop(dir: vec3<f32>, rise: f32, pixel: f32, behind: vec3<f32>, day: f32) 
     let high = mix(slope(i32(floor(at))), slope(i32(floor(at)) + 1), smoothstep(0.0, 1.0, fract(at)));
     if high <= 0.0 || rise > high * 1.5 { return behind; }
     let flat = normalize(vec2(dir.x, dir.z));
-    let hills = high * (0.35 + 0.75 * noise(flat * 3.0 + 11.0) + 0.12 * noise(flat * 31.0));
+    let hills = high * (0.10 + 0.85 * noise(flat * 3.0 + 11.0) + 0.06 * noise(flat * 31.0));
     let back = high * roofs(turn * ROOFS * 1.4, 1.0) * (0.75 + 0.5 * noise(flat * 9.0));
     let front = high * 0.8 * roofs(turn * ROOFS, 2.0) * (0.6 + 0.7 * noise(flat * 13.0 + 5.0));
     // In haze, and against it.
     let haze = sky.horizon.rgb;
     let dark = mix(sky.zenith.rgb * 0.22, haze * vec3(0.50, 0.53, 0.60), day);
     var colour = behind;
-    colour = mix(colour, mix(dark, haze, 0.72), 1.0 - smoothstep(-pixel, pixel, rise - hills));
-    colour = mix(colour, mix(dark, haze, 0.50), 1.0 - smoothstep(-pixel, pixel, rise - back));
-    colour = mix(colour, mix(dark, haze, 0.30), 1.0 - smoothstep(-pixel, pixel, rise - front));
+    colour = mix(colour, mix(dark, haze, 0.68), 1.0 - smoothstep(-pixel, pixel, rise - hills));
+    colour = mix(colour, mix(dark, haze, 0.42), 1.0 - smoothstep(-pixel, pixel, rise - back));
+    colour = mix(colour, mix(dark, haze, 0.15), 1.0 - smoothstep(-pixel, pixel, rise - front));
     // Some windows are lit at night.
-    let window = vec2(floor(turn * ROOFS * WINDOWS), floor(rise / (high * 0.07)));
-    let is_lit = step(0.90, hash(window)) * step(rise, front * 0.85) * step(0.0, rise);
+    let pane = vec2(turn * ROOFS * WINDOWS, rise / (high * 0.055));
+    let inside = abs(fract(pane) - 0.5);
+    let is_lit = step(0.92, hash(floor(pane))) * step(max(inside.x, inside.y), 0.3) * step(rise, front * 0.8) * step(0.0, rise);
     return colour + vec3(0.30, 0.19, 0.08) * is_lit * smoothstep(0.35, 0.9, 1.0 - day);
 }
 
