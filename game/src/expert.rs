@@ -17,6 +17,7 @@ use veduta::city::Level;
 use veduta::controls::{Layers, Presses};
 use veduta::ecs::{Interface, VedutaSystems};
 use veduta::guide::PickSettings;
+use veduta::minimap::MapView;
 use veduta::ui::Look;
 use veduta::walker::WalkerSystems;
 
@@ -54,7 +55,13 @@ fn is_shown(expert: Res<Expert>) -> bool {
     expert.is_shown
 }
 
-fn toggle(presses: Presses<'_, '_>, mut layers: ResMut<Layers>, mut expert: ResMut<Expert>, mut pick: ResMut<PickSettings>) {
+fn toggle(
+    presses: Presses<'_, '_>,
+    mut layers: ResMut<Layers>,
+    mut expert: ResMut<Expert>,
+    mut pick: ResMut<PickSettings>,
+    mut map: ResMut<MapView>,
+) {
     if presses.begins::<ExpertOpen>() {
         expert.is_shown = !expert.is_shown;
     }
@@ -64,6 +71,10 @@ fn toggle(presses: Presses<'_, '_>, mut layers: ResMut<Layers>, mut expert: ResM
     // A click goes through walls then, and nowhere else.
     if pick.leads == expert.is_shown {
         pick.leads = !expert.is_shown;
+    }
+    // The plan of cells is a map, too, and its figures lie over the small one.
+    if map.is_covered != expert.is_shown {
+        map.is_covered = expert.is_shown;
     }
 }
 

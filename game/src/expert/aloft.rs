@@ -32,7 +32,8 @@ pub(super) fn lift(
             None if present.is_some() => drop(commands.entity(viewer).remove::<BirdsEye>()),
             _ => continue,
         }
-        gizmos.config_mut::<DefaultGizmoConfigGroup>().0.depth_bias = if wished.is_some() { -1.0 } else { 0.0 };
+        let config = gizmos.config_mut::<DefaultGizmoConfigGroup>().0;
+        (config.depth_bias, config.line.width) = if wished.is_some() { (-1.0, 3.0) } else { (0.0, 2.0) };
     }
 }
 

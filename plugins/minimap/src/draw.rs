@@ -100,7 +100,7 @@ pub(crate) fn draw_map(
             }
             None => {}
         }
-    } else {
+    } else if !view.is_covered {
         // Where docks leave little, at the upper edge: the lower one has the bar and captions.
         let is_at_top = settings.top || *docks != Docks::default();
         corner_map(context, Look::free(&docks, context), is_at_top, &shown, &mut settings, &mut view, names);

@@ -17,12 +17,15 @@ pub struct MapView {
     pub marked: Option<DVec2>,
     /// Whether the visitor has taken hold of himself, to be put down elsewhere.
     pub carries: bool,
+    /// Whether something else lies where the small map is; it is not drawn then. Kept by whoever lies there.
+    pub is_covered: bool,
 }
 
 /// Opens the large map about a spot that is to be shown.
 pub(crate) fn show_asked(mut asked: MessageReader<ShowOnMap>, mut view: ResMut<MapView>) {
     if let Some(spot) = asked.read().last() {
-        *view = MapView { open: true, middle: Some(spot.plan_pos), radius_m: 220.0, marked: Some(spot.plan_pos), carries: false };
+        let (middle, marked) = (Some(spot.plan_pos), Some(spot.plan_pos));
+        *view = MapView { open: true, middle, radius_m: 220.0, marked, carries: false, ..*view };
     }
 }
 
