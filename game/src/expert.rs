@@ -19,7 +19,6 @@ use veduta::ecs::{Interface, VedutaSystems};
 use veduta::guide::PickSettings;
 use veduta::minimap::MapView;
 use veduta::ui::Look;
-use veduta::walker::WalkerSystems;
 
 use crate::hud::controls::ExpertOpen;
 
@@ -42,12 +41,11 @@ impl Plugin for ExpertPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(Expert { is_shown: false, is_aloft: false, reach_m: 220.0, leap: None })
             .init_resource::<plots::Downloads>()
-            .init_resource::<walls::WalkThrough>()
             .add_systems(Update, (toggle, plots::record))
-            .add_systems(Update, walls::walk_through.after(WalkerSystems::Input).before(WalkerSystems::Move))
             .add_systems(Update, aloft::lift.before(VedutaSystems::Show))
-            .add_systems(Update, (walls::draw, walls::click, aloft::draw).run_if(is_shown))
+            .add_systems(Update, (walls::draw, aloft::draw).run_if(is_shown))
             .add_systems(EguiPrimaryContextPass, (panel::draw, journal::draw, layout::draw).chain().run_if(is_shown));
+        walls::add_clicks(app);
     }
 }
 

@@ -27,7 +27,7 @@ mod settings;
 pub mod shot;
 mod soundtrack;
 pub mod studio;
-mod tours;
+pub mod tours;
 pub mod walk;
 
 /// What every command may fail with: a message that names the file and the fix.

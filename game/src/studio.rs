@@ -7,7 +7,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use bevy::app::PluginsState;
-use bevy::asset::io::AssetSourceBuilder;
 use bevy::audio::AudioPlugin;
 use bevy::camera::{RenderTarget, ShadowLodOrigin};
 use bevy::prelude::*;
@@ -32,7 +31,7 @@ use veduta::tour::{StripSettings, TourState};
 
 use crate::camera::camera;
 use crate::profile::Profile;
-use crate::{Failure, soundtrack};
+use crate::{Failure, soundtrack, tours};
 
 /// Width and height in pixels, written `1280x720`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,8 +71,7 @@ pub(crate) fn darkroom() -> App {
 fn darkroom_beside(folder: Option<&Path>) -> App {
     let mut app = App::new();
     if let Some(folder) = folder {
-        let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
-        app.register_asset_source("tours", AssetSourceBuilder::platform_default(&folder.display().to_string(), None));
+        tours::add_source(&mut app, folder);
     }
     app.add_plugins(
         DefaultPlugins

@@ -1,11 +1,13 @@
-//! Keeps tours that are edited: beside the city, whole or not at all, and nothing of anybody else's is written over unasked.
+//! Tours in a folder: read as `tours://`, with what lies beside them; kept when they are edited, whole or not at all, and nothing of
+//! anybody else's is written over unasked.
 
 use std::path::{Path, PathBuf};
 
+use bevy::asset::io::AssetSourceBuilder;
 use bevy::prelude::*;
 use bevy::tasks::{IoTaskPool, Task, futures::check_ready};
 use bevy::window::WindowCloseRequested;
-use veduta::city::file;
+use veduta::city::{file, is_beside};
 use veduta::tour::{EditorCommand, EditorLeft, EditorSettings, SaveHow, SaveTour, TourSaved};
 use veduta_route::plain_name;
 
@@ -17,6 +19,13 @@ pub(crate) struct ToursPlugin {
     pub folder: PathBuf,
     /// What new tours name as their city.
     pub city: String,
+}
+
+/// Lets the asset server read what lies in a folder: `tours://` and the file's path. Must come before Bevy's `AssetPlugin`, and so before
+/// `DefaultPlugins`; that refuses paths which lead out of the folder.
+pub fn add_source(app: &mut App, folder: &Path) {
+    let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+    app.register_asset_source("tours", AssetSourceBuilder::platform_default(&folder.display().to_string(), None));
 }
 
 /// Where tours lie.
@@ -82,8 +91,12 @@ fn keep(folder: &Path, order: &SaveTour) -> TourSaved {
         (None, SaveHow::Beside) => (1..).map(named).find(|name| !folder.join(name).exists()).unwrap_or_else(|| named(1)),
         (None, _) => named(1),
     };
-    let path = folder.join(&file_name);
     let failed = |message: String| TourSaved::Failed { message };
+    // Of slashes other systems have more, and other files of the folder are no tours.
+    if !is_beside(&file_name) || !file_name.ends_with(ENDING) {
+        return failed(format!("`{file_name}`: a tour is kept under a plain name that ends in `{ENDING}`"));
+    }
+    let path = folder.join(&file_name);
     match &order.how {
         SaveHow::Over(expected) => match std::fs::read(&path) {
             Ok(bytes) if bytes != expected.as_bytes() => {
@@ -115,8 +128,61 @@ fn leave(mut left: MessageReader<EditorLeft>, mut exits: MessageWriter<AppExit>)
 }
 
 #[cfg(test)]
+#[path = "../../plugins/store/tests/escapes/mod.rs"]
+mod escapes;
+
+#[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Every file below a folder.
+    fn files(folder: &Path) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(folder).expect("it is there").flatten().map(|entry| entry.path());
+        entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
+    }
+
+    #[test]
+    fn whatever_a_tour_is_called_it_is_kept_in_its_folder() {
+        let dir = std::env::temp_dir().join(format!("veduta-tours-paths-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&dir);
+        let folder = dir.join("above/town");
+        // Folders to which paths of the corpus lead.
+        for other in ["etc", "blobs/ab", "above/etc", "above/blobs/ab", "above/town/etc", "above/town/blobs/ab"] {
+            std::fs::create_dir_all(dir.join(other)).expect("room");
+        }
+        let others = ["secret.txt.tour.ron", "above/secret.txt.tour.ron", "above/town/old.life.ron"].map(|path| dir.join(path));
+        others.iter().for_each(|path| std::fs::write(path, "a secret").expect("room"));
+        let order = |path: Option<String>, title: &str, how| SaveTour { path, title: title.into(), text: "a tour".into(), how };
+        let mut kept = 0;
+        for path in escapes::corpus() {
+            let orders = [
+                order(None, &path, SaveHow::New),
+                order(Some(format!("tours://{path}")), "", SaveHow::New),
+                order(Some(format!("tours://{path}{ENDING}")), "", SaveHow::New),
+                order(Some(format!("{path}{ENDING}")), "", SaveHow::Over("what it was".into())),
+            ];
+            for order in orders {
+                match keep(&folder, &order) {
+                    TourSaved::Done { path, .. } | TourSaved::Taken { path } => {
+                        let name = path.strip_prefix("tours://").expect("it tells where");
+                        assert!(is_beside(name) && !name.contains('/') && folder.join(name).is_file(), "{order:?}: {path}");
+                        kept += 1;
+                    }
+                    TourSaved::Changed { text } => assert_eq!(text, "a tour", "{order:?}"),
+                    TourSaved::Failed { .. } => {}
+                }
+            }
+        }
+        let over = keep(&folder, &order(Some("tours://old.life.ron".into()), "", SaveHow::Replace));
+        assert!(matches!(over, TourSaved::Failed { .. }), "what is no tour is not written over");
+        assert!(kept > 10_000, "{kept} were kept");
+        for file in files(&dir) {
+            let is_tour = file.parent() == Some(&folder) && file.to_string_lossy().ends_with(ENDING);
+            assert!(is_tour || others.contains(&file), "{}", file.display());
+        }
+        assert!(others.iter().all(|path| std::fs::read(path).is_ok_and(|content| content == b"a secret")));
+        let _ = std::fs::remove_dir_all(dir);
+    }
 
     #[test]
     fn nothing_is_written_over_unasked() {

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use bevy::asset::io::AssetSourceBuilder;
 use bevy::prelude::*;
 use veduta::facade::FacadePlugin;
 use veduta::guide::OpenGuide;
@@ -59,7 +58,7 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
     let scene = std::path::absolute(&order.scene).unwrap_or_else(|_| order.scene.clone());
     let size = order.size.map_or((1280, 720), |size| (size.width, size.height));
     let mut app = App::new();
-    app.register_asset_source("tours", AssetSourceBuilder::platform_default(&scene.display().to_string(), None));
+    tours::add_source(&mut app, &scene);
     app.add_plugins(CityAssetsPlugin).add_plugins(
         DefaultPlugins
             .set(WindowPlugin {

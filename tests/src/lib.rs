@@ -108,12 +108,17 @@ pub fn sample_plan() -> &'static CityPlan {
     })
 }
 
-/// An app with all of streaming and building, nothing drawn, time by hand: `step` a frame.
+/// An app with all of streaming and building, nothing drawn, time by hand: `step` a frame. Meshes are made at once.
 pub fn quiet_app(city: &str, fetching: Fetching, step: Duration) -> App {
+    quiet_app_building(city, fetching, Building::Inline, step)
+}
+
+/// The same; meshes are made where one says.
+pub fn quiet_app_building(city: &str, fetching: Fetching, building: Building, step: Duration) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin))
         .init_asset::<Mesh>()
-        .add_plugins((veduta::ecs::EcsPlugin, StreamingPlugin { fetching }, BuildingsPlugin { building: Building::Inline }))
+        .add_plugins((veduta::ecs::EcsPlugin, StreamingPlugin { fetching }, BuildingsPlugin { building }))
         .insert_resource(TimeUpdateStrategy::ManualDuration(step))
         .insert_resource(OpenCity(city.to_owned()));
     app

@@ -78,6 +78,8 @@ pub struct BuildStats {
     pub bytes: u64,
     /// Seconds that their making took, on whatever thread.
     pub seconds: f64,
+    /// Levels of cells that wait to be made, or are in the making.
+    pub in_the_making: usize,
 }
 
 /// Bytes of a picture that cost as much as a vertex to hand over.
@@ -135,6 +137,10 @@ pub(crate) struct Queue {
 }
 
 impl Queue {
+    fn under_way(&self) -> usize {
+        self.waiting.len() + self.making.len()
+    }
+
     /// Orders a level of a cell that stands, unless it is under way.
     pub(crate) fn order_once(&mut self, ready: CellReady, content: &CellContent) {
         let is_same = |order: &Order| order.ready == ready && !order.is_turned;
@@ -189,6 +195,7 @@ pub(crate) fn start(
         };
         queue.making.push_back(work);
     }
+    stats.in_the_making = queue.under_way();
 }
 
 /// Makes the meshes of one level of one cell; of a level that stands, for another season, its trees. Where there are no cards trees are
@@ -377,6 +384,7 @@ pub(crate) fn finish(
         standing.add(cell, level, &made.order.shell);
         stands.write(CellStands { entity, cell, level });
     }
+    stats.in_the_making = queue.under_way();
 }
 
 /// Where no plugin switches levels, of a cell's walls the finest that are here are shown.
