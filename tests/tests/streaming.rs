@@ -13,7 +13,7 @@ use bevy::prelude::*;
 use veduta::buildings::BuildSettings;
 use veduta::ecs::{Around, Awaited, CellMesh, CellMeshKind, DistrictMemory, Footing, Itinerary, OpenCells, StandingCells, Stop};
 use veduta::prelude::*;
-use veduta::streaming::{CurrentCell, Fetching, Link, Pace, Wanted, Why};
+use veduta::streaming::{CurrentCell, Fetching, Link, Motion, Pace, Wanted, Why};
 use veduta_city::{Level, Levels, bounds};
 use veduta_store::{DirReader, RegionEntry, read_index};
 use veduta_tests::{in_memory, inner_point, quiet_app, sample_city, update_until, workplace};
@@ -492,4 +492,41 @@ fn a_city_that_is_not_there_is_a_message_with_the_fix() {
     }
     assert_eq!(told.len(), 1, "told once: {told:?}");
     assert!(told[0].contains("/no/such/place.city"), "{told:?}");
+}
+
+#[test]
+fn whoever_runs_is_read_ahead_of_farther_than_the_next_cell() {
+    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+    update_until(&mut app, 500, "the city is open", |world| world.contains_resource::<City>());
+    // In Celetná, towards the square.
+    let (from, to) = (DVec2::new(300.0, -25.0), DVec2::new(120.0, -8.0));
+    let viewer = app.world_mut().spawn((Viewer, Eye { plan_pos: from, ..Eye::default() }, Transform::default())).id();
+    (0..30).for_each(|_| app.update());
+    let ahead = |app: &App| app.world().get::<Motion>(viewer).expect("measured").ahead.clone();
+    assert_eq!(ahead(&app), [], "he stands");
+    let index = read_index(&DirReader::new(sample_city()).expect("a city")).expect("whole");
+    let (mut farthest, mut read_ahead) = (0, 0);
+    for step in 1..=100 {
+        let way = (to - from).normalize() * 0.6 * f64::from(step);
+        app.world_mut().get_mut::<Eye>(viewer).expect("spawned").plan_pos = from + way;
+        app.update();
+        let ahead = ahead(&app);
+        farthest = farthest.max(ahead.len());
+        let here = app.world().get::<CurrentCell>(viewer).and_then(|current| current.0).expect("in a street");
+        let next: BTreeSet<u32> = index.portals(here).filter_map(|portal| portal.other(here)).chain([here]).collect();
+        let seen = |cell: &u32| index.cell(*cell).into_iter().flat_map(|entry| entry.visible.iter().copied());
+        let by_turn: BTreeSet<u32> = next.iter().flat_map(seen).collect();
+        let wanted = app.world().resource::<Wanted>();
+        for (cell, way_m) in ahead {
+            assert!(way_m <= 6.1 * Motion::AHEAD_S, "{way_m} m");
+            for seen in seen(&cell) {
+                assert!(wanted.wants_level(seen, Level::One), "cell {seen} is seen from {cell}, {way_m} m ahead of {here}");
+                read_ahead += usize::from(!by_turn.contains(&seen));
+            }
+        }
+    }
+    assert!(farthest >= 2, "{farthest} cells ahead of a run of 60 m");
+    assert!(read_ahead > 0, "nothing was read that the neighbours do not see");
+    (0..50).for_each(|_| app.update());
+    assert_eq!(ahead(&app), [], "he stands again");
 }

@@ -211,7 +211,7 @@ mod tests {
                 ))
                 .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(33)))
                 .insert_resource(OpenCity(city.display().to_string()))
-                .insert_resource(Expert { is_shown: true, reach_m: 200.0, leap: None })
+                .insert_resource(Expert { is_shown: true, is_aloft: false, reach_m: 200.0, leap: None })
                 .init_resource::<EguiUserTextures>();
             add_clicks(&mut app);
             let window = app.world_mut().spawn((Window { resolution: SIZE.into(), ..default() }, PrimaryWindow)).id();

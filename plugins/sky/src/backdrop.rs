@@ -123,7 +123,8 @@ mod tests {
             (bevy::render::render_resource::TextureDimension::D2, bevy::render::render_resource::TextureFormat::Rgba8UnormSrgb);
         let given = images.add(Image::new_fill(size, dimension, &[0; 4], format, default()));
         let own = OwnPicture(Some(images.add(Image::default())));
-        let (handle, high) = picture(&Backdrop::Picture(given.clone()), &own, &images).expect("it is here");
+        let wished = Backdrop::Picture(given.clone());
+        let (handle, high) = picture(&wished, &own, &images).expect("it is here");
         assert!(*handle == given && (high.to_degrees() - 15.0).abs() < 1e-3, "{high}");
         assert!(picture(&Backdrop::OfCity, &own, &images).is_some_and(|(handle, _)| *handle != given));
         assert_eq!(picture(&Backdrop::None, &own, &images), None);
