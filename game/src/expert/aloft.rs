@@ -23,15 +23,20 @@ pub(super) fn lift(
     mut commands: Commands,
     expert: Res<Expert>,
     viewers: Query<(Entity, Option<&BirdsEye>), With<Viewer>>,
-    mut gizmos: ResMut<GizmoConfigStore>,
+    gizmos: Option<ResMut<GizmoConfigStore>>,
 ) {
     let wished = (expert.is_shown && expert.is_aloft).then(|| BirdsEye { height_m: f64::from(expert.reach_m) * HIGH });
+    let mut has_moved = false;
     for (viewer, present) in &viewers {
         match wished {
             Some(wished) if present != Some(&wished) => drop(commands.entity(viewer).insert(wished)),
             None if present.is_some() => drop(commands.entity(viewer).remove::<BirdsEye>()),
             _ => continue,
         }
+        has_moved = true;
+    }
+    // Where nothing is drawn there are no lines.
+    if let Some(mut gizmos) = gizmos.filter(|_| has_moved) {
         let config = gizmos.config_mut::<DefaultGizmoConfigGroup>().0;
         (config.depth_bias, config.line.width) = if wished.is_some() { (-1.0, 3.0) } else { (0.0, 2.0) };
     }
