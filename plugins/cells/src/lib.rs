@@ -105,7 +105,7 @@ mod visible;
 mod widen;
 
 /// Version of the partition: the same plan gives the same cells, portals and visible sets by one version; another may differ.
-pub const PARTITION_VERSION: u32 = 6;
+pub const PARTITION_VERSION: u32 = 7;
 
 pub use afar::ground_from_afar;
 pub use check::{CellsError, check};

@@ -2,6 +2,7 @@
 
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
+use i_overlay::core::solver::Solver;
 use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::vector::edge::{CLIP_LEFT, CLIP_RIGHT, SUBJ_LEFT, SUBJ_RIGHT, VectorEdge};
 pub(crate) use veduta_city::bounds::Bounds;
@@ -36,6 +37,10 @@ pub(crate) fn turned_rings(polygon: &GridPolygon) -> impl Iterator<Item = GridRi
         Some(ring)
     })
 }
+
+/// Edges up to which the engine's own choice of solver is sound. It sorts more by columns, and misses that edges lie on each other where they
+/// begin in different columns (4.5.2; mended in 9.0): whole houses then count as free space.
+const MOST_WITHOUT_COLUMNS: usize = 16_000;
 
 /// What of two sets of rings, each filled where it winds around, is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,8 +81,10 @@ pub(crate) fn combine(
     keep_collinear: bool,
 ) -> Vec<GridPolygon> {
     // Only the engine's arrangement of edges is used: its ways of tracing shapes may go in circles for ever where many rings touch.
-    let mut overlay = Overlay::new_custom(64, IntOverlayOptions::keep_all_points(), Default::default());
     let (first, second): (Vec<GridRing>, Vec<GridRing>) = (first.into_iter().collect(), second.into_iter().collect());
+    let count: usize = first.iter().chain(&second).map(Vec::len).sum();
+    let solver = if count > MOST_WITHOUT_COLUMNS { Solver::LIST } else { Solver::AUTO };
+    let mut overlay = Overlay::new_custom(64, IntOverlayOptions::keep_all_points(), solver);
     let step = GridPos::common_step(first.iter().chain(&second).flatten());
     let to_int = |p: GridPos| IntPoint::new(p.0 / step, p.1 / step);
     for ring in first {
@@ -179,6 +186,27 @@ mod tests {
         let free = combine(Keep::FirstAlone, turned_rings(&square), houses.iter().flat_map(turned_rings), true);
         let area: i64 = free.iter().flat_map(GridPolygon::rings).map(|ring| ring_area_2(ring)).sum();
         assert_eq!(area / 2, 120 * 120 - 14 * 5 - 3 * 11 - 35 * 23 - 34 * 30);
+    }
+
+    #[test]
+    fn edges_on_each_other_are_found_among_many() {
+        // Bars, and the same with vertices in the middle of their sides, at which nothing else ends.
+        let corner = |n: i32| (n % 10 * 4_000, n / 10 * 20);
+        let whole: Vec<GridRing> = (0..2_000).map(corner).map(|(x, y)| rect(x, y, 3_000, 10).outer).collect();
+        let cut = |(x, y): (i32, i32)| {
+            let sides = [(y, [0, 1_000, 2_000, 3_000]), (y + 10, [3_000, 2_000, 1_000, 0])];
+            sides.into_iter().flat_map(|(y, along)| along.map(|off| GridPos(x + off, y))).collect::<GridRing>()
+        };
+        let cut: Vec<GridRing> = (0..2_000).map(corner).map(cut).collect();
+        assert!(whole.iter().chain(&cut).map(Vec::len).sum::<usize>() > MOST_WITHOUT_COLUMNS);
+        for (first, second) in [(&whole, &cut), (&cut, &whole)] {
+            let area = |keep| -> i64 {
+                let found = combine(keep, first.clone(), second.clone(), false);
+                found.iter().flat_map(GridPolygon::rings).map(|ring| ring_area_2(ring)).sum::<i64>() / 2
+            };
+            let all = 2_000 * 3_000 * 10;
+            assert_eq!([Keep::First, Keep::Both, Keep::FirstAlone].map(area), [all, all, 0]);
+        }
     }
 
     proptest! {

@@ -23,9 +23,15 @@ struct Frame {
 /// Farthest that a vertex may lie from the first one, grid steps (about 500 km).
 const FARTHEST: i32 = 1 << 29;
 
+/// Edges up to which the engine's own choice of solver is sound. It sorts more by columns, and misses that edges lie on each other where they
+/// begin in different columns (4.5.2; mended in 9.0).
+const MOST_WITHOUT_COLUMNS: usize = 16_000;
+
 impl Frame {
-    fn new(origin: GridPos, step: i32) -> Self {
-        Self { overlay: Overlay::new_custom(64, IntOverlayOptions::keep_all_points(), Solver::AUTO), origin, step }
+    /// For so many edges.
+    fn new(origin: GridPos, step: i32, edges: usize) -> Self {
+        let solver = if edges > MOST_WITHOUT_COLUMNS { Solver::LIST } else { Solver::AUTO };
+        Self { overlay: Overlay::new_custom(64, IntOverlayOptions::keep_all_points(), solver), origin, step }
     }
 
     fn local(&self, p: GridPos) -> IntPoint {
@@ -70,7 +76,8 @@ fn first(rings: &[&[GridPos]]) -> Option<GridPos> {
 /// An arrangement of two sets of rings; `None` if both are empty.
 fn arrange(subject: &[&[GridPos]], clip: &[&[GridPos]]) -> Option<(Frame, Vec<VectorEdge>)> {
     let step = GridPos::common_step(subject.iter().chain(clip).copied().flatten());
-    let mut frame = Frame::new(first(subject).or_else(|| first(clip))?, step);
+    let edges = subject.iter().chain(clip).map(|ring| ring.len()).sum();
+    let mut frame = Frame::new(first(subject).or_else(|| first(clip))?, step, edges);
     frame.add(subject.iter().copied(), ShapeType::Subject);
     frame.add(clip.iter().copied(), ShapeType::Clip);
     let edges = frame.edges();
@@ -238,6 +245,24 @@ mod tests {
             assert!((area(&inside) + area(&outside) - 100.0).abs() < 1e-9);
             let (again, _) = split(&rings(&outside), &[&touching]);
             assert_eq!(area(&again), 0.0, "what was taken is gone");
+        }
+    }
+
+    #[test]
+    fn edges_on_each_other_are_found_among_many() {
+        // Bars, and the same with vertices in the middle of their sides, at which nothing else ends.
+        let corner = |n: i32| (n % 10 * 400, n / 10 * 2);
+        let whole: Vec<Vec<GridPos>> = (0..2_000).map(corner).map(|(x, y)| rectangle(x, y, 300, 1)).collect();
+        let cut = |(x, y): (i32, i32)| {
+            let sides = [(y, [0, 100, 200, 300]), (y + 1, [300, 200, 100, 0])];
+            sides.into_iter().flat_map(|(y, along)| along.map(|off| GridPos((x + off) * 1024, y * 1024))).collect::<Vec<_>>()
+        };
+        let cut: Vec<Vec<GridPos>> = (0..2_000).map(corner).map(cut).collect();
+        assert!(whole.iter().chain(&cut).map(Vec::len).sum::<usize>() > MOST_WITHOUT_COLUMNS);
+        let [whole, cut] = [&whole, &cut].map(|rings| rings.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        for (subject, clip) in [(&whole, &cut), (&cut, &whole)] {
+            let m2 = |of: Vec<GridPolygon>| of.iter().map(GridPolygon::area_m2).sum::<f64>();
+            assert_eq!((m2(intersection(subject, clip)), m2(difference(subject, clip))), (2_000.0 * 300.0, 0.0));
         }
     }
 
