@@ -300,6 +300,14 @@ impl Walk {
         )
     }
 
+    /// The frames in which streaming and building together took longest: number, what each took, microseconds.
+    fn told_worst(&self) -> String {
+        let mut frames: Vec<(usize, f64)> = self.streaming().enumerate().collect();
+        frames.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let told = |&(n, _): &(usize, f64)| format!("{n}: {:.0} + {:.0}", self.sets[1][n], self.sets[2][n]);
+        frames.iter().take(6).map(told).collect::<Vec<_>>().join(", ")
+    }
+
     /// What streaming and building together took of each frame.
     fn streaming(&self) -> impl Iterator<Item = f64> {
         self.sets[1].iter().zip(&self.sets[2]).map(|(stream, build)| stream + build)

@@ -50,6 +50,9 @@ pub(super) fn stream(scene: &Path, json: bool) -> Result<(), Failure> {
     let (town, run, houses) = fast_run(&dir, &tour)?;
     let fast = Walk::run(&town, &run, Way::Streamed)?;
     eprintln!("a run of {RUN_M} m through {houses} houses: {} frames", fast.frames.len());
+    for (name, walk) in [("tour", &small), ("run", &fast)] {
+        eprintln!("longest frames of the {name}, streaming + building in µs: {}", walk.told_worst());
+    }
     let naive = Walk::run(&town, &run, Way::Naive { around_m: NAIVE_M })?;
 
     let cpu = [&small, &fast].map(|walk| {
