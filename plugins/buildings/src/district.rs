@@ -17,6 +17,8 @@ use crate::convert::{bytes_of, mesh_from};
 #[derive(Resource, Default)]
 pub(crate) struct Districts {
     parts: BTreeMap<u32, Part>,
+    /// Parts that are to go, a slice a frame.
+    going: Vec<Part>,
     /// Where parts were last looked for.
     about: Vec<Around>,
 }
@@ -58,7 +60,6 @@ fn make(overview: &Overview) -> VecDeque<Made> {
 
 /// Begins with the parts that have come, and lets go of those that are gone, or far away and out of sight.
 pub(crate) fn start(
-    mut commands: Commands,
     city: Option<Res<City>>,
     settings: Res<BuildSettings>,
     building: Res<Building>,
@@ -82,13 +83,9 @@ pub(crate) fn start(
     };
     let wanted: BTreeMap<u32, &Arc<Overview>> =
         overviews.into_iter().flat_map(|all| parts_near(all).into_iter().filter_map(|part| Some((part, all.get(part)?)))).collect();
-    districts.parts.retain(|part, of| {
-        let stays = wanted.get(part).is_some_and(|overview| Arc::ptr_eq(overview, &of.source));
-        if !stays {
-            of.spawned.iter().for_each(|&(_, entity)| commands.entity(entity).despawn());
-        }
-        stays
-    });
+    let stays = |part: &u32, of: &mut Part| wanted.get(part).is_some_and(|overview| Arc::ptr_eq(overview, &of.source));
+    let going: Vec<Part> = districts.parts.extract_if(.., |part, of| !stays(part, of)).map(|(_, part)| part).collect();
+    districts.going.extend(going);
     for (part, overview) in wanted {
         districts.parts.entry(part).or_insert_with(|| {
             let source = Arc::clone(overview);
@@ -103,6 +100,24 @@ pub(crate) fn start(
         });
     }
     districts.about = about;
+}
+
+/// So many meshes go in a frame at most: whoever leaps leaves thousands behind.
+const GOING_A_FRAME: usize = 256;
+
+/// Despawns a slice of what is to go.
+pub(crate) fn let_go(mut commands: Commands, mut districts: ResMut<Districts>) {
+    let mut left = GOING_A_FRAME;
+    while left > 0
+        && let Some(part) = districts.going.last_mut()
+    {
+        let keeps = part.spawned.len().saturating_sub(left);
+        left -= part.spawned.len() - keeps;
+        part.spawned.drain(keeps..).for_each(|(_, entity)| commands.entity(entity).despawn());
+        if keeps == 0 {
+            districts.going.pop();
+        }
+    }
 }
 
 /// Spawns what is made, within a budget of its own.
@@ -146,7 +161,7 @@ pub(crate) fn finish(
             part.spawned.push((cell, entity.id()));
         }
     }
-    let made = || districts.parts.values().filter(|part| part.bytes > 0);
+    let made = || districts.parts.values().chain(&districts.going).filter(|part| part.bytes > 0);
     memory.set_if_neq(DistrictMemory { bytes: made().map(|part| part.bytes).sum(), parts: made().count() });
 }
 

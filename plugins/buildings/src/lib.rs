@@ -84,7 +84,7 @@ impl Plugin for BuildingsPlugin {
             )
             .add_systems(
                 Update,
-                (district::start, district::finish.run_if(not(materials_are_awaited)), district::show)
+                (district::start, district::let_go, district::finish.run_if(not(materials_are_awaited)), district::show)
                     .chain()
                     .after(build::finish)
                     .in_set(VedutaSystems::Build),
