@@ -173,7 +173,7 @@ pub(crate) fn show(standing: Res<StandingCells>, districts: Res<Districts>, mut 
     if !standing.is_changed() {
         return;
     }
-    for &(cell, entity) in districts.parts.values().flat_map(|part| &part.spawned) {
+    for &(cell, entity) in districts.parts.values().chain(&districts.going).flat_map(|part| &part.spawned) {
         if let Ok(mut shown) = meshes.get_mut(entity) {
             shown.set_if_neq(visibility(&standing, cell));
         }

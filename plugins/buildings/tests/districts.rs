@@ -7,7 +7,7 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_buildings::{Building, BuildingsPlugin};
 use veduta_city::{CellShell, District, GridPolygon, GridPos, GroundPatch, Level, Massing, Overview, SurfaceKind};
-use veduta_ecs::{CellMesh, CellMeshKind, City, Eye, Overviews, StandingCells, Viewer, WorldOrigin};
+use veduta_ecs::{CellMesh, CellMeshKind, City, DistrictMemory, Eye, Overviews, StandingCells, Viewer, WorldOrigin};
 
 const M: i32 = 1024;
 
@@ -86,6 +86,32 @@ fn districts_go_with_their_part_and_with_the_city() {
     app.world_mut().remove_resource::<City>();
     app.update();
     assert_eq!(districts(&mut app), [vec![], vec![]]);
+}
+
+#[test]
+fn many_districts_go_a_slice_a_frame_and_count_until_they_are_gone() {
+    const MANY: u32 = 600;
+    let ground =
+        (0..MANY as i32).map(|x| GroundPatch { surface: SurfaceKind::Cobbles, outline: square(20 * x), z: 0, course: None });
+    let districts_of = (0..MANY).map(|cell| District { cell, ground: 1, houses: 0, spans: 0 });
+    let whole = Overview { ground: ground.collect(), districts: districts_of.collect(), ..Overview::default() };
+    let mut app = app(Building::Inline);
+    app.world_mut().resource_mut::<City>().overviews.put(0, Some(Arc::new(whole)));
+    (0..5).for_each(|_| app.update());
+    let bytes = |app: &App| app.world().resource::<DistrictMemory>().bytes;
+    assert_eq!(districts(&mut app)[0].len(), MANY as usize);
+    let all = bytes(&app);
+    app.world_mut().resource_mut::<City>().overviews.put(0, None);
+    let (mut left, mut frames) = (MANY as usize, 0);
+    while left > 0 {
+        assert_eq!(bytes(&app), all, "{left} are left");
+        app.update();
+        let now = districts(&mut app)[0].len();
+        assert!(now < left && left - now <= 256, "{left} to {now} in a frame");
+        (left, frames) = (now, frames + 1);
+    }
+    assert!(frames > 2 && all > 0, "{frames} frames, {all} bytes");
+    assert_eq!(bytes(&app), 0);
 }
 
 #[test]
