@@ -114,7 +114,9 @@ fn backdrop(dir: vec3<f32>, rise: f32, pixel: f32, behind: vec3<f32>, day: f32) 
     let pane = vec2(turn * ROOFS * WINDOWS, rise / (high * 0.055));
     let inside = abs(fract(pane) - 0.5);
     let is_lit = step(0.92, hash(floor(pane))) * step(max(inside.x, inside.y), 0.3) * step(rise, front * 0.8) * step(0.0, rise);
-    return colour + vec3(0.30, 0.19, 0.08) * is_lit * smoothstep(0.35, 0.9, 1.0 - day);
+    colour += vec3(0.30, 0.19, 0.08) * is_lit * smoothstep(0.35, 0.9, 1.0 - day);
+    // Whoever looks over it from above sees haze there, not a line.
+    return mix(behind, colour, smoothstep(0.006, 0.035, high));
 }
 
 @fragment
