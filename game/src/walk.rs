@@ -7,6 +7,7 @@ use veduta::facade::FacadePlugin;
 use veduta::guide::OpenGuide;
 use veduta::life::{LifePlugin, OpenLife};
 use veduta::prelude::*;
+use veduta::sky::Backdrop;
 use veduta::sound::{OpenSounds, SoundPlugin};
 use veduta::streaming::{CityAssetsPlugin, Journal, StreamingCache};
 
@@ -124,6 +125,10 @@ pub fn walk(order: &WalkOrder) -> Result<(), Failure> {
     }
     if let Some(sounds) = cities::file_in(&scene, ".sound.ron") {
         app.world_mut().write_message(OpenSounds(format!("tours://{sounds}")));
+    }
+    if let Some(picture) = cities::file_in(&scene, ".backdrop.png") {
+        let picture = app.world().resource::<AssetServer>().load(format!("tours://{picture}"));
+        app.insert_resource(Backdrop::Picture(picture));
     }
     match app.run() {
         AppExit::Success => Ok(()),
