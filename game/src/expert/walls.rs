@@ -116,7 +116,7 @@ fn click(
     let (to, _) = origin.plan_from_world(ray.origin + *ray.direction);
     let hits = index.portals(here).filter(|portal| !portal.is_blind()).filter_map(|portal| {
         let (a, b) = (portal.ends.0.to_metres(), portal.ends.1.to_metres());
-        let (way, along) = meet(from, to - from, a, b - a)?;
+        let (way, along) = portal.meets(from, to - from)?;
         let height_m = f64::from(ray.origin.y + ray.direction.y * way as f32) - eye.ground_m;
         // The cell lies to the left of the way from end to end if it is the portal's own.
         let out = if portal.cell == here { -(b - a).perp() } else { (b - a).perp() };
@@ -127,16 +127,6 @@ fn click(
         through.0 = Some(Way { to: target, least_m: f64::INFINITY, for_s: 0.0 });
     }
     Ok(())
-}
-
-/// Where a ray meets a stretch: how far along the ray, and what share of the stretch.
-fn meet(from: DVec2, way: DVec2, a: DVec2, edge: DVec2) -> Option<(f64, f64)> {
-    let across = way.perp_dot(edge);
-    if across.abs() < 1e-9 {
-        return None;
-    }
-    let (t, u) = ((a - from).perp_dot(edge) / across, (a - from).perp_dot(way) / across);
-    (t > 0.0 && (0.0..=1.0).contains(&u)).then_some((t, u))
 }
 
 /// Walks on through a wall that was clicked, until the visitor moves or is through.
@@ -269,16 +259,12 @@ mod tests {
             let (camera, transform) = (world.get::<Camera>(self.walker)?, world.get::<GlobalTransform>(self.walker)?);
             let walls = || self.index.portals(here).filter(|portal| !portal.is_blind());
             walls().find_map(|portal| {
-                let ends = |portal: &veduta_city::Portal| (portal.ends.0.to_metres(), portal.ends.1.to_metres());
-                let (a, b) = ends(portal);
-                let middle = a.midpoint(b);
+                let middle = portal.ends.0.to_metres().midpoint(portal.ends.1.to_metres());
                 let at = world.resource::<WorldOrigin>().world_from_plan(middle, eye.ground_m + HIGH_M / 2.0);
                 let pixel = camera.world_to_viewport(transform, at).ok()?;
                 let is_seen = Rect::from_corners(Vec2::ZERO, SIZE.as_vec2()).contains(pixel);
-                let is_first = walls().all(|other| {
-                    let (a, b) = ends(other);
-                    meet(eye.plan_pos, middle - eye.plan_pos, a, b - a).is_none_or(|(way, _)| way > 0.999)
-                });
+                let way = middle - eye.plan_pos;
+                let is_first = walls().all(|other| other.meets(eye.plan_pos, way).is_none_or(|(share, _)| share > 0.999));
                 (is_seen && is_first).then_some((pixel, portal.other(here)?))
             })
         }
@@ -319,14 +305,5 @@ mod tests {
         assert!(eye.plan_pos.distance(from) > 50.0, "however far it was: {eye:?}");
         assert!((1.4..1.9).contains(&eye.eye_m), "it stands in the street: {eye:?}");
         let _ = std::fs::remove_dir_all(city);
-    }
-
-    #[test]
-    fn a_ray_meets_what_lies_before_it() {
-        let (a, edge) = (DVec2::new(10.0, -5.0), DVec2::new(0.0, 10.0));
-        assert_eq!(meet(DVec2::ZERO, DVec2::X, a, edge), Some((10.0, 0.5)));
-        assert_eq!(meet(DVec2::ZERO, -DVec2::X, a, edge), None, "it lies behind");
-        assert_eq!(meet(DVec2::new(0.0, 6.0), DVec2::X, a, edge), None, "beside");
-        assert_eq!(meet(DVec2::ZERO, DVec2::Y, a, edge), None, "along");
     }
 }

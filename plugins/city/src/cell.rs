@@ -1,3 +1,4 @@
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::{GridPolygon, GridPos, Id};
@@ -87,6 +88,20 @@ impl Portal {
         }
     }
 
+    /// Where a way from a place meets it, both in plan metres: which share of the way, which may be more than all of it, and which share
+    /// of the portal from its first end. `None` behind the place, beside the portal, and along it.
+    #[must_use]
+    pub fn meets(&self, from: DVec2, way: DVec2) -> Option<(f64, f64)> {
+        let a = self.ends.0.to_metres();
+        let edge = self.ends.1.to_metres() - a;
+        let across = way.perp_dot(edge);
+        if across.abs() < 1e-9 {
+            return None;
+        }
+        let (t, u) = ((a - from).perp_dot(edge) / across, (a - from).perp_dot(way) / across);
+        (t > 0.0 && (0.0..=1.0).contains(&u)).then_some((t, u))
+    }
+
     /// Whether it is the edge of the modelled city.
     #[must_use]
     pub const fn is_blind(&self) -> bool {
@@ -106,5 +121,21 @@ impl Cells {
                     && cell.outline.contains(pos)
             })
             .map(|i| i as u32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_meets_the_portal_before_it() {
+        let ends = (GridPos(10 * 1024, -5 * 1024), GridPos(10 * 1024, 5 * 1024));
+        let portal = Portal { ends, cell: 0, beyond: PortalSide::Cell(1) };
+        assert_eq!(portal.meets(DVec2::ZERO, DVec2::X), Some((10.0, 0.5)));
+        assert_eq!(portal.meets(DVec2::new(0.0, 4.0), DVec2::X * 20.0), Some((0.5, 0.9)));
+        assert_eq!(portal.meets(DVec2::ZERO, -DVec2::X), None, "it lies behind");
+        assert_eq!(portal.meets(DVec2::new(0.0, 6.0), DVec2::X), None, "beside");
+        assert_eq!(portal.meets(DVec2::ZERO, DVec2::Y), None, "along");
     }
 }

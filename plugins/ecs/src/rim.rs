@@ -26,20 +26,18 @@ impl Rim {
         }
         let middle = parts.iter().map(|part| part.0).sum::<DVec2>() / parts.len() as f64;
         let all = median(parts.iter().map(|part| part.1).collect()).unwrap_or_default();
-        let tops_m = core::array::from_fn(|direction| {
-            let is_there = |way: DVec2| {
-                let off = direction.abs_diff(Self::direction(way));
-                off.min(Self::DIRECTIONS - off) <= Self::ASIDE
-            };
-            let mut there: Vec<(f64, f64)> = parts
-                .iter()
-                .map(|&(pos, top_m)| (pos - middle, top_m))
-                .filter(|(way, _)| is_there(*way))
-                .map(|(way, top_m)| (way.length(), top_m))
-                .collect();
-            there.sort_by(|a, b| b.0.total_cmp(&a.0));
-            median(there.into_iter().take(Self::PARTS).map(|(_, top_m)| top_m).collect()).unwrap_or(all)
-        });
+        // The outermost of each direction with how far out they lie, the farthest first.
+        let mut outermost = [const { Vec::<(f64, f64)>::new() }; Self::DIRECTIONS];
+        for (pos, top_m) in &parts {
+            let (out_m, direction) = ((pos - middle).length(), Self::direction(pos - middle));
+            for aside in 0..=2 * Self::ASIDE {
+                let there = &mut outermost[(direction + Self::DIRECTIONS + aside - Self::ASIDE) % Self::DIRECTIONS];
+                let rank = there.partition_point(|other| other.0 >= out_m);
+                there.insert(rank, (out_m, *top_m));
+                there.truncate(Self::PARTS);
+            }
+        }
+        let tops_m = outermost.map(|there| median(there.into_iter().map(|(_, top_m)| top_m).collect()).unwrap_or(all));
         Self { tops_m: Some(tops_m) }
     }
 

@@ -1,7 +1,7 @@
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use veduta_city::bounds::{self, Bounds};
-use veduta_ecs::{City, CityOpened, Eye, Rim, own_file};
+use veduta_ecs::{City, CityOpened, Eye, Rim};
 
 /// What is seen beyond the city's edge, where streets end at blind portals. Live.
 #[derive(Resource, Debug, Clone, Default, PartialEq)]
@@ -31,7 +31,7 @@ pub(crate) fn open(
     if opened.read().count() == 0 {
         return;
     }
-    own.0 = city.and_then(|city| own_file::<Image>(&city, ".backdrop.png", None)).map(|path| {
+    own.0 = city.and_then(|city| city.file(".backdrop.png")).map(|path| {
         // Another city's file may have had the same name.
         assets.reload(path.clone());
         assets.load(path)

@@ -94,7 +94,7 @@ fn crossed<'a, P: Iterator<Item = &'a Portal>>(
     let (way, mut last, mut ahead) = (to - from, 0.0, Vec::new());
     while ahead.len() < Motion::MOST {
         let beyond = portals(cell).filter_map(|portal| {
-            let t = crossing(from, way, portal).filter(|t| *t > last)?;
+            let (t, _) = portal.meets(from, way).filter(|(t, _)| last < *t && *t <= 1.0)?;
             Some((t, portal.other(cell)?))
         });
         let Some((t, next)) = beyond.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
@@ -102,17 +102,6 @@ fn crossed<'a, P: Iterator<Item = &'a Portal>>(
         (cell, last) = (next, t);
     }
     ahead
-}
-
-/// At which share of a way it crosses a portal.
-fn crossing(from: DVec2, way: DVec2, portal: &Portal) -> Option<f64> {
-    let (a, b) = (portal.ends.0.to_metres(), portal.ends.1.to_metres());
-    let across = way.perp_dot(b - a);
-    if across.abs() < 1e-9 {
-        return None;
-    }
-    let (t, u) = ((a - from).perp_dot(b - a) / across, (a - from).perp_dot(way) / across);
-    ((0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u)).then_some(t)
 }
 
 #[cfg(test)]
