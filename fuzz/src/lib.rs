@@ -39,25 +39,12 @@ unsafe impl GlobalAlloc for Bounded {
     }
 }
 
-/// Content that claims more values than so many, and so many for each of its bytes, is refused.
-const FEW_VALUES: usize = 32_768;
-const VALUES_A_BYTE: usize = 1_024;
-
-/// Does something with content (a count of values, then these) that may allocate no more at once than four times its size if each
-/// value is eight bytes, and 1 MiB. Of values count as many as it claims, but no more than its bytes may tell.
+/// Does something with content that may allocate no more at once than four times its size and 1 MiB.
 pub fn bounded<T>(content: &[u8], what: impl FnOnce() -> T) -> T {
-    MOST.store(4 * (8 * values(content) + content.len()) + (1 << 20), Ordering::Relaxed);
+    MOST.store(4 * content.len() + (1 << 20), Ordering::Relaxed);
     let result = what();
     MOST.store(usize::MAX, Ordering::Relaxed);
     result
-}
-
-/// How many values content claims to have, as far as any may.
-fn values(content: &[u8]) -> usize {
-    let digits = content.iter().take(5).enumerate();
-    let claimed = digits.clone().map(|(i, byte)| usize::from(byte & 0x7F) << (7 * i));
-    let last = digits.clone().find(|(_, byte)| **byte & 0x80 == 0).map_or(5, |(i, _)| i);
-    claimed.take(last + 1).sum::<usize>().min(FEW_VALUES + VALUES_A_BYTE * content.len()).min(1 << 24)
 }
 
 /// A blob of a kind as stored.

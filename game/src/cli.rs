@@ -10,11 +10,12 @@ use veduta::city::{Tour, file};
 use crate::film::FilmOrder;
 use crate::gallery::{GalleryOrder, Sheet};
 use crate::hud::TourFiles;
+use crate::journal::JournalOrder;
 use crate::profile::Profile;
 use crate::shot::{At, ShotOrder};
 use crate::studio::Size;
 use crate::walk::{FirstTour, WalkOrder};
-use crate::{Failure, bench, cities, film, gallery, shot, walk};
+use crate::{Failure, bench, cities, film, gallery, journal, shot, walk};
 
 /// Walk through cities.
 #[derive(Parser, Debug)]
@@ -129,6 +130,14 @@ enum Command {
         #[arg(long, default_value = "medium")]
         profile: Profile,
     },
+    /// Tell what a walk downloaded that was recorded with `walk --journal`: by level, and in each cell on the way.
+    Journal {
+        /// The journal.
+        journal: PathBuf,
+        /// Draw it, too: two plots (SVG), over time and by cells.
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
     /// Measure; prints figures as lines of JSON.
     Bench {
         /// What to measure.
@@ -223,6 +232,7 @@ fn command(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Gallery { views, out, sheets, only, size, profile }) => {
             gallery::gallery(&GalleryOrder { out, views, sheets, only, size, profile })
         }
+        Some(Command::Journal { journal, out }) => journal::journal(&JournalOrder { journal, out }),
         Some(Command::Bench { what, city, json, size }) => bench::bench(what, city.as_deref(), json, size),
     }
 }

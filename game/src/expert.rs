@@ -40,8 +40,8 @@ pub(crate) struct Expert {
 impl Plugin for ExpertPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(Expert { is_shown: false, is_aloft: false, reach_m: 220.0, leap: None })
-            .init_resource::<plots::Downloads>()
-            .add_systems(Update, (toggle, plots::record))
+            .init_resource::<plots::Plotted>()
+            .add_systems(Update, (toggle, plots::follow))
             .add_systems(Update, aloft::lift.before(VedutaSystems::Show))
             .add_systems(Update, (walls::draw, aloft::draw).run_if(is_shown))
             .add_systems(EguiPrimaryContextPass, (panel::draw, journal::draw, layout::draw).chain().run_if(is_shown));

@@ -22,6 +22,7 @@ mod expert;
 pub mod film;
 pub mod gallery;
 mod hud;
+pub mod journal;
 pub mod profile;
 mod settings;
 pub mod shot;

@@ -13,7 +13,7 @@ use veduta::prelude::*;
 use veduta::streaming::{Link, Pace, Reconnect, Streamed, StreamingStats};
 use veduta::ui::{Look, Surface, Symbol, symbol_button};
 
-use super::plots::{self, Downloads};
+use super::plots::{self, Plotted};
 use super::told::{bytes, made};
 use super::{Expert, INK, MARGIN, frame, look};
 use crate::hud::controls::ExpertOpen;
@@ -27,7 +27,7 @@ pub(super) fn draw(
     mut contexts: EguiContexts,
     time: Res<Time>,
     (words, interface, keys): (Res<Words>, Res<Interface>, Res<KeyNames>),
-    (stats, downloads, pace, streamed): (Res<StreamingStats>, Res<Downloads>, Res<Pace>, Streamed<'_>),
+    (stats, plotted, pace, streamed): (Res<StreamingStats>, Res<Plotted>, Res<Pace>, Streamed<'_>),
     (afar, build): (Res<DistrictMemory>, Res<BuildStats>),
     mut expert: ResMut<Expert>,
     (mut link, mut settings): (ResMut<Link>, ResMut<StreamingSettings>),
@@ -57,7 +57,7 @@ pub(super) fn draw(
             asks = line(ui, &words, &mut own, &mut is_paused);
             aloft(ui, &words, &mut is_aloft);
             levels(ui, &words, auto.as_deref().copied().unwrap_or_default(), &mut is_auto, &mut percent);
-            plots::show(ui, &look, &words, &downloads, time.elapsed_secs_f64());
+            plots::show(ui, &look, &words, &plotted, time.elapsed_secs_f64());
         });
     });
     if closes {

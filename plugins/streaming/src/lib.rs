@@ -15,7 +15,8 @@
 //! is read or decoded on the main thread.
 //!
 //! What a web server sent is kept in a [`StreamingCache`]. [`Wanted::why`] tells why a cell is wanted, and the [`Journal`] all that
-//! happened; it can be replayed to what is loaded. [`Reconnect`] asks at once for all that waits to be tried again.
+//! happened; it can be replayed to what is loaded, and tells what a walk [downloaded](Downloads). [`Reconnect`] asks at once for all that
+//! waits to be tried again.
 //!
 //! # Use
 //! ```no_run
@@ -34,6 +35,7 @@
 //! Bevy's asset server for packets: no checksums, no retry, no order, and whole files are all it reads.
 
 mod deliver;
+mod downloads;
 mod fetch;
 mod files;
 mod follow;
@@ -51,6 +53,7 @@ use veduta_city::Overview;
 use veduta_ecs::{DistrictMemory, VedutaSystems};
 
 pub use deliver::{RetryTime, StreamingStats};
+pub use downloads::{BytesByKind, Downloads, Stay};
 pub use fetch::{CityReader, Fetching, Reconnect, StreamingCache};
 pub use files::CityAssetsPlugin;
 pub use follow::CurrentCell;
