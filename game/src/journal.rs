@@ -158,7 +158,7 @@ impl Walk {
             .caption("What had come by then, by level", (FONT, 16).into_font().color(&INK))
             .build_cartesian_2d(0.0..self.seconds().max(1.0), 0.0..most)?;
         mesh(&mut chart, "seconds")?;
-        // The last kind lies upon all others: what is drawn first reaches highest.
+        // The last kind lies upon all others: what is drawn first reaches highest. At the lower right all is covered.
         for (kind, &(name, ink)) in KINDS.iter().enumerate().rev() {
             let steps = self.steps(|bytes| bytes.0[..=kind].iter().sum());
             let mark = move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], ink.filled());
@@ -166,9 +166,9 @@ impl Walk {
         }
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperLeft)
+            .position(SeriesLabelPosition::LowerRight)
             .label_font((FONT, 14).into_font().color(&INK))
-            .background_style(PAPER.mix(0.85))
+            .background_style(PAPER.mix(0.9))
             .draw()?;
         Ok(())
     }
