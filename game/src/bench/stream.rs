@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anstream::{eprintln, println};
 use bevy::math::DVec2;
+use cpu_time::ThreadTime;
 use veduta::city::{GridPos, Level, Step, Tour, Where, file};
 use veduta_bake::{BakeSettings, bake};
 use veduta_store::{DirReader, read_index, read_overview};
@@ -64,6 +65,9 @@ pub(super) fn stream(scene: &Path, json: bool) -> Result<(), Failure> {
     let most = |share: f64| cpu.iter().map(|cpu| quantile(cpu, share)).fold(0.0, f64::max);
     tell("stream_cpu_p999_ms", most(0.999) / 1e3, "ms");
     tell("stream_cpu_max_ms", most(1.0) / 1e3, "ms");
+    let [of_p999, of_max] = unevenness(fast.frames.len());
+    tell("same_work_p999_ratio", of_p999, "1");
+    tell("same_work_max_ratio", of_max, "1");
     let late = small.late_frames.iter().chain(&fast.late_frames).max().copied().unwrap_or(0);
     tell("level1_after_portal_frames", f64::from(late), "1");
     let worst = |walk: &Walk| walk.frames.iter().copied().fold(0.0, f64::max);
@@ -123,6 +127,25 @@ fn take_least(least: &mut Vec<f64>, frames: Vec<f64>) {
 fn quantile(ascending: &[f64], share: f64) -> f64 {
     let n = (share * ascending.len() as f64).ceil() as usize;
     ascending.get(n.saturating_sub(1)).copied().unwrap_or(0.0)
+}
+
+/// How uneven the machine is: what the same work, of about half a millisecond, takes of its thread at the 99.9th percentile and at most, beside
+/// its median.
+fn unevenness(times: usize) -> [f64; 2] {
+    const STEPS: u32 = 100_000;
+    let table: Vec<u64> = (0..1 << 15).collect();
+    let work = |seed: u64| {
+        let step = |x: u64, _| x.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(table[(x >> 49) as usize]);
+        core::hint::black_box((0..STEPS).fold(seed, step));
+    };
+    let time = |seed: usize| {
+        let began = ThreadTime::now();
+        work(seed as u64);
+        began.elapsed().as_secs_f64()
+    };
+    let mut took: Vec<f64> = (0..times).map(time).collect();
+    took.sort_by(f64::total_cmp);
+    [0.999, 1.0].map(|share| quantile(&took, share) / quantile(&took, 0.5))
 }
 
 /// A run through a town of more than 50,000 houses, along its streets, and a leap back; where it lies, and how many it has.
