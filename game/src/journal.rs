@@ -88,12 +88,12 @@ impl Walk {
     fn of(entries: &[Entry]) -> Self {
         let at_s = |entry: Option<&Entry>| entry.map_or(0.0, |entry| entry.at_s);
         let count = |is: fn(&Event) -> bool| entries.iter().filter(|entry| is(&entry.event)).count();
-        let place = entries.iter().find_map(|entry| match &entry.event {
-            Event::Opened { place } => Some(place.clone()),
-            _ => None,
-        });
+        let place = match entries.first().map(|entry| &entry.event) {
+            Some(Event::Opened { place }) => place.clone(),
+            _ => String::new(),
+        };
         Self {
-            place: place.unwrap_or_default(),
+            place,
             began_s: at_s(entries.first()),
             ended_s: at_s(entries.last()),
             asked: count(|event| matches!(event, Event::Asked { .. })),

@@ -11,8 +11,9 @@
 //! first, then level 2 within [`StreamingSettings::level_2_m`] and finer ones within [`StreamingSettings::level_3_m`], then level 1 of all
 //! that is seen from the cells next to it and from those ahead, the soonest first: where an [`Itinerary`](veduta_ecs::Itinerary) leads, else
 //! where the viewer's [`Motion`] does. A cell opens ([`OpenCells`](veduta_ecs::OpenCells)) when nothing would be missing from there. A viewer
-//! above the roofs wants everything within [`StreamingSettings::level_2_m`], and the overview beyond. Levels of a cell arrive strictly in order. Of finer levels no more is asked for than the line brings in a while: its [`Pace`] is measured. Nothing
-//! is read or decoded on the main thread.
+//! above the roofs wants everything within [`StreamingSettings::level_2_m`], and the overview beyond. Levels of a cell arrive strictly in
+//! order. Of finer levels no more is asked for than the line brings in a while: its [`Pace`] is measured. Nothing is read or decoded on the
+//! main thread.
 //!
 //! What a web server sent is kept in a [`StreamingCache`]. [`Wanted::why`] tells why a cell is wanted, and the [`Journal`] all that
 //! happened; it can be replayed to what is loaded, and tells what a walk [downloaded](Downloads). [`Reconnect`] asks at once for all that
