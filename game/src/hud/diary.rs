@@ -98,8 +98,11 @@ pub(super) fn tell(
         last.step = step;
         info!("visit: first minute {step}");
     }
-    if !last.arrived && city.is_some() && *jump == Jump::None {
-        last.arrived = true;
+    // A visit begins with a jump, but maybe not in the frame that the city is opened in.
+    if last.opening == Opening::Closed && city.is_some() && *jump != Jump::None {
+        last.opening = Opening::Jumping;
+    } else if last.opening == Opening::Jumping && *jump == Jump::None {
+        last.opening = Opening::Arrived;
         info!("visit: arrived");
     }
     for walk in walks.read() {
@@ -117,8 +120,17 @@ pub(super) struct Told {
     profile: Option<Profile>,
     tour: TourState,
     led: String,
-    arrived: bool,
+    opening: Opening,
     step: usize,
+}
+
+/// How far a visitor is on the way into the city.
+#[derive(Default, PartialEq)]
+enum Opening {
+    #[default]
+    Closed,
+    Jumping,
+    Arrived,
 }
 
 #[cfg(test)]
