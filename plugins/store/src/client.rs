@@ -1,7 +1,7 @@
 mod event;
 mod slot;
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use veduta_city::Level;
@@ -183,12 +183,8 @@ impl Client {
             What::Packet { cell, level } => Some((*id, (cell, level))),
             _ => None,
         });
-        let packets: Vec<_> = packets.collect();
-        if packets.is_empty() {
-            return Vec::new();
-        }
-        let wanted: HashSet<&(u32, Level)> = self.wanted.iter().collect();
-        packets.into_iter().filter(|(_, packet)| !wanted.contains(packet)).map(|(id, _)| id).collect()
+        // Few are on their way.
+        packets.filter(|(_, packet)| !self.wanted.contains(packet)).map(|(id, _)| id).collect()
     }
 
     /// Takes back a request that was never sent: it counts as if it had not been made. Returns what it asked for; `None` if it is not on its

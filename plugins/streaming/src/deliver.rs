@@ -124,7 +124,7 @@ pub(crate) fn deliver(world: &mut World) {
     let wanted = world.resource::<Wanted>();
     if store.told != Some(wanted.generation) {
         store.told = Some(wanted.generation);
-        store.client.want(wanted.order.iter().copied());
+        store.client.want(wanted.missing.iter().copied());
         let (first, later) = wanted.regions.split_at(wanted.regions_in_sight);
         store.client.want_regions(first.iter().copied(), later.iter().copied());
         let cancelled = store.cancel_unwanted();
@@ -364,11 +364,9 @@ pub(crate) fn release_cells(world: &mut World, eyes: &mut QueryState<&Eye, With<
     let eyes: Vec<DVec2> = eyes.iter(world).map(|eye| eye.plan_pos).collect();
     world.resource_scope(|world, wanted: Mut<'_, Wanted>| {
         for (&cell, entry) in &mut loaded.cells {
-            for level in &mut entry.levels {
-                if wanted.wants_level(cell, level.level) {
-                    level.wanted_at_s = now_s;
-                }
-            }
+            let finest = wanted.finest(cell);
+            let levels = entry.levels.iter_mut().take_while(|level| finest >= Some(level.level));
+            levels.for_each(|level| level.wanted_at_s = now_s);
         }
         let mut idle: Vec<(u32, Level)> =
             loaded.cells.iter().filter_map(|(&cell, entry)| Some((cell, entry.idle_since(now_s - settings.keep_s)?))).collect();

@@ -45,8 +45,10 @@ mod link;
 mod look;
 mod memory;
 mod motion;
+mod need;
 mod overviews;
 mod pace;
+mod rank;
 mod want;
 
 use bevy::prelude::*;

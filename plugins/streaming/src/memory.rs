@@ -12,34 +12,46 @@ use crate::{StreamingSettings, StreamingStats, Wanted};
 /// How much memory levels of cells take, as far as that is known.
 #[derive(Resource, Debug, Clone, PartialEq, Default)]
 pub(crate) struct Sizes {
-    known: BTreeMap<(u32, Level), u64>,
+    known: BTreeMap<u32, KnownSizes>,
     /// Of each level, all that was measured: bytes of memory, and of packets as sent.
     measured: [(f64, f64); 4],
 }
+
+/// Bytes of memory that were made of a cell, by [`Level::index`], as far as they were measured.
+pub(crate) type KnownSizes = [Option<u64>; 4];
 
 /// Bytes of memory that a byte sent becomes, by level, where none was measured: as in the sample city.
 const USUAL: [f64; 4] = [1_000.0, 5_000.0, 150.0, 0.0];
 /// As much as so many bytes sent that weighs.
 const WEIGHT: f64 = 1_000.0;
-/// So many sizes are kept, those of cells that are gone too: who comes back is not to be surprised by them again.
-const MOST_KNOWN: usize = 1 << 15;
+/// Sizes of so many cells are kept, those of cells that are gone too: who comes back is not to be surprised by them again.
+const MOST_KNOWN: usize = 1 << 14;
 
 impl Sizes {
     /// Bytes of memory of a level of a cell that is sent as so many, with its packet.
     pub(crate) fn of(&self, cell: u32, level: Level, sent: u64) -> u64 {
+        self.expected(&self.known(cell), level, sent)
+    }
+
+    /// What is known of a cell.
+    pub(crate) fn known(&self, cell: u32) -> KnownSizes {
+        self.known.get(&cell).copied().unwrap_or_default()
+    }
+
+    /// Bytes of memory of a level, of whose cell so much is known, that is sent as so many, with its packet.
+    pub(crate) fn expected(&self, known: &KnownSizes, level: Level, sent: u64) -> u64 {
         let (memory, bytes) = self.measured[level.index()];
         let share = (memory + USUAL[level.index()] * WEIGHT) / (bytes + WEIGHT);
-        let known = |level: Level| self.known.get(&(cell, level)).copied();
         // What stands in a cell, such as a church, takes as much again at level 2, whatever its walls take.
-        let least = if level == Level::Two { known(Level::One).unwrap_or_default() } else { 0 };
-        known(level).unwrap_or(least.max((sent as f64 * share) as u64)) + sent
+        let least = if level == Level::Two { known[Level::One.index()].unwrap_or_default() } else { 0 };
+        known[level.index()].unwrap_or(least.max((sent as f64 * share) as u64)) + sent
     }
 
     fn note(&mut self, cell: u32, level: Level, sent: u64, made: u64) {
         if self.known.len() >= MOST_KNOWN {
             self.known.clear();
         }
-        if self.known.insert((cell, level), made).is_none() {
+        if self.known.entry(cell).or_default()[level.index()].replace(made).is_none() {
             let (memory, bytes) = &mut self.measured[level.index()];
             (*memory, *bytes) = (*memory + made as f64, *bytes + sent as f64);
         }

@@ -6,7 +6,7 @@ use veduta_ecs::{Around, City, DistrictMemory, Eye, OverviewWants, Viewer};
 use veduta_store::{CityIndex, RegionEntry};
 
 use crate::fetch::Store;
-use crate::want::{largest_first, rise_per_m};
+use crate::need::{largest_first, rise_per_m};
 use crate::{CurrentCell, StreamingSettings, Wanted};
 
 /// A viewer as overviews are planned for, coarsely: what is planned depends on nothing else of where he is.
