@@ -2,11 +2,11 @@
 
 use veduta_city::Level;
 
+use crate::StreamingSettings;
 use crate::deliver::LoadedCells;
 use crate::memory::{KnownSizes, Sizes};
 use crate::need::Need;
 use crate::want::Wish;
-use crate::StreamingSettings;
 
 /// What may be seen so soon comes before the finer levels of what is in sight; seconds.
 const NEXT_S: f64 = 14.0;

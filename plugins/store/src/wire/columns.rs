@@ -6,7 +6,7 @@ use std::hash::Hash;
 use serde::{Deserialize, Serialize};
 use veduta_city::Id;
 
-use super::Malformed;
+use super::{Malformed, expecting};
 
 /// Takes values off a column, one after another.
 pub(crate) struct Pull<T> {
@@ -296,7 +296,7 @@ impl Texts {
 
     pub(crate) fn pull(self) -> Result<PullTexts, Malformed> {
         let mut rest = self.all.as_str();
-        let mut values = Vec::with_capacity(self.lengths.len());
+        let mut values = expecting(self.lengths.len());
         for length in self.lengths {
             let (text, after) = rest.split_at_checked(length as usize).ok_or(Malformed::Reason("texts are cut wrongly"))?;
             values.push(text.to_owned());

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use super::{Malformed, columns::Pull};
+use super::{Malformed, columns::Pull, expecting};
 use crate::RegionKey;
 
 /// Keys of regions: how deep each lies, and how many squares of its size lie between the end of the one before and it. In an index they
@@ -30,7 +30,7 @@ impl Keys {
     pub(crate) fn pull(self, own: RegionKey) -> Result<Vec<RegionKey>, Malformed> {
         let mut gaps = Pull::new("gaps between regions", self.gaps);
         let mut last = Last::new(own);
-        let mut keys = Vec::with_capacity(self.depths.len());
+        let mut keys = expecting(self.depths.len());
         for depth in self.depths.into_iter().map(u32::from) {
             let square = if depth < NOWHERE { last.next(depth).checked_add(gaps.take()?) } else { None };
             let square = square.and_then(|square| u32::try_from(square).ok());

@@ -61,6 +61,15 @@ impl Malformed {
     }
 }
 
+/// Bytes of memory that are taken for things before they are made.
+const AT_ONCE: usize = 1 << 20;
+
+/// Room for so many things as are told of; where it is much, it is taken as they come. A number in a column is a byte or less, and a thing that is
+/// made of a row of them hundreds.
+fn expecting<T>(count: usize) -> Vec<T> {
+    Vec::with_capacity(count.min(AT_ONCE / size_of::<T>().max(1)))
+}
+
 /// Numbers told as steps from one to the next; wraps, so that any numbers survive.
 #[derive(Default)]
 struct Steps(i32);
@@ -97,7 +106,7 @@ impl WireBlobs {
     /// All of them.
     pub(crate) fn all(self, name: &'static str) -> Result<Vec<BlobRef>, Malformed> {
         let mut blobs = self.pull(name);
-        let mut all = Vec::with_capacity(blobs.bytes.left());
+        let mut all = expecting(blobs.bytes.left());
         while !blobs.is_empty() {
             all.push(blobs.take()?);
         }

@@ -7,6 +7,7 @@ use veduta_city::{
 use super::{
     Malformed,
     columns::{Deltas, Ids, Pull, Table, TableWriter, Texts},
+    expecting,
     places::WirePlaces,
     terrain::WireTerrain,
 };
@@ -147,8 +148,8 @@ impl WireOverview {
         let walls = wire.houses.iter().map(|_| paint()).collect::<Result<Vec<_>, _>>()?;
         let mut rows = wire.houses.into_iter().zip(walls);
         let mut patches = wire.ground.into_iter();
-        let (mut houses, mut ground) = (Vec::with_capacity(rows.len()), Vec::with_capacity(patches.len()));
-        let mut districts = Vec::with_capacity(cells.len());
+        let (mut houses, mut ground) = (expecting(rows.len()), expecting(patches.len()));
+        let mut districts = expecting(cells.len());
         let mut tell_houses = |houses: &mut Vec<Massing>, outlines: &mut Source<'_, '_>, many: usize| -> Result<(), Unread> {
             for (row, wall) in rows.by_ref().take(many) {
                 houses.push(row.massing(in_grid_steps(&outlines.polygon(HOUSES)?), [wall, paint()?]));
@@ -242,7 +243,7 @@ impl Lines {
         let mut walkable = Pull::new("walkable streets", self.walkable);
         let mut layers = Pull::new("layers of streets", self.layers);
         let mut classes = Pull::new("classes of streets", self.classes);
-        let mut streets = Vec::with_capacity(self.widths.len());
+        let mut streets = expecting(self.widths.len());
         for width in self.widths {
             streets.push(PlanStreet {
                 id: ids.take()?,

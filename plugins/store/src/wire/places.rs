@@ -5,6 +5,7 @@ use veduta_city::{Id, Place, PlaceKind, Viewpoint};
 use super::{
     Malformed,
     columns::{Ids, Pull, Texts},
+    expecting,
 };
 
 /// [Rounded](Place::rounded) [`Place`]s in columns; lengths in centimetres, angles in hundredths of degrees.
@@ -85,7 +86,7 @@ impl WirePlaces {
         let mut ids = self.ids.pull();
         let mut kinds = Pull::new("kinds of places", self.kinds);
         let mut texts = self.texts.pull()?;
-        let mut places = Vec::with_capacity(self.marks.len());
+        let mut places = expecting(self.marks.len());
         let mut last = (0, 0);
         for WireMark { step, radius, view } in self.marks {
             let (at, pos) = place(last, step);

@@ -6,6 +6,7 @@ use veduta_city::{GRID_PER_METRE, GridPolygon, GridPos, Id, Portal, PortalSide};
 use super::{
     Malformed, WireBlobs,
     columns::{Deltas, Ids, Lists, Pull, Texts},
+    expecting,
     keys::Keys,
 };
 use crate::code::{Outlines, Source, Unread};
@@ -199,10 +200,13 @@ impl WireRegion {
     pub(crate) fn pull(self, number: usize, regions: &[RegionEntry], outlines: &mut Source<'_, '_>) -> Result<Region, Unread> {
         let entry = &regions[number];
         let numbers = Numbers { first: entry.first, own: entry.cells, foreign: self.foreign.pull(entry.key, regions)? };
+        if self.cells.levels.len() != entry.cells as usize {
+            return Err(Unread(format!("it has {} cells; the index says {}", self.cells.levels.len(), entry.cells)));
+        }
         let mut texts = self.texts.pull()?;
         let cells = self.cells.pull(&numbers, outlines, || texts.take())?;
         let mut beyond = Pull::new("portals", self.portals.beyond);
-        let mut portals = Vec::with_capacity(self.portals.cells.len());
+        let mut portals = expecting(self.portals.cells.len());
         for cell in self.portals.cells {
             let ends = (outlines.point(PORTALS)?, outlines.point(PORTALS)?);
             let beyond = match beyond.take()?.checked_sub(1) {
@@ -274,7 +278,7 @@ impl WireCells {
         let mut walls = Pull::new("walls of cells", self.walls);
         let mut packets = self.packets.pull("packets of cells");
         let mut mutual = Mutual::default();
-        let mut cells = Vec::with_capacity(self.levels.len());
+        let mut cells = expecting(self.levels.len());
         for levels in self.levels {
             if levels >= 1 << 4 {
                 return Err(Malformed::Reason("a cell has packets of unknown levels").into());

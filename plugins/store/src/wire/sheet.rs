@@ -7,6 +7,7 @@ use veduta_city::{
 use super::{
     Malformed,
     columns::{Pull, Table, TableWriter, Uses},
+    expecting,
 };
 
 /// A [`FacadeSheet`]: different walls once, made of different stacks of storeys once.
@@ -149,7 +150,7 @@ impl TryFrom<WireSheet> for FacadeSheet {
         let mut shops = Pull::new("shops", wire.shops);
         let mut blank = Pull::new("bays without an opening", wire.blank);
         let mut ornaments = Pull::new("ornaments", wire.ornaments);
-        let mut different = Vec::with_capacity(wire.kinds.len());
+        let mut different = expecting(wire.kinds.len());
         for kind in wire.kinds {
             let door_bay = door_bays.take()?.checked_sub(1).map(u8::try_from).transpose();
             let ground_floor = GroundFloor {
@@ -174,7 +175,7 @@ impl TryFrom<WireSheet> for FacadeSheet {
         if uses.left() > WALLS_CAP {
             return Err(Malformed::Reason("a sheet has too many walls"));
         }
-        let mut walls = Vec::with_capacity(uses.left());
+        let mut walls = expecting(uses.left());
         while uses.left() > 0 {
             let wall = uses.take_ref()?;
             spend(wall.storeys.len())?;

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use veduta_city::{GridPos, PlanTerrain};
 
-use super::Malformed;
+use super::{Malformed, expecting};
 
 /// A [`PlanTerrain`]: each post as the difference from where the three before it (west, south, south-west) let it be expected, which
 /// on even slopes is next to nothing, in the largest power of two of grid steps that tells them all.
@@ -39,7 +39,7 @@ impl TryFrom<WireTerrain> for PlanTerrain {
 
     fn try_from(wire: WireTerrain) -> Result<Self, Malformed> {
         let columns = wire.columns.max(1) as usize;
-        let mut heights = Vec::with_capacity(wire.off.len());
+        let mut heights = expecting(wire.off.len());
         for (i, off) in wire.off.into_iter().enumerate() {
             heights.push(expected(&heights, i, columns).wrapping_add(off.wrapping_shl(wire.unit.into())));
         }

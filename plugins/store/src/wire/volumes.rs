@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use veduta_city::{Arcade, CellShell, Gable, GridPolygon, GridPos, HouseShell, PlanRoof, PlanTerrain, Rgb, VolumeShell};
 
 use super::{
-    Malformed, Steps,
+    Malformed, Steps, expecting,
     houses::{WireRoof, eaves_of},
     paint::{Brush, Paint},
 };
@@ -191,10 +191,10 @@ pub(super) fn pull_houses(
     let mut floors = Steps::default();
     let mut brush = Brush::new(context.palettes);
     let mut parts = Parts::new(context, origin);
-    let mut houses = Vec::with_capacity(rows.len());
+    let mut houses = expecting(rows.len());
     for WireHouse { style: mut told, floor, is_monument, volumes: rows } in rows {
         let floor = floors.by(floor);
-        let mut volumes = Vec::with_capacity(rows.len());
+        let mut volumes = expecting(rows.len());
         for row in rows {
             let bottom = floor.wrapping_add(row.bottom);
             let part = parts.take(&row.body)?;
