@@ -26,10 +26,16 @@ pub(crate) struct Districts {
 struct Part {
     source: Arc<Overview>,
     work: Work,
-    /// Those that are spawned, by cell.
-    spawned: Vec<(u32, Entity)>,
+    /// Those that are spawned; their cells ascend.
+    spawned: Vec<Spawned>,
     /// Bytes of their meshes.
     bytes: u64,
+}
+
+struct Spawned {
+    cell: u32,
+    entity: Entity,
+    is_hidden: bool,
 }
 
 enum Work {
@@ -113,7 +119,7 @@ pub(crate) fn let_go(mut commands: Commands, mut districts: ResMut<Districts>) {
     {
         let keeps = part.spawned.len().saturating_sub(left);
         left -= part.spawned.len() - keeps;
-        part.spawned.drain(keeps..).for_each(|(_, entity)| commands.entity(entity).despawn());
+        part.spawned.drain(keeps..).for_each(|gone| commands.entity(gone.entity).despawn());
         if keeps == 0 {
             districts.going.pop();
         }
@@ -146,11 +152,12 @@ pub(crate) fn finish(
         {
             vertices += count;
             part.bytes += bytes;
+            let is_hidden = standing.levels(cell).has(Level::One);
             let mut entity = commands.spawn((
                 CellMesh { cell, kind: CellMeshKind::District },
                 Mesh3d(assets.add(mesh)),
                 Transform::from_translation(origin.world_from_grid(at)),
-                visibility(&standing, cell),
+                visibility(is_hidden),
                 NotShadowCaster,
             ));
             if provided.is_none()
@@ -158,7 +165,7 @@ pub(crate) fn finish(
             {
                 entity.insert(MeshMaterial3d(handle));
             }
-            part.spawned.push((cell, entity.id()));
+            part.spawned.push(Spawned { cell, entity: entity.id(), is_hidden });
         }
     }
     let made = || districts.parts.values().chain(&districts.going).filter(|part| part.bytes > 0);
@@ -169,17 +176,30 @@ pub(crate) fn finish(
 const SHARE: usize = 4;
 
 /// Shows districts where their cells do not stand.
-pub(crate) fn show(standing: Res<StandingCells>, districts: Res<Districts>, mut meshes: Query<&mut Visibility, With<CellMesh>>) {
+pub(crate) fn show(
+    standing: Res<StandingCells>,
+    mut districts: ResMut<Districts>,
+    mut meshes: Query<&mut Visibility, With<CellMesh>>,
+) {
     if !standing.is_changed() {
         return;
     }
-    for &(cell, entity) in districts.parts.values().chain(&districts.going).flat_map(|part| &part.spawned) {
-        if let Ok(mut shown) = meshes.get_mut(entity) {
-            shown.set_if_neq(visibility(&standing, cell));
+    let Districts { parts, going, .. } = &mut *districts;
+    for part in parts.values_mut().chain(going) {
+        let (Some(first), Some(last)) = (part.spawned.first(), part.spawned.last()) else { continue };
+        let mut stands = standing.within(first.cell..=last.cell).filter(|(_, levels)| levels.has(Level::One)).peekable();
+        for district in &mut part.spawned {
+            while stands.next_if(|&(cell, _)| cell < district.cell).is_some() {}
+            let is_hidden = stands.peek().is_some_and(|&(cell, _)| cell == district.cell);
+            if core::mem::replace(&mut district.is_hidden, is_hidden) != is_hidden
+                && let Ok(mut shown) = meshes.get_mut(district.entity)
+            {
+                *shown = visibility(is_hidden);
+            }
         }
     }
 }
 
-fn visibility(standing: &StandingCells, cell: u32) -> Visibility {
-    if standing.levels(cell).has(Level::One) { Visibility::Hidden } else { Visibility::Visible }
+const fn visibility(is_hidden: bool) -> Visibility {
+    if is_hidden { Visibility::Hidden } else { Visibility::Visible }
 }

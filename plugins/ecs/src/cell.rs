@@ -1,4 +1,5 @@
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use bevy::mesh::{MeshTag, MeshVertexAttribute, VertexFormat};
@@ -216,6 +217,11 @@ impl StandingCells {
     #[must_use]
     pub fn levels(&self, cell: u32) -> Levels {
         self.cells.get(&cell).map_or(Levels::NONE, |entry| entry.0)
+    }
+
+    /// Standing cells of a range of indices in order, with their levels.
+    pub fn within(&self, cells: RangeInclusive<u32>) -> impl Iterator<Item = (u32, Levels)> {
+        self.cells.range(cells).map(|(&cell, &(levels, _))| (cell, levels))
     }
 
     /// Whether a plan position lies in a cell that stands: walking ends elsewhere.

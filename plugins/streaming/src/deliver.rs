@@ -51,8 +51,10 @@ pub struct RetryTime(
 #[derive(Resource, Default)]
 pub(crate) struct LoadedCells {
     cells: BTreeMap<u32, LoadedCell>,
-    /// When it was last looked through for what may go, and for which plan of what is wanted.
-    swept: Option<(f64, u64)>,
+    /// When it was last looked through for what may go; `None` if it is to be looked through on.
+    swept_s: Option<f64>,
+    /// The plan of what is wanted that was there in the last frame.
+    plan: u64,
 }
 
 impl LoadedCells {
@@ -72,10 +74,12 @@ impl LoadedCells {
     }
 }
 
-/// Cells that nobody wants are looked for so often; at once where the plan changes or memory runs over.
+/// Cells that nobody wants are looked for so often, seconds; not in a frame that has planned, which has done enough, if so much later will
+/// do; at once where memory runs over.
 const SWEEP_S: f64 = 0.25;
+const LATEST_SWEEP_S: f64 = 0.5;
 /// So many of them go in a frame.
-const RELEASED_A_FRAME: usize = 16;
+const RELEASED_A_FRAME: usize = 4;
 
 struct LoadedCell {
     entity: Entity,
@@ -355,12 +359,14 @@ pub(crate) fn release_cells(world: &mut World, eyes: &mut QueryState<&Eye, With<
     let plan = world.resource::<Wanted>().generation;
     let cap = settings.cap_of_cells(*world.resource());
     let runs_over = world.resource::<StreamingStats>().bytes_in_memory > cap;
-    if !runs_over && loaded.swept.is_some_and(|(at_s, for_plan)| for_plan == plan && now_s - at_s < SWEEP_S) {
+    let has_planned = core::mem::replace(&mut loaded.plan, plan) != plan;
+    let due_s = if has_planned { LATEST_SWEEP_S } else { SWEEP_S };
+    if !runs_over && loaded.swept_s.is_some_and(|at_s| now_s - at_s < due_s) {
         world.insert_resource(loaded);
         world.insert_resource(store);
         return;
     }
-    loaded.swept = Some((now_s, plan));
+    loaded.swept_s = Some(now_s);
     let eyes: Vec<DVec2> = eyes.iter(world).map(|eye| eye.plan_pos).collect();
     world.resource_scope(|world, wanted: Mut<'_, Wanted>| {
         for (&cell, entry) in &mut loaded.cells {
@@ -372,7 +378,7 @@ pub(crate) fn release_cells(world: &mut World, eyes: &mut QueryState<&Eye, With<
             loaded.cells.iter().filter_map(|(&cell, entry)| Some((cell, entry.idle_since(now_s - settings.keep_s)?))).collect();
         if idle.len() > RELEASED_A_FRAME {
             idle.truncate(RELEASED_A_FRAME);
-            loaded.swept = None;
+            loaded.swept_s = None;
         }
         for (cell, from) in idle {
             release(world, &mut store, &mut loaded, (cell, from), Reason::Idle);

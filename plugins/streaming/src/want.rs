@@ -250,11 +250,15 @@ pub(crate) fn open_cells(
             || store.gave_up(cell)
             || (index.cell(cell).is_some() && !wanted.wants_level(cell, Level::One))
     };
-    let is_open = |cell: &u32| index.cell(*cell).is_some_and(|entry| entry.visible.iter().all(stands));
     let about = viewers.iter().filter_map(|current| current.0).flat_map(|cell| {
         let beyond = index.portals(cell).filter_map(move |portal| portal.other(cell));
         beyond.chain([cell])
     });
     let about: BTreeSet<u32> = about.collect();
+    // What is open shuts only with a new plan, or where something falls.
+    if !wanted.is_changed() && !standing.is_changed() && open.cells.as_ref() == Some(&about) {
+        return;
+    }
+    let is_open = |cell: &u32| index.cell(*cell).is_some_and(|entry| entry.visible.iter().all(stands));
     open.set_if_neq(OpenCells { cells: Some(about.into_iter().filter(is_open).collect()) });
 }
