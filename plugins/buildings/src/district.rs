@@ -109,7 +109,7 @@ pub(crate) fn start(
 }
 
 /// So many meshes go in a frame at most: whoever leaps leaves thousands behind.
-const GOING_A_FRAME: usize = 256;
+const GOING_A_FRAME: usize = 128;
 
 /// Despawns a slice of what is to go.
 pub(crate) fn let_go(mut commands: Commands, mut districts: ResMut<Districts>) {

@@ -107,10 +107,10 @@ fn many_districts_go_a_slice_a_frame_and_count_until_they_are_gone() {
         assert_eq!(bytes(&app), all, "{left} are left");
         app.update();
         let now = districts(&mut app)[0].len();
-        assert!(now < left && left - now <= 256, "{left} to {now} in a frame");
+        assert!(now < left && left - now <= 128, "{left} to {now} in a frame");
         (left, frames) = (now, frames + 1);
     }
-    assert!(frames > 2 && all > 0, "{frames} frames, {all} bytes");
+    assert!(frames > 4 && all > 0, "{frames} frames, {all} bytes");
     assert_eq!(bytes(&app), 0);
 }
 
