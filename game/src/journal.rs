@@ -25,6 +25,7 @@ pub struct JournalOrder {
 /// # Errors
 /// If the journal cannot be read or the plots not be written.
 pub fn journal(order: &JournalOrder) -> Result<(), Failure> {
+    order.out.as_deref().map_or(Ok(()), check_name)?;
     let path = order.journal.display();
     let text = std::fs::read_to_string(&order.journal).map_err(|error| format!("{path}: {error}"))?;
     let mut entries = read_journal(&text).map_err(|error| format!("{path}: {error}"))?;
@@ -43,10 +44,12 @@ pub fn journal(order: &JournalOrder) -> Result<(), Failure> {
     Ok(())
 }
 
+fn check_name(out: &Path) -> Result<(), Failure> {
+    let is_svg = out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
+    if is_svg { Ok(()) } else { Err(format!("{}: plots are SVG; name a file that ends in .svg", out.display()).into()) }
+}
+
 fn write(out: &Path, picture: &str) -> Result<(), Failure> {
-    if out.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
-        return Err(format!("{}: plots are SVG; name a file that ends in .svg", out.display()).into());
-    }
     if let Some(folder) = out.parent() {
         std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     }

@@ -85,3 +85,53 @@ fn pile(painter: &egui::Painter, mut foot: Pos2, broad: f32, high: f32, bytes: B
         foot.y -= up;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy::ecs::system::RunSystemOnce;
+    use veduta::streaming::{Event, What};
+
+    use super::*;
+
+    /// A world whose journal keeps so few entries that most are gone when they are read.
+    fn world() -> World {
+        let mut world = World::new();
+        world.insert_resource(Journal::keeping(4));
+        world.init_resource::<Plotted>();
+        world
+    }
+
+    /// Notes what comes in so many seconds, 100 bytes in each.
+    fn walk(world: &mut World, seconds: core::ops::Range<u32>) {
+        for s in seconds {
+            world.resource_mut::<Journal>().note(s.into(), Event::Arrived { what: What::Region(s), bytes: 100 });
+        }
+        world.run_system_once(follow).expect("it follows");
+    }
+
+    fn sum(world: &World) -> u64 {
+        world.resource::<Plotted>().downloads.sum().sum()
+    }
+
+    #[test]
+    fn a_journal_is_read_on_and_no_entry_twice() {
+        let mut world = world();
+        walk(&mut world, 0..3);
+        assert_eq!(sum(&world), 300);
+        walk(&mut world, 3..3);
+        assert_eq!(sum(&world), 300, "nothing is new");
+        walk(&mut world, 3..7);
+        assert_eq!(sum(&world), 700, "what the journal has dropped was read before");
+        walk(&mut world, 7..20);
+        assert_eq!(sum(&world), 1_100, "of more than it keeps the last are read");
+    }
+
+    #[test]
+    fn a_new_journal_is_plotted_alone() {
+        let mut world = world();
+        walk(&mut world, 0..4);
+        world.insert_resource(Journal::keeping(4));
+        walk(&mut world, 0..2);
+        assert_eq!(sum(&world), 200);
+    }
+}
