@@ -308,13 +308,6 @@ impl Walk {
         frames.iter().take(6).map(told).collect::<Vec<_>>().join(", ")
     }
 
-    /// What they took at most in so large a share of all frames, microseconds.
-    fn streaming_within(&self, share: f64) -> f64 {
-        let mut frames: Vec<f64> = self.streaming().collect();
-        frames.sort_by(f64::total_cmp);
-        stream::quantile(&frames, share)
-    }
-
     /// What streaming and building together took of each frame.
     fn streaming(&self) -> impl Iterator<Item = f64> {
         self.sets[1].iter().zip(&self.sets[2]).map(|(stream, build)| stream + build)

@@ -13,7 +13,7 @@ use bevy::prelude::*;
 use veduta::buildings::BuildSettings;
 use veduta::ecs::{Around, Awaited, CellMesh, CellMeshKind, DistrictMemory, Footing, Itinerary, OpenCells, StandingCells, Stop};
 use veduta::prelude::*;
-use veduta::streaming::{CurrentCell, Fetching, Link, Motion, Pace, Wanted, Why};
+use veduta::streaming::{CurrentCell, Event, Fetching, Journal, Link, Motion, Pace, Wanted, What, Why, replay};
 use veduta_city::{GridPos, Level, Levels, bounds};
 use veduta_store::{DirReader, RegionEntry, read_index};
 use veduta_tests::{in_memory, inner_point, quiet_app, sample_city, update_until, workplace};
@@ -392,6 +392,36 @@ fn over_a_slow_line_finer_levels_are_asked_for_bit_by_bit() {
         let finer = |(_, levels, _)| [Level::Two, Level::Three].into_iter().filter(|&level| Levels::has(levels, level)).count();
         standing.iter().map(finer).sum::<usize>() >= all
     });
+}
+
+#[test]
+fn a_level_that_comes_when_the_one_before_it_has_gone_waits_its_turn() {
+    let index = read_index(&DirReader::new(sample_city()).expect("a city")).expect("whole");
+    let painted = (0..index.cell_count()).find(|&cell| index.cell(cell).is_some_and(|entry| entry.packet(Level::Three).is_some()));
+    let painted = painted.expect("a front of the sample city is painted");
+    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+    app.insert_resource(Link { latency_s: 2.0, ..Link::default() });
+    let near = *app.world().resource::<StreamingSettings>();
+    app.world_mut().resource_mut::<StreamingSettings>().keep_s = 0.3;
+    let at = inner_point(&index.cell(painted).expect("told").outline);
+    app.world_mut().spawn((Viewer, Eye { plan_pos: at, ..Eye::default() }, Transform::default()));
+    let is_asked = |world: &mut World, asked: Level| {
+        let packet = What::Packet { cell: painted, level: asked };
+        world.resource::<Journal>().entries().any(|entry| matches!(entry.event, Event::Asked { what, .. } if what == packet))
+    };
+    update_until(&mut app, 4_000, "level 3 is on its way", |world| is_asked(world, Level::Three));
+    let levels = |world: &World| replay(world.resource::<Journal>().entries()).remove(&painted).unwrap_or_default();
+    assert_eq!(levels(app.world()), [Level::One, Level::Two]);
+    // Nobody wants finer levels for as long as it takes that level 2 goes and level 3 comes.
+    let mut settings = app.world_mut().resource_mut::<StreamingSettings>();
+    (settings.level_2_m, settings.level_3_m) = (-1.0, -1.0);
+    (0..10).for_each(|_| app.update());
+    assert_eq!(levels(app.world()), [Level::One], "level 2 has gone");
+    (0..30).for_each(|_| app.update());
+    assert_eq!(levels(app.world()), [Level::One], "level 3 stays away without it");
+    *app.world_mut().resource_mut::<StreamingSettings>() = near;
+    let all = [Level::One, Level::Two, Level::Three];
+    update_until(&mut app, 400, "all are here again, in order", |world| levels(world) == all);
 }
 
 #[test]

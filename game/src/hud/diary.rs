@@ -72,7 +72,6 @@ pub(super) fn tell(
     (first, settings): (Res<FirstMinute>, Res<Settings>),
     mut entered: MessageReader<PlaceEntered>,
     mut walks: MessageReader<WalkEnded>,
-    city: Option<Res<City>>,
     mut last: Local<Told>,
 ) {
     if last.language != words.language() {
@@ -98,8 +97,8 @@ pub(super) fn tell(
         last.step = step;
         info!("visit: first minute {step}");
     }
-    // A visit begins with a jump, but maybe not in the frame that the city is opened in.
-    if last.opening == Opening::Closed && city.is_some() && *jump != Jump::None {
+    // A visit begins with a jump, but maybe not in the frame that the city is opened in. Who is led from the first step arrives when he is let go.
+    if last.opening == Opening::Closed && *jump != Jump::None {
         last.opening = Opening::Jumping;
     } else if last.opening == Opening::Jumping && *jump == Jump::None {
         last.opening = Opening::Arrived;

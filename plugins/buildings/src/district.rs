@@ -187,7 +187,7 @@ pub(crate) fn show(
     let Districts { parts, going, .. } = &mut *districts;
     for part in parts.values_mut().chain(going) {
         let (Some(first), Some(last)) = (part.spawned.first(), part.spawned.last()) else { continue };
-        let mut stands = standing.within(first.cell..=last.cell).filter(|(_, levels)| levels.has(Level::One)).peekable();
+        let mut stands = standing.within(first.cell, last.cell).filter(|(_, levels)| levels.has(Level::One)).peekable();
         for district in &mut part.spawned {
             while stands.next_if(|&(cell, _)| cell < district.cell).is_some() {}
             let is_hidden = stands.peek().is_some_and(|&(cell, _)| cell == district.cell);

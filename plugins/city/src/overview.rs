@@ -30,7 +30,7 @@ pub struct Overview {
     /// Things with a name, [rounded](Place::rounded).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub places: Vec<Place>,
-    /// Which cells ground, houses and spans belong to. Empty where there are no cells.
+    /// Which cells ground, houses and spans belong to, ascending. Empty where there are no cells.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub districts: Vec<District>,
 }

@@ -1,5 +1,4 @@
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use bevy::mesh::{MeshTag, MeshVertexAttribute, VertexFormat};
@@ -219,9 +218,10 @@ impl StandingCells {
         self.cells.get(&cell).map_or(Levels::NONE, |entry| entry.0)
     }
 
-    /// Standing cells of a range of indices in order, with their levels.
-    pub fn within(&self, cells: RangeInclusive<u32>) -> impl Iterator<Item = (u32, Levels)> {
-        self.cells.range(cells).map(|(&cell, &(levels, _))| (cell, levels))
+    /// Standing cells from one index to another in order, with their levels; none if the first is the larger.
+    pub fn within(&self, first: u32, last: u32) -> impl Iterator<Item = (u32, Levels)> {
+        let range = (first <= last).then(|| self.cells.range(first..=last));
+        range.into_iter().flatten().map(|(&cell, &(levels, _))| (cell, levels))
     }
 
     /// Whether a plan position lies in a cell that stands: walking ends elsewhere.
@@ -262,6 +262,10 @@ mod tests {
         standing.add(4, Level::One, &shell);
         assert!(standing.hold(GridPos(11_000, 100)) && !standing.hold(GridPos(100, 100)));
         assert!(standing.levels(4).has(Level::One) && !standing.levels(4).has(Level::Two));
+        standing.add(9, Level::One, &shell);
+        let within = |first, last| standing.within(first, last).map(|(cell, _)| cell).collect::<Vec<_>>();
+        assert_eq!((within(0, 4), within(4, 9), within(5, 8), within(9, 4)), (vec![4], vec![4, 9], vec![], vec![]));
+        standing.remove(9);
         standing.remove(4);
         assert!(standing.is_empty() && !standing.hold(GridPos(11_000, 100)));
     }

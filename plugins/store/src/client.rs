@@ -113,7 +113,7 @@ impl Client {
         self.index.as_ref()
     }
 
-    /// Replaces the list of packets wanted, most urgent first. Each level must be listed: one that is not is not asked for,
+    /// Replaces the list of packets wanted, most urgent first. Each level that is not here must be listed: one that is not is not asked for,
     /// and neither are those above it. The regions that tell of them come by themselves. What is there, on its way, or not in the
     /// city may be listed too. What is on its way and no longer listed arrives nevertheless.
     pub fn want(&mut self, wanted: impl IntoIterator<Item = (u32, Level)>) {

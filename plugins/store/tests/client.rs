@@ -253,6 +253,16 @@ fn what_is_of_no_use_is_not_asked_for_again() {
 }
 
 #[test]
+fn a_level_is_asked_for_where_the_one_before_it_is_here_though_nobody_lists_that() {
+    let mut walk = Walk::open(2, ClientSettings::default());
+    walk.client.want([(0, One)]);
+    let request = walk.next().expect("level 1");
+    walk.answer(&request);
+    walk.client.want([(0, Two), (1, Two)]);
+    assert_eq!(packets(&walk.burst()), [(0, Two)], "of the other level 1 is not here");
+}
+
+#[test]
 fn what_is_not_wanted_any_more_is_taken_back_before_it_is_sent() {
     let mut walk = Walk::open(4, ClientSettings::default());
     walk.client.want((0..4).map(|cell| (cell, One)));

@@ -51,9 +51,9 @@ pub struct RetryTime(
 #[derive(Resource, Default)]
 pub(crate) struct LoadedCells {
     cells: BTreeMap<u32, LoadedCell>,
-    /// When it was last looked through for what may go; `None` if it is to be looked through on.
-    swept_s: Option<f64>,
-    /// The plan of what is wanted that was there in the last frame.
+    /// When it is to be looked through again for what may go.
+    sweep_s: f64,
+    /// The plan of what is wanted, overviews included, that was there in the last frame.
     plan: u64,
 }
 
@@ -74,16 +74,16 @@ impl LoadedCells {
     }
 }
 
-/// Cells that nobody wants are looked for so often, seconds; not in a frame that has planned, which has done enough, if so much later will
-/// do; at once where memory runs over.
+/// Cells that nobody wants are looked for so often, seconds; at once where memory runs over.
 const SWEEP_S: f64 = 0.25;
-const LATEST_SWEEP_S: f64 = 0.5;
+/// A frame that has planned has done enough: so long, in seconds, it is left to the next one that has not.
+const SWEEP_WAITS_S: f64 = 0.25;
 /// So many of them go in a frame.
 const RELEASED_A_FRAME: usize = 4;
 
 struct LoadedCell {
     entity: Entity,
-    /// The levels that are here, coarsest first.
+    /// The levels that are here, coarsest first: each after the one before it.
     levels: Vec<LoadedLevel>,
 }
 
@@ -306,8 +306,16 @@ fn arrive(world: &mut World, store: &mut Store, cell: u32, level: Level, packet:
     let blob = store.client.index().and_then(|index| index.cell(cell)?.packet(level));
     let bytes = blob.map_or(0, |blob| u64::from(blob.bytes));
     let origin = *world.resource::<WorldOrigin>();
-    let known = world.resource::<LoadedCells>().cells.get(&cell).map(|c| c.entity);
-    let entity = match (packet, known) {
+    let known = world.resource::<LoadedCells>().cells.get(&cell);
+    let next = known.map_or(0, |loaded| loaded.levels.len());
+    if level.index() != next {
+        // It is here already; or its cell, or a level before it, was released meanwhile: whoever wants it asks anew, in order.
+        if level.index() > next {
+            store.client.forget(cell, level);
+        }
+        return;
+    }
+    let entity = match (packet, known.map(|loaded| loaded.entity)) {
         (Packet::Shell(shell), None) => {
             let at = Transform::from_translation(origin.world_from_grid(shell.origin));
             let content = CellContent { shell: Arc::from(shell), sheet: None, pictures: None };
@@ -330,10 +338,8 @@ fn arrive(world: &mut World, store: &mut Store, cell: u32, level: Level, packet:
             content.pictures = Some(pictures.into());
             entity
         }
-        // A finer level whose cell was released meanwhile: whoever comes back asks for it anew.
-        (Packet::Facades(_) | Packet::Pictures(_), None) => return store.client.forget(cell, level),
-        // A level 1 that is already here: nothing to do.
-        (Packet::Shell(_), Some(_)) => return,
+        // A packet of another kind than its level's is not decoded.
+        _ => return,
     };
     let memory = world.resource::<Sizes>().of(cell, level, bytes);
     let mut loaded = world.resource_mut::<LoadedCells>();
@@ -360,13 +366,13 @@ pub(crate) fn release_cells(world: &mut World, eyes: &mut QueryState<&Eye, With<
     let cap = settings.cap_of_cells(*world.resource());
     let runs_over = world.resource::<StreamingStats>().bytes_in_memory > cap;
     let has_planned = core::mem::replace(&mut loaded.plan, plan) != plan;
-    let due_s = if has_planned { LATEST_SWEEP_S } else { SWEEP_S };
-    if !runs_over && loaded.swept_s.is_some_and(|at_s| now_s - at_s < due_s) {
+    let due_s = loaded.sweep_s + if has_planned { SWEEP_WAITS_S } else { 0.0 };
+    if !runs_over && now_s < due_s {
         world.insert_resource(loaded);
         world.insert_resource(store);
         return;
     }
-    loaded.swept_s = Some(now_s);
+    loaded.sweep_s = now_s + SWEEP_S;
     let eyes: Vec<DVec2> = eyes.iter(world).map(|eye| eye.plan_pos).collect();
     world.resource_scope(|world, wanted: Mut<'_, Wanted>| {
         for (&cell, entry) in &mut loaded.cells {
@@ -378,7 +384,7 @@ pub(crate) fn release_cells(world: &mut World, eyes: &mut QueryState<&Eye, With<
             loaded.cells.iter().filter_map(|(&cell, entry)| Some((cell, entry.idle_since(now_s - settings.keep_s)?))).collect();
         if idle.len() > RELEASED_A_FRAME {
             idle.truncate(RELEASED_A_FRAME);
-            loaded.swept_s = None;
+            loaded.sweep_s = now_s;
         }
         for (cell, from) in idle {
             release(world, &mut store, &mut loaded, (cell, from), Reason::Idle);

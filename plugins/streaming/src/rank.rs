@@ -111,3 +111,75 @@ impl Ranked {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use veduta_store::{BlobRef, CellEntry};
+
+    use super::*;
+    use crate::Why;
+
+    /// A cell whose levels are sent as so many bytes each.
+    fn entry(bytes: [Option<u32>; 4]) -> CellEntry {
+        CellEntry { packets: bytes.map(|bytes| Some(BlobRef { bytes: bytes?, ..BlobRef::default() })), ..CellEntry::default() }
+    }
+
+    const SEEN: Why = Why::Seen { from: 0 };
+
+    fn need(cell: u32, entry: &CellEntry, why: Why, in_s: f64, distance_m: f64) -> Need<'_> {
+        Need { cell, entry, rank: u8::from(why != SEEN), in_s, distance_m, why }
+    }
+
+    fn ranked(needs: &[Need<'_>], cap: u64, finer_bytes: u64) -> Ranked {
+        let (sizes, gave_up) = (Sizes::default(), |_, _| false);
+        let room = Room { cap, sizes: &sizes, finer_bytes, loaded: None, gave_up: &gave_up };
+        Ranked::of(needs.iter(), &StreamingSettings::default(), &room)
+    }
+
+    #[test]
+    fn what_is_seen_comes_before_what_is_ahead_and_finer_levels_in_between() {
+        let entry = entry([Some(10), Some(20), None, None]);
+        let ahead = Why::Ahead { from: 1 };
+        let needs = [
+            need(1, &entry, ahead, 3.0, 5.0),
+            need(2, &entry, SEEN, 0.0, 500.0),
+            need(3, &entry, ahead, 30.0, 5.0),
+            need(4, &entry, SEEN, 0.0, 20.0),
+        ];
+        let ranked = ranked(&needs, u64::MAX, u64::MAX);
+        assert_eq!(ranked.order, [(4, Level::One), (2, Level::One), (1, Level::One), (4, Level::Two), (3, Level::One)]);
+        assert_eq!((ranked.missing, ranked.in_sight), (ranked.order, vec![4, 2]), "nothing is here");
+        let wishes: Vec<_> = ranked.wishes.iter().map(|wish| (wish.cell, wish.why, wish.finest)).collect();
+        let (one, two) = (Some(Level::One), Some(Level::Two));
+        assert_eq!(wishes, [(1, ahead, one), (2, SEEN, one), (3, ahead, one), (4, SEEN, two)], "in the order of their numbers");
+    }
+
+    #[test]
+    fn no_level_comes_without_the_one_before_it() {
+        let gap = entry([Some(10), None, Some(30), None]);
+        let ranked = ranked(&[need(1, &gap, SEEN, 0.0, 1.0)], u64::MAX, u64::MAX);
+        assert_eq!(ranked.order, [(1, Level::One)]);
+    }
+
+    #[test]
+    fn the_farthest_is_left_out_where_memory_ends() {
+        let entry = entry([Some(10), None, None, None]);
+        let needs = [3.0, 2.0, 1.0].map(|m| need(m as u32, &entry, SEEN, 0.0, m));
+        let one = Sizes::default().of(1, Level::One, 10);
+        let ranked = ranked(&needs, 2 * one, u64::MAX);
+        assert_eq!(ranked.order, [(1, Level::One), (2, Level::One)]);
+        assert_eq!(ranked.in_sight, [1, 2, 3], "it is in sight all the same");
+        assert_eq!(ranked.wishes[0].finest, None);
+    }
+
+    #[test]
+    fn over_a_slow_line_the_first_finer_level_comes_alone() {
+        let entry = entry([Some(10), Some(20), None, None]);
+        let needs = [1, 2, 3].map(|cell| need(cell, &entry, SEEN, 0.0, f64::from(cell)));
+        let finer = |ranked: &Ranked| ranked.order.iter().filter(|(_, level)| *level > Level::One).count();
+        let slow = ranked(&needs, u64::MAX, 5);
+        assert_eq!((finer(&slow), slow.asked_bytes, slow.is_any_left_out), (1, 20, true));
+        let quick = ranked(&needs, u64::MAX, 60);
+        assert_eq!((finer(&quick), quick.asked_bytes, quick.is_any_left_out), (3, 60, false));
+    }
+}

@@ -255,7 +255,7 @@ pub(crate) fn open_cells(
         beyond.chain([cell])
     });
     let about: BTreeSet<u32> = about.collect();
-    // What is open shuts only with a new plan, or where something falls.
+    // What is open shuts only with a new plan, or where something falls; what could not be had and is tried again shuts nothing.
     if !wanted.is_changed() && !standing.is_changed() && open.cells.as_ref() == Some(&about) {
         return;
     }

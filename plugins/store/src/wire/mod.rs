@@ -5,7 +5,8 @@
 //! survive.
 //!
 //! Hostile bytes: every count is backed by that many values before memory is taken for it, so what is decoded is at most a small
-//! multiple of how many values there are, and all columns must be used up.
+//! multiple of how many values there are, and all columns must be used up. For what is made of rows of them no more than a mebibyte is taken before
+//! they are read ([`expecting`]).
 
 mod columns;
 mod houses;
@@ -61,11 +62,11 @@ impl Malformed {
     }
 }
 
-/// Bytes of memory that are taken for things before they are made.
+/// Bytes of memory that are taken for things before they come.
 const AT_ONCE: usize = 1 << 20;
 
-/// Room for so many things as are told of; where it is much, it is taken as they come. A number in a column is a byte or less, and a thing that is
-/// made of a row of them hundreds.
+/// Room for so many things, but for no more than [`AT_ONCE`] before they come: a thing takes hundreds of bytes, and what claims that there is one
+/// may take a bit.
 fn expecting<T>(count: usize) -> Vec<T> {
     Vec::with_capacity(count.min(AT_ONCE / size_of::<T>().max(1)))
 }

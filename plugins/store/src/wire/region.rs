@@ -200,6 +200,7 @@ impl WireRegion {
     pub(crate) fn pull(self, number: usize, regions: &[RegionEntry], outlines: &mut Source<'_, '_>) -> Result<Region, Unread> {
         let entry = &regions[number];
         let numbers = Numbers { first: entry.first, own: entry.cells, foreign: self.foreign.pull(entry.key, regions)? };
+        // Before any of them is made: what claims a cell may take a bit.
         if self.cells.levels.len() != entry.cells as usize {
             return Err(Unread(format!("it has {} cells; the index says {}", self.cells.levels.len(), entry.cells)));
         }
