@@ -13,7 +13,7 @@ use bevy::prelude::*;
 use veduta::buildings::BuildSettings;
 use veduta::ecs::{Around, Awaited, CellMesh, CellMeshKind, DistrictMemory, Footing, Itinerary, OpenCells, StandingCells, Stop};
 use veduta::prelude::*;
-use veduta::streaming::{CurrentCell, Event, Fetching, Journal, Link, Motion, Pace, Wanted, What, Why, replay};
+use veduta::streaming::{CurrentCell, Event, Fetching, Journal, Link, Motion, Pace, Reason, Wanted, What, Why, replay};
 use veduta_city::{GridPos, Level, Levels, bounds};
 use veduta_store::{DirReader, RegionEntry, read_index};
 use veduta_tests::{in_memory, inner_point, quiet_app, sample_city, update_until, workplace};
@@ -417,11 +417,41 @@ fn a_level_that_comes_when_the_one_before_it_has_gone_waits_its_turn() {
     (settings.level_2_m, settings.level_3_m) = (-1.0, -1.0);
     (0..10).for_each(|_| app.update());
     assert_eq!(levels(app.world()), [Level::One], "level 2 has gone");
-    (0..30).for_each(|_| app.update());
-    assert_eq!(levels(app.world()), [Level::One], "level 3 stays away without it");
+    for _ in 0..30 {
+        app.update();
+        assert_eq!(levels(app.world()), [Level::One], "level 3 stays away without it");
+    }
     *app.world_mut().resource_mut::<StreamingSettings>() = near;
     let all = [Level::One, Level::Two, Level::Three];
     update_until(&mut app, 400, "all are here again, in order", |world| levels(world) == all);
+}
+
+#[test]
+fn what_a_leap_leaves_behind_goes_a_few_cells_a_frame() {
+    let index = read_index(&DirReader::new(sample_city()).expect("a city")).expect("whole");
+    let mut app = quiet_app(&sample_city().display().to_string(), Fetching::Inline, Duration::from_millis(100));
+    let viewer = stand(&mut app);
+    app.world_mut().resource_mut::<StreamingSettings>().keep_s = 0.5;
+    let before: BTreeSet<u32> = app.world().resource::<StandingCells>().iter().map(|(cell, ..)| cell).collect();
+    let start = app.world().get::<Eye>(viewer).expect("a viewer").plan_pos;
+    let places = (0..index.cell_count()).filter_map(|cell| Some(inner_point(&index.cell(cell)?.outline)));
+    let far = places.max_by(|a, b| a.distance(start).total_cmp(&b.distance(start))).expect("the city has cells");
+    app.world_mut().get_mut::<Eye>(viewer).expect("a viewer").plan_pos = far;
+    let mut released = Vec::new();
+    for _ in 0..200 {
+        let noted = app.world().resource::<Journal>().noted();
+        app.update();
+        let journal = app.world().resource::<Journal>();
+        let new = journal.entries().rev().take((journal.noted() - noted) as usize);
+        released.push(new.filter(|entry| matches!(entry.event, Event::Released { why: Reason::Idle, .. })).count());
+    }
+    let most = released.iter().max().copied().unwrap_or(0);
+    assert!((1..=4).contains(&most), "{released:?}");
+    let wanted = app.world().resource::<Wanted>();
+    let gone = before.iter().filter(|&&cell| !wanted.wants(cell)).count();
+    assert!(gone > 20, "{gone} of {} are left behind", before.len());
+    let stays = app.world().resource::<StandingCells>().iter().filter(|&(cell, ..)| !wanted.wants(cell)).count();
+    assert_eq!(stays, 0, "all of them go in the end");
 }
 
 #[test]
