@@ -48,26 +48,24 @@ pub(super) fn stream(scene: &Path, json: bool) -> Result<(), Failure> {
     let sample = dir.join("sample.city");
     let stats = bake(scene, &sample, &BakeSettings::default(), &mut |_| ())?.stats;
     let (town, run, houses) = fast_run(&dir, &tour)?;
-    let (mut cpu, mut late, mut walks) = ([Vec::new(), Vec::new()], 0, None);
-    for n in 1..=WALKS {
+    let walk = |n: usize| -> Result<[Walk; 2], Failure> {
         let both = [Walk::run(&sample, &tour, Way::Streamed)?, Walk::run(&town, &run, Way::Streamed)?];
-        for ((name, walk), cpu) in ["tour", "run"].into_iter().zip(&both).zip(&mut cpu) {
+        for (name, walk) in ["tour", "run"].into_iter().zip(&both) {
             eprintln!("longest frames of {name} {n}, streaming + building in µs: {}", walk.told_worst());
-            cpu.push(walk.streaming().collect::<Vec<f64>>());
-            late = walk.late_frames.iter().copied().fold(late, u32::max);
         }
-        walks = Some(both);
-    }
-    let Some([small, fast]) = walks else { return Err("nothing was walked".into()) };
+        Ok(both)
+    };
+    let walks = (1..=WALKS).map(walk).collect::<Result<Vec<_>, Failure>>()?;
+    let [small, fast] = &walks[WALKS - 1];
     eprintln!("the sample tour: {} frames; {}", small.frames.len(), small.told_bytes());
     eprintln!("a run of {RUN_M} m through {houses} houses: {} frames", fast.frames.len());
     let naive = Walk::run(&town, &run, Way::Naive { around_m: NAIVE_M })?;
 
     // Of the way where it is more. Of several walks the middle one counts: what the way asks for, it asks of all of them, and of some the machine
     // holds a frame up for milliseconds.
-    let most = |walks: fn(&mut [f64]) -> f64, share: f64| {
-        let of_way = |cpu: &Vec<Vec<f64>>| walks(&mut cpu.iter().map(|walk| within(walk, share)).collect::<Vec<_>>());
-        cpu.iter().map(of_way).fold(0.0, f64::max) / 1e3
+    let most = |of_walks: fn(&mut [f64]) -> f64, share: f64| {
+        let took = |way: usize| walks.iter().map(|walk| within(walk[way].streaming(), share)).collect::<Vec<_>>();
+        [0, 1].map(|way| of_walks(&mut took(way))).into_iter().fold(0.0, f64::max) / 1e3
     };
     tell("stream_cpu_p999_ms", most(median, 0.999), "ms");
     tell("stream_cpu_max_ms", most(median, 1.0), "ms");
@@ -75,12 +73,13 @@ pub(super) fn stream(scene: &Path, json: bool) -> Result<(), Failure> {
     let [of_p999, of_max] = unevenness(fast.frames.len());
     tell("same_work_p999_ratio", of_p999, "1");
     tell("same_work_max_ratio", of_max, "1");
+    let late = walks.iter().flatten().flat_map(|walk| &walk.late_frames).max().copied().unwrap_or(0);
     tell("level1_after_portal_frames", f64::from(late), "1");
     let worst = |walk: &Walk| walk.frames.iter().copied().fold(0.0, f64::max);
     let worst_before_leap = |walk: &Walk| walk.frames[..walk.before_leap].iter().copied().fold(0.0, f64::max);
-    tell("worst_frame_ratio_vs_naive", worst(&naive) / worst(&fast), "1");
-    tell("worst_frame_ratio_before_leap", worst_before_leap(&naive) / worst_before_leap(&fast), "1");
-    tell("worst_frame_ms", worst(&fast) / 1e3, "ms");
+    tell("worst_frame_ratio_vs_naive", worst(&naive) / worst(fast), "1");
+    tell("worst_frame_ratio_before_leap", worst_before_leap(&naive) / worst_before_leap(fast), "1");
+    tell("worst_frame_ms", worst(fast) / 1e3, "ms");
     tell("worst_frame_naive_ms", worst(&naive) / 1e3, "ms");
     // Without those of levels 3 and 4.
     tell("walk_bytes_before_level3", small.bytes_by_kind[..6].iter().sum::<u64>() as f64, "B");
@@ -130,8 +129,8 @@ fn take_least(least: &mut Vec<f64>, frames: Vec<f64>) {
 }
 
 /// What the frames of a walk take at most, in so large a share of them; 0 of none.
-fn within(frames: &[f64], share: f64) -> f64 {
-    let mut ascending = frames.to_vec();
+fn within(frames: impl Iterator<Item = f64>, share: f64) -> f64 {
+    let mut ascending: Vec<f64> = frames.collect();
     ascending.sort_by(f64::total_cmp);
     let n = (share * ascending.len() as f64).ceil() as usize;
     ascending.get(n.saturating_sub(1)).copied().unwrap_or(0.0)
@@ -152,7 +151,8 @@ fn unevenness(times: usize) -> [f64; 2] {
         began.elapsed().as_secs_f64()
     };
     let took: Vec<f64> = (0..times).map(time).collect();
-    [0.999, 1.0].map(|share| within(&took, share) / within(&took, 0.5))
+    let within = |share| within(took.iter().copied(), share);
+    [0.999, 1.0].map(|share| within(share) / within(0.5))
 }
 
 /// A run through a town of more than 50,000 houses, along its streets, and a leap back; where it lies, and how many it has.
@@ -186,8 +186,8 @@ mod tests {
 
     #[test]
     fn a_share_of_frames_is_counted_from_below() {
-        let frames: Vec<f64> = (1..=1_000).rev().map(f64::from).collect();
-        assert_eq!([0.5, 0.999, 1.0].map(|share| within(&frames, share)), [500.0, 999.0, 1_000.0]);
-        assert_eq!(within(&[], 0.5), 0.0);
+        let frames = (1..=1_000).rev().map(f64::from);
+        assert_eq!([0.5, 0.999, 1.0].map(|share| within(frames.clone(), share)), [500.0, 999.0, 1_000.0]);
+        assert_eq!(within(core::iter::empty(), 0.5), 0.0);
     }
 }
