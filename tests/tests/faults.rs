@@ -251,6 +251,12 @@ fn a_server_that_is_gone_for_a_minute() {
     survives(Fault::None, Link { is_down: true, ..WELL }, 60.0);
 }
 
+/// Who waits before a shut portal, or in the dark after a jump, waits as long as it takes: beyond there would be nothing.
+#[test]
+fn a_server_that_is_gone_for_five_minutes() {
+    survives(Fault::None, Link { is_down: true, ..WELL }, 300.0);
+}
+
 #[test]
 fn cut_answers() {
     survives(Fault::Cut, WELL, 40.0);

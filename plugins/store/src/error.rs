@@ -54,6 +54,16 @@ pub enum ReadError {
         /// What was waited for.
         phase: String,
     },
+    /// Nobody is there to answer: no network, no such host, no server.
+    #[error("{place} does not answer ({message}); `{path}` was asked for")]
+    NoAnswer {
+        /// The city.
+        place: String,
+        /// Path within it.
+        path: String,
+        /// What the system said.
+        message: String,
+    },
     /// The disk or the line failed.
     #[error("`{path}` in {place} cannot be read: {message}")]
     Failed {
@@ -84,7 +94,15 @@ impl ReadError {
     /// Whether nobody answered, or said only that it cannot answer now: what was read earlier may still be what lies there.
     #[must_use]
     pub const fn is_unreachable(&self) -> bool {
-        matches!(self, Self::Timeout { .. } | Self::Failed { .. } | Self::Status { status: 500..=599 | 429, .. })
+        let is_line = matches!(self, Self::Timeout { .. } | Self::NoAnswer { .. } | Self::Failed { .. });
+        is_line || matches!(self, Self::Status { status: 500..=599 | 429, .. })
+    }
+
+    /// Whether nobody is there who could tell of the file, or they say that they cannot just now, whatever is asked for: it says nothing
+    /// of this file.
+    #[must_use]
+    pub const fn is_outage(&self) -> bool {
+        matches!(self, Self::NoAnswer { .. } | Self::Status { status: 502..=504 | 429, .. })
     }
 }
 

@@ -107,9 +107,10 @@ impl HttpReader {
         let (place, path) = (self.describe(), path.to_owned());
         match error {
             Error::Timeout(Timeout::PerRead) => ReadError::Timeout { place, path, phase: "nothing came any more".to_owned() },
-            Error::Timeout(phase) => ReadError::Timeout { place, path, phase: phase.to_string() },
+            Error::Timeout(phase) if !matches!(phase, Timeout::Resolve | Timeout::Connect) => ReadError::Timeout { place, path, phase: phase.to_string() },
             Error::BodyExceedsLimit(_) => ReadError::TooLarge { place, path, limit },
             Error::StatusCode(status) => ReadError::Status { place, path, status },
+            error if is_nobody(&error) => ReadError::NoAnswer { place, path, message: error.to_string() },
             error => ReadError::Failed { place, path, message: error.to_string() },
         }
     }
@@ -119,6 +120,18 @@ impl HttpReader {
 fn is_hang_up(kind: ErrorKind) -> bool {
     use ErrorKind::*;
     matches!(kind, UnexpectedEof | ConnectionReset | ConnectionAborted | BrokenPipe | NotConnected)
+}
+
+/// Whether an error says that nobody is there: who hangs up in the middle is.
+fn is_nobody(error: &Error) -> bool {
+    use ErrorKind::{AddrNotAvailable, ConnectionRefused, HostUnreachable, NetworkDown, NetworkUnreachable};
+    match error {
+        Error::HostNotFound | Error::ConnectionFailed | Error::Timeout(Timeout::Resolve | Timeout::Connect) => true,
+        Error::Io(error) => {
+            matches!(error.kind(), ConnectionRefused | HostUnreachable | NetworkUnreachable | NetworkDown | AddrNotAvailable)
+        }
+        _ => false,
+    }
 }
 
 /// Whether a host is this machine, for which no proxy is asked.

@@ -58,7 +58,7 @@ impl Line {
         let (place, path) = ("a simulated line".to_owned(), request.path.clone());
         let is_lost = Draw::new(0, Id(request.id.0), "link").unit("loss") < link.loss;
         let fault = match link.is_down {
-            true => Some(ReadError::Failed { place, path, message: "nobody answers".to_owned() }),
+            true => Some(ReadError::NoAnswer { place, path, message: "the line is down".to_owned() }),
             false => is_lost.then(|| ReadError::Timeout { place, path, phase: "lost".to_owned() }),
         };
         self.asked.insert(request.id, (request.blob.map_or(0, |blob| blob.bytes.into()), now_s, fault));

@@ -49,8 +49,14 @@ impl Slot {
         }
     }
 
-    pub(super) fn gave_up(&self, now_s: f64, patience_s: f64) -> bool {
-        self.state == State::Dead || (self.failures > 0 && now_s - self.failing_since_s >= patience_s)
+    /// Whether it cannot be had: nothing can help, or nothing has for so long, until then.
+    pub(super) fn gave_up(&self, until_s: f64, patience_s: f64) -> bool {
+        self.state == State::Dead || (self.failures > 0 && until_s - self.failing_since_s >= patience_s)
+    }
+
+    /// Notes that nobody could have answered for some time: it does not count.
+    pub(super) fn excuse(&mut self, (from_s, until_s): (f64, f64)) {
+        self.failing_since_s += (until_s - from_s.max(self.failing_since_s)).max(0.0);
     }
 }
 
