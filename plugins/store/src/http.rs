@@ -107,7 +107,9 @@ impl HttpReader {
         let (place, path) = (self.describe(), path.to_owned());
         match error {
             Error::Timeout(Timeout::PerRead) => ReadError::Timeout { place, path, phase: "nothing came any more".to_owned() },
-            Error::Timeout(phase) if !matches!(phase, Timeout::Resolve | Timeout::Connect) => ReadError::Timeout { place, path, phase: phase.to_string() },
+            Error::Timeout(phase) if !matches!(phase, Timeout::Resolve | Timeout::Connect) => {
+                ReadError::Timeout { place, path, phase: phase.to_string() }
+            }
             Error::BodyExceedsLimit(_) => ReadError::TooLarge { place, path, limit },
             Error::StatusCode(status) => ReadError::Status { place, path, status },
             error if is_nobody(&error) => ReadError::NoAnswer { place, path, message: error.to_string() },

@@ -2,7 +2,7 @@
 
 mod sample;
 
-use sample::{TempDir, city};
+use sample::{TempDir, city, large};
 use veduta_city::Level::{self, Four, One, Three, Two};
 use veduta_store::*;
 
@@ -539,21 +539,7 @@ fn files_that_travel_with_a_city_come_when_they_are_asked_for_and_go_with_the_ne
 
 #[test]
 fn a_region_of_a_large_city_comes_after_the_leaf_that_tells_where_it_is() {
-    let temp = TempDir::new("leaves");
-    city(1, 1).write(&temp.0).expect("written");
-    let mut index = read_index(&DirReader::new(&temp.0).expect("a city")).expect("an index");
-    let region = |n: u32| RegionEntry {
-        key: RegionKey::new(n, 8).expect("a square"),
-        first: 1,
-        cells: 0,
-        blob: None,
-        ..index.regions[0].clone()
-    };
-    let mut regions: Vec<RegionEntry> = (0..65).map(region).collect();
-    (regions[0].first, regions[0].cells) = (0, 1);
-    let page = encode_region(&Region::default(), 64, &regions);
-    let leaf = encode_leaf(&[BlobRef::of(&page)]);
-    (index.regions, index.leaves) = (regions.into(), vec![BlobRef { bytes: 9, ..BlobRef::default() }, BlobRef::of(&leaf)]);
+    let (index, leaf, page) = large();
     let mut client = Client::new(ClientSettings::default());
     client.want_regions([64], []);
     let ask = |client: &mut Client, what: What, bytes: &[u8]| {

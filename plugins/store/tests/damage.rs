@@ -3,7 +3,7 @@
 mod sample;
 
 use sample::{TempDir, city};
-use veduta_city::Level;
+use veduta_city::{Level, PictureFile};
 use veduta_store::*;
 
 fn index() -> Vec<u8> {
@@ -81,7 +81,8 @@ fn a_newer_city_asks_for_a_newer_program() {
 #[test]
 fn any_flipped_byte_of_a_packet_is_noticed_and_may_be_asked_for_again() {
     let city = city(1, 3);
-    let packets = [Packet::Shell(Box::new(city.shells[0].clone())), Packet::Facades(city.sheets[0].clone())];
+    let pictures = Packet::Pictures(vec![PictureFile((0..99).collect()), PictureFile(vec![7])]);
+    let packets = [Packet::Shell(Box::new(city.shells[0].clone())), Packet::Facades(city.sheets[0].clone()), pictures];
     for packet in packets {
         let good = encode_packet(&packet, PacketContext::default());
         let blob = BlobRef::of(&good);
@@ -93,6 +94,30 @@ fn any_flipped_byte_of_a_packet_is_noticed_and_may_be_asked_for_again() {
             assert!(matches!(error, StoreError::Checksum { .. }) && !error.is_permanent(), "byte {i}: {error:?}");
             bytes[i] = good[i];
             let error = decode_packet(&good[..i], &blob, packet.level(), PacketContext::default()).expect_err("cut");
+            assert!(matches!(error, StoreError::Length { .. }) && !error.is_permanent(), "{i} bytes: {error:?}");
+        }
+    }
+}
+
+#[test]
+fn any_flipped_byte_of_a_leaf_of_the_index_or_a_file_is_noticed() {
+    let named: Vec<BlobRef> = (0..64_u8).map(|n| BlobRef::of(&[n; 9])).collect();
+    let leaf = encode_leaf(&named);
+    let file = encode_file(&"It is said that ".repeat(30).into_bytes()).expect("small");
+    for (good, is_leaf) in [(leaf, true), (file, false)] {
+        let blob = BlobRef::of(&good);
+        let read = |stored: &[u8]| match is_leaf {
+            true => decode_leaf(stored, &blob, named.len()).map(|_| ()),
+            false => decode_file(stored, &blob).map(|_| ()),
+        };
+        assert_eq!(read(&good), Ok(()));
+        let mut bytes = good.clone();
+        for i in 0..good.len() {
+            bytes[i] ^= 1 << (i % 8);
+            let error = read(&bytes).expect_err("a flipped byte");
+            assert!(matches!(error, StoreError::Checksum { .. }) && !error.is_permanent(), "byte {i}: {error:?}");
+            bytes[i] = good[i];
+            let error = read(&good[..i]).expect_err("cut");
             assert!(matches!(error, StoreError::Length { .. }) && !error.is_permanent(), "{i} bytes: {error:?}");
         }
     }

@@ -3,16 +3,18 @@
 mod escapes;
 mod sample;
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use escapes::{corpus, is_plain};
-use sample::{TempDir, city, files};
+use sample::{TempDir, city, files, large};
 use veduta_city::Level;
 use veduta_store::*;
 
-/// Reads from a directory, but for one read, which fails.
+/// Reads elsewhere, but for one read, which fails.
 struct OneFails {
-    inner: DirReader,
+    inner: Arc<dyn Reader>,
     count: AtomicUsize,
     failing: usize,
     how: fn(&str) -> ReadError,
@@ -30,13 +32,10 @@ impl Reader for OneFails {
 
 const CELLS: usize = 5;
 
-/// Everything that a client reads of a city, by what it asked for.
-fn walk(reader: &dyn Reader) -> (Vec<(What, String)>, ClientStats, f64) {
-    let mut client = Client::new(ClientSettings::default());
-    client.want((0..CELLS as u32).flat_map(|cell| [(cell, Level::One), (cell, Level::Two)]));
-    client.want_overviews([0]);
+/// Everything that a client reads of a city until so much has arrived, by what it asked for.
+fn walk(mut client: Client, count: usize, reader: &dyn Reader) -> (Vec<(What, String)>, ClientStats, f64) {
     let (mut arrived, mut now_s) = (Vec::new(), 0.0);
-    while arrived.len() < 4 + 2 * CELLS && now_s < 30.0 {
+    while arrived.len() < count && now_s < 30.0 {
         while let Some(request) = client.next_request(now_s) {
             let answer = request.fetch(reader);
             for event in client.deliver(request.id, answer, now_s) {
@@ -52,32 +51,77 @@ fn walk(reader: &dyn Reader) -> (Vec<(What, String)>, ClientStats, f64) {
     (arrived, client.stats(), now_s)
 }
 
-#[test]
-fn any_one_read_may_fail() {
-    let temp = TempDir::new("fails");
-    city(CELLS, 2).write(&temp.0).expect("written");
-    let reader =
-        |failing, how| OneFails { inner: DirReader::new(&temp.0).expect("a city"), count: AtomicUsize::new(0), failing, how };
-    let told: [fn(&str) -> ReadError; 3] = [
+/// Makes each of a walk's reads fail in turn, in each way: all arrives all the same, and soon.
+fn survives(what: &str, client: impl Fn() -> Client, count: usize, inner: Arc<dyn Reader>) {
+    let told: [fn(&str) -> ReadError; 4] = [
         |path| ReadError::Failed { place: "a line".to_owned(), path: path.to_owned(), message: "cut".to_owned() },
+        |path| ReadError::NoAnswer { place: "a line".to_owned(), path: path.to_owned(), message: "refused".to_owned() },
         |path| ReadError::NotFound { place: "a line".to_owned(), path: path.to_owned() },
         |path| ReadError::Status { place: "a line".to_owned(), path: path.to_owned(), status: 500 },
     ];
-    let (whole, stats, _) = walk(&reader(usize::MAX, told[0]));
-    assert_eq!((whole.len(), stats.failures), (4 + 2 * CELLS, 0));
-    for failing in 0..whole.len() {
+    let reader = |failing, how| OneFails { inner: Arc::clone(&inner), count: AtomicUsize::new(0), failing, how };
+    let (whole, stats, _) = walk(client(), count, &reader(usize::MAX, told[0]));
+    assert_eq!((whole.len(), stats.failures), (count, 0), "{what}");
+    for failing in 0..count {
         for how in told {
-            let (arrived, stats, took_s) = walk(&reader(failing, how));
-            assert_eq!((&arrived, stats.failures), (&whole, 1), "read {failing}");
-            assert!(took_s < 1.0, "read {failing} took {took_s} s to be made good");
+            let (arrived, stats, took_s) = walk(client(), count, &reader(failing, how));
+            assert_eq!((&arrived, stats.failures), (&whole, 1), "{what}: read {failing}");
+            assert!(took_s < 1.0, "{what}: read {failing} took {took_s} s to be made good");
         }
     }
 }
 
 #[test]
+fn any_one_read_may_fail() {
+    let temp = TempDir::new("fails");
+    city(CELLS, 2).write_whole(&temp.0).expect("written");
+    let client = || {
+        let mut client = Client::new(ClientSettings::default());
+        client.want((0..CELLS as u32).flat_map(|cell| [Level::One, Level::Two, Level::Three].map(|level| (cell, level))));
+        client.want_overviews([0]);
+        client.want_files([0]);
+        client
+    };
+    // Index, region, houses, overview, file; levels.
+    survives("a city", client, 5 + 3 * CELLS, Arc::new(DirReader::new(&temp.0).expect("a city")));
+}
+
+/// What leads to the last region of a large city, by path.
+struct Large(BTreeMap<String, Vec<u8>>);
+
+impl Large {
+    fn new() -> Self {
+        let (index, leaf, page) = large();
+        let blobs = [page, leaf].map(|stored| (BlobRef::of(&stored).path(), stored));
+        Self(blobs.into_iter().chain([(INDEX_NAME.to_owned(), encode_index(&index))]).collect())
+    }
+}
+
+impl Reader for Large {
+    fn read(&self, path: &str, _: u64) -> Result<Vec<u8>, ReadError> {
+        let missing = || ReadError::NotFound { place: self.describe(), path: path.to_owned() };
+        self.0.get(path).cloned().ok_or_else(missing)
+    }
+
+    fn describe(&self) -> String {
+        "a large city".to_owned()
+    }
+}
+
+#[test]
+fn any_one_read_of_what_leads_to_a_region_may_fail() {
+    let client = || {
+        let mut client = Client::new(ClientSettings::default());
+        client.want_regions([64], []);
+        client
+    };
+    survives("a large city", client, 3, Arc::new(Large::new()));
+}
+
+#[test]
 fn any_flipped_byte_of_a_city_is_an_error_that_names_the_file() {
     let temp = TempDir::new("flipped");
-    city(4, 1).write(&temp.0).expect("written");
+    city(4, 1).write_whole(&temp.0).expect("written");
     let read = || -> Result<(), StoreError> {
         let reader = DirReader::new(&temp.0)?;
         let index = read_index(&reader)?;
@@ -87,6 +131,9 @@ fn any_flipped_byte_of_a_city_is_an_error_that_names_the_file() {
             if let Some(blob) = cell.packet(level) {
                 decode_packet(&bytes(blob)?, blob, level, index.packet_context(i)).map_err(|error| told(blob, error))?;
             }
+        }
+        for CityFile { blob, .. } in &index.files {
+            decode_file(&bytes(blob)?, blob).map_err(|error| told(blob, error))?;
         }
         read_overview(&reader, &index)?;
         Ok(())

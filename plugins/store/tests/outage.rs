@@ -59,11 +59,9 @@ fn what_nobody_could_tell_of_is_waited_for() {
     // Half of the patience with a server that is there, and ten minutes without one.
     let patience_s = ClientSettings::default().patience_s;
     let busy = |_| Some(ReadError::Status { place: told().0, path: told().1, status: 503 });
-    for (seconds, fail) in [
-        (patience_s / 2.0, &not_found as &dyn Fn(What) -> Option<ReadError>),
-        (300.0, &no_answer),
-        (300.0, &busy),
-    ] {
+    for (seconds, fail) in
+        [(patience_s / 2.0, &not_found as &dyn Fn(What) -> Option<ReadError>), (300.0, &no_answer), (300.0, &busy)]
+    {
         visit.steps(seconds, fail);
         assert_eq!([0, 1, 2].map(|cell| visit.gave_up(cell)), [false; 3], "at {} s", visit.now_s);
     }

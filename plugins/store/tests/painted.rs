@@ -1,11 +1,11 @@
 //! Packets of painted façades.
 
+mod sample;
+
 use proptest::collection::vec;
 use proptest::prelude::*;
-use veduta_city::{
-    FacadeObjectKind, FacadeSheet, Level, ObjectHead, PaintedFacade, PaintedObject, PaintedWall, PictureFile, Rgb, SmallTexture,
-    Wall,
-};
+use sample::painted;
+use veduta_city::{FacadeSheet, Level, PaintedWall, PictureFile, Wall};
 use veduta_store::{BlobRef, FORMAT_VERSION, Packet, PacketContext, StoreError, decode_packet, encode_packet};
 
 fn read(stored: &[u8], level: Level) -> Result<Packet, StoreError> {
@@ -14,35 +14,6 @@ fn read(stored: &[u8], level: Level) -> Result<Packet, StoreError> {
 
 fn write(packet: &Packet) -> Vec<u8> {
     encode_packet(packet, PacketContext::default())
-}
-
-fn painted(colours: u8) -> PaintedFacade {
-    let texture = SmallTexture {
-        width: 12,
-        palette: (0..colours).map(|c| Rgb(c * 9, 200 - c, 77)).collect(),
-        texels: (0..12 * 20).map(|i| (i / 7 % usize::from(colours)) as u8).collect(),
-    };
-    let object = |kind, head| PaintedObject {
-        kind,
-        texture: 0,
-        low: (1024, 2048),
-        size: (1100, 2000),
-        head,
-        depth: 200,
-        columns: 3,
-        rows: 2,
-        step: (2600, 3500),
-    };
-    use FacadeObjectKind::{Door, Painting, Shop, Window};
-    let objects =
-        [(Window, ObjectHead::Flat), (Door, ObjectHead::Round), (Shop, ObjectHead::Segment), (Painting, ObjectHead::Flat)];
-    PaintedFacade {
-        size: (14_000, 16_000),
-        sections: 2,
-        colour: Rgb(120, 99, 75),
-        textures: vec![texture],
-        objects: objects.map(|(kind, head)| object(kind, head)).to_vec(),
-    }
 }
 
 fn sheet() -> FacadeSheet {

@@ -8,11 +8,15 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::DVec2;
 use veduta_city::draw::Draw;
 use veduta_city::{
-    Anchor, Cell, CellShell, Cells, CityPlan, FacadeSheet, Gable, GridPolygon, GridPos, GroundFloor, GroundPatch, House,
-    HouseShell, Id, ObjectKind, ObjectShell, Opening, Place, PlaceKind, PlanObject, PlanRoof, PlanStreet, Portal, PortalSide, Rgb,
-    RoofShape, Storey, SurfaceKind, Viewpoint, Volume, VolumeShell, Wall, WallKind,
+    Anchor, Cell, CellShell, Cells, CityPlan, FacadeObjectKind, FacadeSheet, Gable, GridPolygon, GridPos, GroundFloor, GroundPatch,
+    House, HouseShell, Id, ObjectHead, ObjectKind, ObjectShell, Opening, PaintedFacade, PaintedObject, PaintedWall, PictureFile,
+    Place, PlaceKind, PlanObject, PlanRoof, PlanStreet, Portal, PortalSide, Rgb, RoofShape, SmallTexture, Storey, SurfaceKind,
+    Viewpoint, Volume, VolumeShell, Wall, WallKind,
 };
-use veduta_store::{CellParts, CityStats, StoreError, write_city};
+use veduta_store::{
+    BlobRef, CellParts, CityIndex, CityStats, CityWriter, DirReader, Region, RegionEntry, RegionKey, StoreError, encode_leaf,
+    encode_region, read_index, write_city,
+};
 
 /// A city ready to be written.
 pub struct City {
@@ -216,11 +220,73 @@ fn add_portals(city: &mut City, cell: &mut Cell, shell: &mut CellShell, c: usize
 impl City {
     pub fn parts(&self, cell: usize) -> CellParts<'_> {
         let (shell, sheet) = (Cow::Borrowed(&self.shells[cell]), Cow::Borrowed(&self.sheets[cell]));
-        CellParts { shell, sheet, pictures: Vec::new(), ground: None }
+        let picture = |n: usize| PictureFile((0..60).map(|byte| (n * 31 + byte * 7) as u8).collect());
+        CellParts { shell, sheet, pictures: (0..self.sheets[cell].pictures()).map(picture).collect(), ground: None }
+    }
+
+    /// Writes the city with all that one may have: a painted front in each cell with its picture, and a file.
+    pub fn write_whole(mut self, dir: &Path) -> Result<CityStats, StoreError> {
+        for sheet in &mut self.sheets {
+            sheet.painted.push(PaintedWall { wall: 0, painted: painted(6) });
+        }
+        let mut writer = CityWriter::new(dir, &self.plan)?;
+        writer.cells(&self.plan, &self.cells, &|cell| self.parts(cell))?;
+        writer.file("testov.guide.ron", "What is told of a fountain. ".repeat(9).as_bytes())?;
+        writer.finish(self.cells)
     }
 
     pub fn write(&self, dir: &Path) -> Result<CityStats, StoreError> {
         write_city(dir, &self.plan, &self.cells, &self.shells, &self.sheets)
+    }
+}
+
+/// The index of a city of 65 regions, and the leaf and the page of the last of them, which is empty.
+pub fn large() -> (CityIndex, Vec<u8>, Vec<u8>) {
+    let temp = TempDir::new("large");
+    city(1, 1).write(&temp.0).expect("written");
+    let mut index = read_index(&DirReader::new(&temp.0).expect("a city")).expect("an index");
+    let region = |n: u32| RegionEntry {
+        key: RegionKey::new(n, 8).expect("a square"),
+        first: 1,
+        cells: 0,
+        blob: None,
+        ..index.regions[0].clone()
+    };
+    let mut regions: Vec<RegionEntry> = (0..65).map(region).collect();
+    (regions[0].first, regions[0].cells) = (0, 1);
+    let page = encode_region(&Region::default(), 64, &regions);
+    let leaf = encode_leaf(&[BlobRef::of(&page)]);
+    (index.regions, index.leaves) = (regions.into(), vec![BlobRef { bytes: 9, ..BlobRef::default() }, BlobRef::of(&leaf)]);
+    (index, leaf, page)
+}
+
+/// A wall that is painted after a photograph.
+pub fn painted(colours: u8) -> PaintedFacade {
+    let texture = SmallTexture {
+        width: 12,
+        palette: (0..colours).map(|c| Rgb(c * 9, 200 - c, 77)).collect(),
+        texels: (0..12 * 20).map(|i| (i / 7 % usize::from(colours)) as u8).collect(),
+    };
+    let object = |kind, head| PaintedObject {
+        kind,
+        texture: 0,
+        low: (1024, 2048),
+        size: (1100, 2000),
+        head,
+        depth: 200,
+        columns: 3,
+        rows: 2,
+        step: (2600, 3500),
+    };
+    use FacadeObjectKind::{Door, Painting, Shop, Window};
+    let objects =
+        [(Window, ObjectHead::Flat), (Door, ObjectHead::Round), (Shop, ObjectHead::Segment), (Painting, ObjectHead::Flat)];
+    PaintedFacade {
+        size: (14_000, 16_000),
+        sections: 2,
+        colour: Rgb(120, 99, 75),
+        textures: vec![texture],
+        objects: objects.map(|(kind, head)| object(kind, head)).to_vec(),
     }
 }
 
