@@ -207,6 +207,7 @@ expert-nameless = beze jména
 expert-level = načtena úroveň { $level }
 expert-level-none = nenačtena
 expert-why-none = nikdo ji nepotřebuje
+expert-why-kept = teď ji nikdo nepotřebuje; chvíli zůstane, kdybyste se vrátili
 expert-why-seen = je vidět z buňky { $from }
 expert-why-ahead = je vidět z vedlejší buňky { $from }
 expert-why-on-the-way = poblíž místa, kam vede prohlídka

@@ -203,6 +203,7 @@ expert-nameless = without a name
 expert-level = level { $level } loaded
 expert-level-none = not loaded
 expert-why-none = nobody wants it
+expert-why-kept = nobody needs it now; kept for a while, should you turn back
 expert-why-seen = seen from cell { $from }
 expert-why-ahead = seen from cell { $from }, next door
 expert-why-on-the-way = near a place that the tour leads to

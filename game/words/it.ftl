@@ -203,6 +203,7 @@ expert-nameless = senza nome
 expert-level = caricata al livello { $level }
 expert-level-none = non caricata
 expert-why-none = non serve a nessuno
+expert-why-kept = ora non serve; tenuta ancora un poco, se si torna indietro
 expert-why-seen = si vede dalla cella { $from }
 expert-why-ahead = si vede dalla cella { $from }, qui accanto
 expert-why-on-the-way = vicina a un luogo dove porta la visita

@@ -84,6 +84,10 @@ pub(super) fn stream(scene: &Path, json: bool) -> Result<(), Failure> {
     // Without those of levels 3 and 4.
     tell("walk_bytes_before_level3", small.bytes_by_kind[..6].iter().sum::<u64>() as f64, "B");
     tell("walk_bytes", small.bytes as f64, "B");
+    // What is told of places, the tours, the life and the sounds, which the program asks for at the start, too.
+    let opened = read_index(&DirReader::new(&sample)?)?;
+    let told = opened.files.iter().filter(|file| file.path.ends_with(".ron"));
+    tell("files_bytes", told.map(|file| f64::from(file.blob.bytes)).sum(), "B");
     for level in [Level::One, Level::Two] {
         let bytes = stats.bytes_per_house(level).unwrap_or(0.0);
         tell(&format!("bytes_per_house_level{}", level as u8), bytes, "B");

@@ -58,19 +58,17 @@ pub(super) fn across(words: &Words, metres: f32) -> String {
 /// A cell: its name, its houses, its level, and why it is there.
 pub(super) fn cell_told(words: &Words, cell: u32, name: &str, houses: u32, level: Option<Level>, why: Option<Why>) -> String {
     let name = if name.is_empty() { words.say("expert-nameless") } else { name.to_owned() };
+    let why = match why {
+        None if level.is_some() => words.say("expert-why-kept"),
+        why => because(words, why),
+    };
     let level = match level {
         Some(level) => words.say_with("expert-level", &[("level", (level as u8).into())]),
         None => words.say("expert-level-none"),
     };
     words.say_with(
         "expert-cell",
-        &[
-            ("cell", cell.into()),
-            ("name", name.into()),
-            ("houses", houses.into()),
-            ("level", level.into()),
-            ("why", because(words, why).into()),
-        ],
+        &[("cell", cell.into()), ("name", name.into()), ("houses", houses.into()), ("level", level.into()), ("why", why.into())],
     )
 }
 
@@ -238,7 +236,9 @@ mod tests {
             check(&words, WHYS.iter().map(told).collect());
             let released = |why: &Reason| happened(&words, &Event::Released { cell: 3, from: Level::Two, why: *why });
             check(&words, REASONS.iter().map(released).collect());
-            check(&words, vec![cell_told(&words, 3, "", 1, None, None)]);
+            let of_no_use = [None, Some(Level::One)].map(|level| cell_told(&words, 3, "", 1, level, None));
+            assert!(of_no_use[1].contains(&words.say("expert-why-kept")), "what is loaded has a reason: {}", of_no_use[1]);
+            check(&words, of_no_use.to_vec());
         }
     }
 

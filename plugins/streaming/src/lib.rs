@@ -16,7 +16,8 @@
 //! main thread.
 //!
 //! What a web server sent is kept in a [`StreamingCache`]. [`Wanted::why`] tells why a cell is wanted, and the [`Journal`] all that
-//! happened; it can be replayed to what is loaded, and tells what a walk [downloaded](Downloads). [`Reconnect`] asks at once for all that
+//! happened; it can be replayed to what is loaded, and tells what a walk [downloaded](Downloads). [`StreamingDiagnosticsPlugin`] tells
+//! figures among Bevy's diagnostics. [`Reconnect`] asks at once for all that
 //! waits to be tried again.
 //!
 //! # Use
@@ -36,6 +37,7 @@
 //! Bevy's asset server for packets: no checksums, no retry, no order, and whole files are all it reads.
 
 mod deliver;
+mod diagnostics;
 mod downloads;
 mod fetch;
 mod files;
@@ -56,6 +58,7 @@ use veduta_city::Overview;
 use veduta_ecs::{DistrictMemory, VedutaSystems};
 
 pub use deliver::{RetryTime, StreamingStats};
+pub use diagnostics::StreamingDiagnosticsPlugin;
 pub use downloads::{BytesByKind, Downloads, Stay};
 pub use fetch::{CityReader, Fetching, Reconnect, StreamingCache};
 pub use files::CityAssetsPlugin;
