@@ -21,7 +21,7 @@ use bevy::winit::WinitPlugin;
 use image::RgbaImage;
 use veduta::buildings::{BuildSettings, Building, BuildingsPlugin};
 use veduta::city::Life;
-use veduta::ecs::StandingCells;
+use veduta::ecs::{Awaited, StandingCells};
 use veduta::facade::{FacadePlugin, Painting};
 use veduta::life::{CityLife, LifeKinds, LifePlugin, LifeSettings};
 use veduta::prelude::*;
@@ -291,6 +291,8 @@ impl Studio {
 
     /// Lets time pass.
     pub fn advance(&mut self, time: Duration) {
+        // Whoever films has waited for all that comes.
+        self.app.world_mut().resource_mut::<Awaited>().ahead = 0;
         self.app.insert_resource(TimeUpdateStrategy::ManualDuration(time));
         self.app.update();
         self.app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));

@@ -152,18 +152,15 @@ pub struct CellReleased {
     pub cell: u32,
 }
 
-/// How many cells in sight of a viewer do not stand yet. Who puts a viewer somewhere keeps it dark until there are none.
-/// Streaming counts; without it nothing is awaited.
+/// What viewers wait for: level 1 of cells, and what is to tell of them. What cannot be had is not waited for. Streaming counts; without it
+/// nothing is awaited.
 #[derive(Resource, Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub struct Awaited {
-    /// Cells.
+    /// How many that are in sight of a viewer do not stand. Who puts a viewer somewhere keeps it dark until there are none.
     pub cells: usize,
-}
-
-impl Awaited {
-    /// Longest that a viewer is kept in the dark, seconds: a server may be gone for a minute, but what has not come by then may never
-    /// come.
-    pub const PATIENCE_S: f64 = 65.0;
+    /// How many would be in sight, and do not stand, from the first stop of a viewer's [`Itinerary`](crate::Itinerary). Who leads a viewer stands
+    /// still until there are none. Above the roofs districts stand for cells, and nothing is waited for.
+    pub ahead: usize,
 }
 
 /// Cells that may be walked into: those from which nothing would be missing. The portals of all others are shut. Streaming keeps it;

@@ -70,7 +70,7 @@ impl Eye {
 /// knows, as tours do.
 #[derive(Component, Debug, Clone, PartialEq, Default)]
 pub struct Itinerary(
-    /// Soonest first.
+    /// Soonest first. Who leads the viewer tells where he is about to be, and waits there for what has not come ([`Awaited`](crate::Awaited)).
     pub Vec<Stop>,
 );
 

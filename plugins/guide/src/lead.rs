@@ -52,8 +52,8 @@ enum State {
     Asked(WalkTo),
     /// The way is being found, beside the frame.
     Finding(WalkTo, Task<Result<Walk, NoWay>>),
-    /// Under way: how long, and for how long the street ahead has been waited for.
-    Walking { to: WalkTo, walk: Arc<Walk>, t_s: f64, waited_s: f64 },
+    /// Under way: how long, and whether it stands still until the street ahead does.
+    Walking { to: WalkTo, walk: Arc<Walk>, t_s: f64, waits: bool },
 }
 
 impl Lead {
@@ -66,7 +66,7 @@ impl Lead {
     /// Whether the walk stands still because what lies ahead has not come.
     #[must_use]
     pub fn waits(&self) -> bool {
-        matches!(self.0, State::Walking { waited_s, .. } if waited_s > 0.0 && waited_s < Awaited::PATIENCE_S)
+        matches!(self.0, State::Walking { waits: true, .. })
     }
 }
 
@@ -82,8 +82,8 @@ enum NoWay {
 /// Streets are looked for in a circle about both ends that reaches so far beyond them, as a share of their distance, and at least this.
 const ROUND: f64 = 0.6;
 const LEAST_ROUND_M: f64 = 150.0;
-/// So many seconds ahead it is told where the walk will be.
-const AHEAD_S: [f64; 4] = [3.0, 7.0, 12.0, 20.0];
+/// So many seconds ahead it is told where the walk will be: the first is where it waits if that has not come.
+const AHEAD_S: [f64; 5] = [0.5, 3.0, 7.0, 12.0, 20.0];
 
 fn around(from: DVec2, to: DVec2) -> Around {
     let apart = from.distance(to);
@@ -177,7 +177,7 @@ pub(crate) fn find_way(
                 let (left_m, left_s) = (walk.length_m(), walk.duration_s());
                 route.set_if_neq(Route { way: walk.way().to_vec(), name: to.name.clone(), left_m, left_s });
                 steering.set_if_neq(Steering::Led);
-                lead.0 = State::Walking { to, walk, t_s: 0.0, waited_s: 0.0 };
+                lead.0 = State::Walking { to, walk, t_s: 0.0, waits: false };
             }
             Some(Err(why)) => {
                 let told = |message| words.say_with(message, &[("name", to.name.clone().into())]);
@@ -239,7 +239,7 @@ pub(crate) fn go(
     mut ended: MessageWriter<WalkEnded>,
     mut has_told: Local<bool>,
 ) {
-    let State::Walking { walk, t_s, waited_s, .. } = &mut lead.0 else {
+    let State::Walking { walk, t_s, waits, .. } = &mut lead.0 else {
         if core::mem::take(&mut *has_told) {
             viewers.iter_mut().for_each(|(_, mut itinerary)| _ = itinerary.set_if_neq(Itinerary::default()));
         }
@@ -248,9 +248,8 @@ pub(crate) fn go(
     *has_told = true;
     let dt = time.delta_secs_f64();
     // The street ahead stands before it is walked into.
-    let waits = awaited.cells > 0 && *waited_s < Awaited::PATIENCE_S;
-    *waited_s = if awaited.cells == 0 { 0.0 } else { *waited_s + dt };
-    if !waits {
+    *waits = awaited.cells > 0 || awaited.ahead > 0;
+    if !*waits {
         *t_s = (*t_s + dt).min(walk.duration_s());
     }
     let pose = walk.pose(*t_s);
@@ -410,12 +409,14 @@ mod tests {
         until(&mut app, "on the way", |world| {
             world.resource::<Route>().left_m.clamp(1.0, 130.0) == world.resource::<Route>().left_m
         });
-        app.world_mut().resource_mut::<Awaited>().cells = 2;
         let here = app.world().get::<Eye>(viewer).expect("spawned above").plan_pos;
-        (0..10).for_each(|_| app.update());
-        assert_eq!(app.world().get::<Eye>(viewer).expect("spawned above").plan_pos, here);
-        assert!(app.world().resource::<Lead>().waits());
-        app.world_mut().resource_mut::<Awaited>().cells = 0;
+        for awaited in [Awaited { cells: 2, ahead: 0 }, Awaited { cells: 0, ahead: 1 }] {
+            app.insert_resource(awaited);
+            (0..3_000).for_each(|_| app.update());
+            assert_eq!(app.world().get::<Eye>(viewer).expect("spawned above").plan_pos, here, "{awaited:?}");
+            assert!(app.world().resource::<Lead>().waits());
+        }
+        app.insert_resource(Awaited::default());
         until(&mut app, "there", |world| !world.resource::<Lead>().is_under_way());
     }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
-use veduta_city::Level;
+use veduta_city::{GridPos, Level};
 use veduta_ecs::{Awaited, DistrictMemory, Eye, Itinerary, OpenCells, StandingCells, Stop, Viewer};
 
 use crate::deliver::LoadedCells;
@@ -133,24 +133,50 @@ pub enum Why {
     Near,
 }
 
-/// Counts what is in sight and does not stand.
+/// Counts what is in sight, or would be from where a viewer is led next, and does not stand.
 pub(crate) fn count_awaited(
     store: Option<Res<Store>>,
-    wanted: Res<Wanted>,
+    settings: Res<StreamingSettings>,
+    mut wanted: ResMut<Wanted>,
     standing: Res<StandingCells>,
+    led: Query<Ref<Itinerary>, With<Viewer>>,
     mut awaited: ResMut<Awaited>,
 ) {
-    if !wanted.is_changed() && !standing.is_changed() && awaited.cells == 0 {
+    let is_over = !wanted.is_changed() && !standing.is_changed() && *awaited == Awaited::default();
+    if is_over && !led.iter().any(|itinerary| itinerary.is_changed()) {
         return;
     }
-    let is_told_of = |&&region: &&u32| store.as_ref().is_some_and(|store| !store.gave_up_region(region));
-    let regions = wanted.regions.iter().take(wanted.regions_in_sight).filter(is_told_of).count();
-    let gave_up = |cell| store.as_ref().is_some_and(|store| store.gave_up(cell));
+    let index = store.as_ref().and_then(|store| store.client.index());
+    let (Some(store), Some(index)) = (store.as_ref(), index) else {
+        awaited.set_if_neq(Awaited::default());
+        return;
+    };
+    let lacks = |&cell: &u32| !standing.levels(cell).has(Level::One) && !store.gave_up(cell);
+    let is_told_later = |&region: &u32| index.region(region).is_none() && !store.gave_up_region(region);
     // What the memory cap leaves out will not come.
-    let is_awaited =
-        |&&cell: &&u32| wanted.wants_level(cell, Level::One) && !standing.levels(cell).has(Level::One) && !gave_up(cell);
-    let cells = wanted.in_sight.iter().filter(is_awaited).count();
-    awaited.set_if_neq(Awaited { cells: cells + regions });
+    let in_sight = || {
+        let regions = wanted.regions.iter().take(wanted.regions_in_sight).filter(|region| is_told_later(region));
+        regions.count() + wanted.in_sight.iter().filter(|&cell| wanted.wants(*cell) && lacks(cell)).count()
+    };
+    let (mut ahead, mut is_planned) = (0, true);
+    let firsts = led.iter().filter_map(|itinerary| itinerary.0.first().copied());
+    for stop in firsts.filter(|stop| stop.eye_m < settings.flying_from_m) {
+        let pos = GridPos::from_metres(stop.plan_pos);
+        let untold = index.regions_at(pos).filter(is_told_later).count();
+        let here = index.locate(pos).and_then(|cell| index.cell(cell));
+        for cell in here.map_or(&[][..], |entry| &entry.visible).iter().filter(|cell| lacks(cell)) {
+            let wish = wanted.wish(*cell);
+            ahead += usize::from(wish.is_none_or(|wish| wish.finest.is_some()));
+            is_planned &= wish.is_some() || untold > 0 || index.cell(*cell).is_none();
+        }
+        ahead += untold;
+    }
+    let cells = if is_over { 0 } else { in_sight() };
+    awaited.set_if_neq(Awaited { cells, ahead });
+    if !is_planned {
+        // He is led into a cell that none of the stops lay in when it was planned last.
+        wanted.plan_anew();
+    }
 }
 
 /// Where a viewer will be, and cells that he will come into, each with the metres to it: as an itinerary tells, else as he moves.

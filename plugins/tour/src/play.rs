@@ -74,8 +74,8 @@ pub(crate) enum Hold {
     None,
     /// The eye goes there in this frame; only then is it known what is in sight.
     Cut,
-    /// In the dark, for so many seconds.
-    Dark(f64),
+    /// In the dark.
+    Dark,
     /// Clearing, from 1 to 0.
     Clearing(f64),
 }
@@ -89,11 +89,11 @@ impl Hold {
     fn next(self, seconds: f64, awaited: &Awaited) -> (Self, f64) {
         match self {
             Self::None => (Self::None, 0.0),
-            Self::Cut if seconds > 0.0 => (Self::Dark(0.0), 1.0),
-            Self::Cut => (Self::Dark(0.0), 0.0),
-            Self::Dark(_) if awaited.cells == 0 && seconds <= 0.0 => (Self::None, 0.0),
-            Self::Dark(for_s) if awaited.cells == 0 || for_s > Awaited::PATIENCE_S => (Self::Clearing(1.0), 1.0),
-            Self::Dark(for_s) => (Self::Dark(for_s + seconds), if seconds > 0.0 { 1.0 } else { 0.0 }),
+            Self::Cut | Self::Dark if seconds <= 0.0 => {
+                (if self == Self::Dark && awaited.cells == 0 { Self::None } else { Self::Dark }, 0.0)
+            }
+            Self::Dark if awaited.cells == 0 => (Self::Clearing(1.0), 1.0),
+            Self::Cut | Self::Dark => (Self::Dark, 1.0),
             Self::Clearing(dark) => {
                 let left = dark - seconds / CLEAR_S;
                 (if left > 0.0 { Self::Clearing(left) } else { Self::None }, left.max(0.0))
@@ -103,7 +103,7 @@ impl Hold {
 
     /// Whether the tour's time stands still.
     fn is_still(self) -> bool {
-        matches!(self, Self::Cut | Self::Dark(_))
+        matches!(self, Self::Cut | Self::Dark)
     }
 }
 
@@ -125,6 +125,8 @@ pub struct TourPlayer {
     pub(crate) t_s: f64,
     speed: Option<f64>,
     pub(crate) hold: Hold,
+    /// Whether it stands still until what lies ahead stands.
+    waits: bool,
     leg: Option<(ResumeLeg, f64)>,
     pub(crate) play_when_ready: bool,
     /// Whether it has just been sent to another time: what is marked there counts.
@@ -141,6 +143,12 @@ impl TourPlayer {
     #[must_use]
     pub fn state(&self) -> TourState {
         self.state
+    }
+
+    /// Whether it stands still, under way as it is, because what lies ahead has not come.
+    #[must_use]
+    pub fn waits(&self) -> bool {
+        self.waits
     }
 
     /// Second of the tour that is shown.
@@ -328,8 +336,8 @@ pub(crate) fn pose_of(eye: &Eye, hour: f64) -> Pose {
     }
 }
 
-/// So many seconds ahead it is told where the tour will be.
-const AHEAD_S: [f64; 4] = [3.0, 7.0, 12.0, 20.0];
+/// So many seconds ahead it is told where the tour will be: the first is where it waits if that has not come.
+const AHEAD_S: [f64; 5] = [0.5, 3.0, 7.0, 12.0, 20.0];
 
 /// Tells where the viewers will be, and once that the tour leads nowhere any more: others may lead then.
 fn tell_ahead(player: &TourPlayer, has_told: &mut bool, itineraries: &mut Query<&mut Itinerary, With<Viewer>>) {
@@ -394,7 +402,13 @@ pub(crate) fn play(
     if hold != was {
         player.hold = hold;
     }
-    let dt = if was.is_still() { 0.0 } else { seconds * player.speed() };
+    // What lies ahead stands before one goes there.
+    let waits = awaited.ahead > 0 && matches!(player.state, TourState::Playing | TourState::Returning);
+    if player.waits != waits {
+        player.waits = waits;
+    }
+    let is_still = was.is_still() || waits;
+    let dt = if is_still { 0.0 } else { seconds * player.speed() };
     let pose = match player.state {
         TourState::Playing => {
             let Some((end, title)) = player.compiled.as_ref().map(|t| (t.duration_s(), t.title().to_owned())) else { return };
@@ -425,7 +439,7 @@ pub(crate) fn play(
         TourState::Idle | TourState::Waiting | TourState::Wandering => None,
     };
     let Some(pose) = pose else { return };
-    let pose = following.lead(&player, pose, viewers.iter().next(), was.is_still(), seconds);
+    let pose = following.lead(&player, pose, viewers.iter().next(), is_still, seconds);
     if let Some(day) = player.compiled.as_ref().map(CompiledTour::day).filter(|day| *day != clock.day) {
         clock.day = day;
     }

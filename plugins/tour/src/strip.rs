@@ -56,7 +56,7 @@ pub(crate) fn draw(
     let screen = context.content_rect();
     let is_near = context.pointer_latest_pos().is_some_and(|at| at.y < screen.top() + screen.height() * NEAR)
         && context.input(|input| input.pointer.time_since_last_movement() < STAYS_S);
-    let stays = is_near || !matches!(player.state(), TourState::Playing | TourState::Returning);
+    let stays = is_near || player.waits() || !matches!(player.state(), TourState::Playing | TourState::Returning);
     settings.idle_s = if stays { 0.0 } else { settings.idle_s + time.delta_secs() };
     if settings.idle_s > STAYS_S {
         return Ok(());
@@ -64,7 +64,7 @@ pub(crate) fn draw(
     let area = Area::new(Id::new("veduta tour")).anchor(Align2::CENTER_TOP, Vec2::new(0.0, screen.height() * 0.03));
     let press = area.order(Order::Middle).show(context, |ui| {
         let frame = look.frame(Surface::Dusk);
-        frame.show(ui, |ui| show(ui, &look, (&words, &keys), tour, player.state(), player.time_s())).inner
+        frame.show(ui, |ui| show(ui, &look, (&words, &keys), tour, player.state(), (player.time_s(), player.waits()))).inner
     });
     match press.inner {
         Some(Press::Toggle) => drop(commands.write(TourCommand::Toggle)),
@@ -89,7 +89,7 @@ fn show(
     (words, keys): (&Words, &KeyNames),
     tour: &CompiledTour,
     state: TourState,
-    t_s: f64,
+    (t_s, waits): (f64, bool),
 ) -> Option<Press> {
     let surface = Surface::Dusk;
     look.dress(ui, surface);
@@ -101,6 +101,9 @@ fn show(
     ui.horizontal(|ui| {
         ui.label(look.words(title, 1.0, look.ink(surface)));
         ui.label(look.words(format!("{} / {}", clock(t_s), clock(tour.duration_s())), 0.85, look.faint(surface)));
+        if waits {
+            ui.label(look.words(words.say("tour-waits"), 0.85, look.accent(surface)));
+        }
     });
     ui.horizontal(|ui| {
         let (symbol, name) = match state {
@@ -202,12 +205,13 @@ mod tests {
         let (look, tour, words) = (Look { text: 16.0, high_contrast: false, reduced_motion: true }, tour(), words("cs"));
         let mut harness = Harness::builder().with_size(Vec2::new(700.0, 200.0)).build_ui_state(
             |ui, pressed: &mut Vec<Press>| {
-                pressed.extend(show(ui, &look, (&words, &KeyNames::default()), &tour, TourState::Playing, 65.0))
+                pressed.extend(show(ui, &look, (&words, &KeyNames::default()), &tour, TourState::Playing, (65.0, true)))
             },
             Vec::new(),
         );
         harness.get_by_label("Věž");
         harness.get_by_label("1:05 / 1:20");
+        harness.get_by_label(&words.say("tour-waits"));
         for (name, press) in [("tour-pause", Press::Toggle), ("tour-edit", Press::Edit), ("tour-stop", Press::Stop)] {
             harness.get_by_label(&words.say(name)).click();
             harness.run();
@@ -229,7 +233,8 @@ mod tests {
     #[test]
     fn before_its_first_chapter_the_tours_title_stands() {
         let (look, tour, words) = (Look { text: 16.0, high_contrast: false, reduced_motion: true }, tour(), words("en"));
-        let harness = Harness::new_ui(|ui| _ = show(ui, &look, (&words, &KeyNames::default()), &tour, TourState::Paused, 1.0));
+        let harness =
+            Harness::new_ui(|ui| _ = show(ui, &look, (&words, &KeyNames::default()), &tour, TourState::Paused, (1.0, false)));
         harness.get_by_label("A walk");
         harness.get_by_label(&words.say("tour-play"));
     }

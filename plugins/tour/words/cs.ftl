@@ -2,6 +2,7 @@ tour-waiting = Prohlídka začne, jakmile dorazí její ulice …
 tour-wandering = Opustili jste prohlídku. { $key } vás vrátí.
 tour-pause = Zastavit prohlídku
 tour-play = Pokračovat v prohlídce
+tour-waits = To, co je před vámi, se ještě načítá …
 tour-stop = Ukončit prohlídku
 tour-time = Čas v prohlídce
 scope-tour = Při otevřené prohlídce

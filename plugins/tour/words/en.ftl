@@ -2,6 +2,7 @@ tour-waiting = The tour begins as soon as its streets have arrived …
 tour-wandering = You have left the tour. { $key } takes you back.
 tour-pause = Pause the tour
 tour-play = Play the tour
+tour-waits = The way ahead is still coming …
 tour-stop = End the tour
 tour-time = Time in the tour
 scope-tour = While a tour is open

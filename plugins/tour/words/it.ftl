@@ -2,6 +2,7 @@ tour-waiting = La visita comincia appena arrivano le sue vie …
 tour-wandering = Avete lasciato la visita. { $key } vi riporta indietro.
 tour-pause = Ferma la visita
 tour-play = Riprendi la visita
+tour-waits = La via davanti è in arrivo …
 tour-stop = Termina la visita
 tour-time = Tempo nella visita
 scope-tour = Durante una visita

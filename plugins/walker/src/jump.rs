@@ -97,11 +97,7 @@ pub(crate) fn advance(
         Jump::Waiting { for_s } => {
             let is_held = |eye: &Eye| solid.hold(GridPos::from_metres(eye.plan_pos));
             let ready = awaited.cells == 0 && (viewers.iter().all(is_held) || for_s > FLOOR_S);
-            if ready || for_s > Awaited::PATIENCE_S {
-                Jump::Arriving
-            } else {
-                Jump::Waiting { for_s: for_s + time.delta_secs_f64() }
-            }
+            if ready { Jump::Arriving } else { Jump::Waiting { for_s: for_s + time.delta_secs_f64() } }
         }
         Jump::Arriving => {
             fade_by(-step);

@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn a_cut_stays_dark_until_what_is_in_sight_stands_and_then_clears() {
-    let (mut hold, mut awaited) = (Hold::Cut, Awaited { cells: 3 });
+    let (mut hold, mut awaited) = (Hold::Cut, Awaited { cells: 3, ahead: 0 });
     let mut darkness = Vec::new();
     for frame in 0..40 {
         awaited.cells = if frame < 10 { 3 } else { 0 };
@@ -20,22 +20,39 @@ fn a_cut_stays_dark_until_what_is_in_sight_stands_and_then_clears() {
 }
 
 #[test]
-fn what_never_comes_is_not_waited_for_longer_than_patience() {
-    let awaited = Awaited { cells: 1 };
+fn it_is_dark_for_as_long_as_something_is_awaited() {
+    let awaited = Awaited { cells: 1, ahead: 0 };
     let mut hold = Hold::Cut;
-    let frames = (0..2_000).take_while(|_| {
-        hold = hold.next(0.05, &awaited).0;
-        hold.is_still()
-    });
-    let waited_s = frames.count() as f64 * 0.05;
-    assert!((Awaited::PATIENCE_S..Awaited::PATIENCE_S + 0.3).contains(&waited_s), "{waited_s}");
+    for frame in 0..12_000 {
+        let dark;
+        (hold, dark) = hold.next(0.05, &awaited);
+        assert!(hold.is_still() && dark == 1.0, "frame {frame}");
+    }
+}
+
+#[test]
+fn it_stands_still_until_what_lies_ahead_stands() {
+    let mut app = playing(20.0, "Walk(to: (50, 0), seconds: 20)");
+    let time_s = |app: &App| app.world().resource::<TourPlayer>().time_s();
+    (0..40).for_each(|_| app.update());
+    let before_s = time_s(&app);
+    assert!(before_s > 0.5, "{before_s} s");
+    app.world_mut().resource_mut::<Awaited>().ahead = 2;
+    (0..200).for_each(|_| app.update());
+    assert_eq!((time_s(&app), eye(&mut app).fade), (before_s, 0.0), "in the light");
+    assert!(app.world().resource::<TourPlayer>().waits());
+    app.world_mut().resource_mut::<Awaited>().ahead = 0;
+    (0..20).for_each(|_| app.update());
+    assert!(!app.world().resource::<TourPlayer>().waits());
+    let passed_s = time_s(&app) - before_s;
+    assert!((passed_s - 1.0).abs() < 0.06, "it goes on at its pace: {passed_s} s");
 }
 
 #[test]
 fn films_are_never_dark_at_a_cut() {
     let mut hold = Hold::Cut;
     for cells in [2, 1, 0] {
-        let (next, dark) = hold.next(0.0, &Awaited { cells });
+        let (next, dark) = hold.next(0.0, &Awaited { cells, ahead: 0 });
         assert_eq!(dark, 0.0, "{cells} cells awaited");
         hold = next;
     }
