@@ -67,6 +67,8 @@
 //! What is damaged or missing is asked for again, 0.5 s later at first, then twice as long each time, 3 s at most, counted from when it
 //! was asked for; the others keep coming. When the line comes back to life, what failed because of it does not wait any longer. A line
 //! is given up by its silence, however slow it is ([`HttpSettings`]): so that 5 s after the end of any fault an open city is as it was.
+//! What has only failed for [`ClientSettings::patience_s`] counts as not to be had, though it is tried on; time in which nobody was there to
+//! answer ([`ReadError::is_outage`]) does not count.
 //! What cannot get better (a newer format, a damaged index, sound bytes that make no sense) is told once. Bytes from anywhere are safe to
 //! decode: they are bounded in memory before they are believed, and every index in what comes out points at something, but for bays and
 //! storeys of ornaments and doors: whoever draws them leaves out what a wall does not have.

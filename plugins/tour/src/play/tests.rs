@@ -32,7 +32,7 @@ fn it_is_dark_for_as_long_as_something_is_awaited() {
 
 #[test]
 fn it_stands_still_until_what_lies_ahead_stands() {
-    let mut app = playing(20.0, "Walk(to: (50, 0), seconds: 20)");
+    let mut app = playing(20.0, "Start(at: At(0, 0)), Wait(seconds: 20)");
     let time_s = |app: &App| app.world().resource::<TourPlayer>().time_s();
     (0..40).for_each(|_| app.update());
     let before_s = time_s(&app);
