@@ -142,12 +142,13 @@ fn with_the_line_down_what_stands_stays_and_all_comes_when_it_is_back() {
     let mut tries = Vec::new();
     for _ in 0..90 * HZ {
         app.update();
-        tries.extend(told.read(app.world().resource::<Messages<CityFailed>>()).map(|failed| failed.will_retry));
+        tries.extend(told.read(app.world().resource::<Messages<CityFailed>>()).cloned());
         stays(&before, &app);
     }
     assert!(!all_stands(app.world()), "more is wanted");
     assert_eq!(tries.len() as u64, stats(&app).failures, "each failure is told");
-    assert!(!tries.is_empty() && tries.iter().all(|will_retry| *will_retry));
+    assert!(!tries.is_empty() && tries.iter().all(|failed| failed.will_retry));
+    assert!(tries.iter().all(|failed| failed.message == tries[0].message), "a visitor reads it once: {}", tries[0].message);
     app.insert_resource(Link::default());
     update_until(&mut app, 10 * HZ as usize, "all of it comes by itself", |world| all_stands(world));
 }

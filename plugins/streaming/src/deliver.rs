@@ -6,9 +6,9 @@ use bevy::prelude::*;
 use veduta_city::{GridPos, Level, bounds, metres};
 use veduta_ecs::{
     Awaited, Cell, CellContent, CellMemory, CellMesh, CellReady, CellReleased, City, CityFailed, CityOpened, Eye, LevelFade,
-    Overviews, Rim, StandingCells, Viewer, WorldOrigin,
+    OpenCity, Overviews, Rim, StandingCells, Viewer, WorldOrigin,
 };
-use veduta_store::{CityIndex, Client, ClientEvent, Packet, What, sheet_fits};
+use veduta_store::{CityIndex, Client, ClientEvent, Packet, StoreError, What, sheet_fits};
 
 use crate::fetch::Store;
 use crate::files::CityFiles;
@@ -268,6 +268,7 @@ fn on_event(world: &mut World, store: &mut Store, event: ClientEvent, bytes: u64
                 None => format!("{what}: {error}"),
             };
             warn!("{message}");
+            let message = outage(world, &error).unwrap_or(message);
             if let (What::File(number), None, Some(mut files)) = (what, again_in_s, world.get_resource_mut::<CityFiles>()) {
                 files.fail(number, &error);
             }
@@ -275,6 +276,13 @@ fn on_event(world: &mut World, store: &mut Store, event: ClientEvent, bytes: u64
             world.write_message(CityFailed { message, will_retry: again_in_s.is_some() });
         }
     }
+}
+
+/// What is told once of all that fails because nobody answers.
+fn outage(world: &World, error: &StoreError) -> Option<String> {
+    let place = &world.get_resource::<OpenCity>()?.0;
+    let is_outage = matches!(error, StoreError::Read(error) if error.is_outage());
+    is_outage.then(|| format!("{place} does not answer: what is here stays, and the rest follows when it does"))
 }
 
 fn open(world: &mut World, index: &CityIndex) {
