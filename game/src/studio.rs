@@ -292,7 +292,7 @@ impl Studio {
     /// Lets time pass.
     pub fn advance(&mut self, time: Duration) {
         // Whoever films has waited for all that comes.
-        self.app.world_mut().resource_mut::<Awaited>().ahead = 0;
+        self.app.insert_resource(Awaited::default());
         self.app.insert_resource(TimeUpdateStrategy::ManualDuration(time));
         self.app.update();
         self.app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));

@@ -38,8 +38,10 @@ const MOST: usize = 4;
 
 impl Notes {
     pub fn add(&mut self, text: String, is_failure: bool, now_s: f64) {
-        if !self.shown.iter().any(|note| note.text == text) {
-            self.shown.push_back(Note { text, is_failure, since_s: now_s });
+        match self.shown.iter_mut().find(|note| note.text == text) {
+            // What goes on stays.
+            Some(note) => note.since_s = note.since_s.max(now_s),
+            None => self.shown.push_back(Note { text, is_failure, since_s: now_s }),
         }
         while self.shown.len() > MOST {
             self.shown.pop_front();
@@ -81,7 +83,7 @@ pub(super) fn gather(
         let name = guide.name(&walk.name, &words).to_owned();
         notes.add(words.say_with("walk-arrived", &[("name", name.into())]), false, now_s);
     }
-    if notes.shown.front().is_some_and(|note| now_s - note.since_s >= STAY_S) {
+    if notes.shown.iter().any(|note| now_s - note.since_s >= STAY_S) {
         notes.shown.retain(|note| now_s - note.since_s < STAY_S);
     }
 }

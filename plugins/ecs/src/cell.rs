@@ -152,8 +152,8 @@ pub struct CellReleased {
     pub cell: u32,
 }
 
-/// What viewers wait for: level 1 of cells, and what is to tell of them. What cannot be had is not waited for. Streaming counts; without it
-/// nothing is awaited.
+/// What viewers wait for: level 1 of cells, and what is to tell of them. What cannot be had is not waited for. Streaming counts
+/// what nobody has built ([`CellStands`]); without it nothing is awaited.
 #[derive(Resource, Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub struct Awaited {
     /// How many that are in sight of a viewer do not stand. Who puts a viewer somewhere keeps it dark until there are none.

@@ -74,6 +74,11 @@ pub struct Itinerary(
     pub Vec<Stop>,
 );
 
+impl Itinerary {
+    /// So many seconds ahead those tell who know. The first is where they wait for what has not come: so near that no cell lies between.
+    pub const AHEAD_S: [f64; 5] = [0.5, 3.0, 7.0, 12.0, 20.0];
+}
+
 /// A place on an [`Itinerary`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stop {

@@ -82,8 +82,6 @@ enum NoWay {
 /// Streets are looked for in a circle about both ends that reaches so far beyond them, as a share of their distance, and at least this.
 const ROUND: f64 = 0.6;
 const LEAST_ROUND_M: f64 = 150.0;
-/// So many seconds ahead it is told where the walk will be: the first is where it waits if that has not come.
-const AHEAD_S: [f64; 5] = [0.5, 3.0, 7.0, 12.0, 20.0];
 
 fn around(from: DVec2, to: DVec2) -> Around {
     let apart = from.distance(to);
@@ -253,7 +251,7 @@ pub(crate) fn go(
         *t_s = (*t_s + dt).min(walk.duration_s());
     }
     let pose = walk.pose(*t_s);
-    let stops = AHEAD_S.map(|in_s| {
+    let stops = Itinerary::AHEAD_S.map(|in_s| {
         let pose = walk.pose(*t_s + in_s);
         Stop { in_s, plan_pos: pose.plan_pos, eye_m: pose.eye_m }
     });

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use veduta_city::Level;
 
 pub use event::{ClientEvent, ClientStats};
-use slot::{RegionSlot, Slot, State};
+use slot::{Failure, RegionSlot, Slot, State};
 
 use crate::index::WHAT as INDEX;
 use crate::{BlobRef, CityIndex, INDEX_NAME, Payload, Request, RequestId, StoreError, What};
@@ -70,8 +70,6 @@ pub struct Client {
     next_id: u64,
     /// Something failed because nobody answered, and nothing has come since.
     is_unreachable: bool,
-    /// Nobody has been there to answer since then.
-    silent_since_s: Option<f64>,
     stats: ClientStats,
 }
 
@@ -106,7 +104,6 @@ impl Client {
             in_flight: BTreeMap::new(),
             next_id: 0,
             is_unreachable: false,
-            silent_since_s: None,
             stats: ClientStats::default(),
         }
     }
@@ -282,12 +279,6 @@ impl Client {
             self.stats.unexpected += 1;
             return Vec::new();
         };
-        let is_outage = matches!(&result, Err(StoreError::Read(error)) if error.is_outage());
-        if is_outage {
-            self.silent_since_s.get_or_insert(now_s);
-        } else if let Some(since_s) = self.silent_since_s.take() {
-            self.all_slots().for_each(|slot| slot.excuse((since_s, now_s)));
-        }
         match result.and_then(|payload| self.accept(what, payload)) {
             Ok(event) => {
                 self.stats.delivered += 1;
@@ -361,7 +352,7 @@ impl Client {
     /// Whether a file cannot be had, as with [`Client::gave_up`].
     #[must_use]
     pub fn gave_up_file(&self, number: u32, now_s: f64) -> bool {
-        self.files.get(number as usize).is_some_and(|slot| self.has_given_up(slot, now_s))
+        self.files.get(number as usize).is_some_and(|slot| slot.gave_up(now_s, self.settings.patience_s))
     }
 
     /// Whether the overview of a region, or what tells of it, cannot be had, as with [`Client::gave_up`].
@@ -370,7 +361,7 @@ impl Client {
         let Some(slot) = self.overviews.get(region as usize).filter(|slot| slot.state != State::Here) else { return false };
         let is_told_of = self.index.as_ref().is_some_and(|index| index.region(region).is_some());
         let lacks_what_tells = if is_told_of { self.gave_up_houses(region, now_s) } else { self.gave_up_region(region, now_s) };
-        lacks_what_tells || self.has_given_up(slot, now_s)
+        lacks_what_tells || slot.gave_up(now_s, self.settings.patience_s)
     }
 
     /// Whether a packet has arrived and was not forgotten.
@@ -387,20 +378,15 @@ impl Client {
         match self.slots(cell).map(|slots| &slots[level.index()]) {
             Some(slot) => {
                 let is_here = slot.state == State::Here;
-                self.has_given_up(slot, now_s) || (!is_here && self.gave_up_houses(number, now_s))
+                slot.gave_up(now_s, self.settings.patience_s) || (!is_here && self.gave_up_houses(number, now_s))
             }
             None => self.gave_up_region(number, now_s),
         }
     }
 
-    /// Whether something cannot be had: time in which nobody was there to answer does not count.
-    fn has_given_up(&self, slot: &Slot, now_s: f64) -> bool {
-        slot.gave_up(self.silent_since_s.unwrap_or(now_s), self.settings.patience_s)
-    }
-
     /// Whether the houses of a region cannot be had, as with [`Client::gave_up`].
     fn gave_up_houses(&self, number: u32, now_s: f64) -> bool {
-        self.missing_houses(number).is_some_and(|(slot, _)| self.has_given_up(slot, now_s))
+        self.missing_houses(number).is_some_and(|(slot, _)| slot.gave_up(now_s, self.settings.patience_s))
     }
 
     /// Whether a region cannot be had, as with [`Client::gave_up`].
@@ -409,7 +395,7 @@ impl Client {
         let leaf = self.index.as_ref().and_then(|index| index.missing_leaf(number));
         let leaf = leaf.and_then(|leaf| self.leaves.get(leaf as usize));
         let region = self.regions.get(number as usize).map(|region| &region.slot);
-        leaf.into_iter().chain(region).any(|slot| self.has_given_up(slot, now_s))
+        leaf.into_iter().chain(region).any(|slot| slot.gave_up(now_s, self.settings.patience_s))
     }
 
     /// What it has done so far.
@@ -549,15 +535,15 @@ impl Client {
     fn fail(&mut self, what: What, error: StoreError, since_s: f64, now_s: f64) -> ClientEvent {
         self.stats.failures += 1;
         let is_final = error.is_permanent() || (what == What::Index && !matches!(error, StoreError::Read(_)));
-        let is_unreachable = matches!(&error, StoreError::Read(error) if error.is_unreachable());
-        self.is_unreachable |= is_unreachable;
+        let failure = match &error {
+            StoreError::Read(error) => Failure { is_unreachable: error.is_unreachable(), is_outage: error.is_outage() },
+            _ => Failure { is_unreachable: false, is_outage: false },
+        };
+        self.is_unreachable |= failure.is_unreachable;
         let settings = self.settings;
         let mut again_in_s = None;
         if let Some(slot) = self.slot_mut(what) {
-            if slot.failures == 0 {
-                slot.failing_since_s = now_s;
-            }
-            let wait_s = slot.fail(&settings, is_unreachable, now_s - since_s, now_s);
+            let wait_s = slot.fail(&settings, failure, now_s - since_s, now_s);
             if is_final {
                 slot.state = State::Dead;
             } else {

@@ -1,9 +1,10 @@
 use std::io::ErrorKind;
 use std::time::Duration;
 
+use ureq::config::Config;
 use ureq::http::{Response, Uri};
-use ureq::unversioned::resolver::DefaultResolver;
-use ureq::unversioned::transport::{ConnectProxyConnector, Connector, RustlsConnector, TcpConnector};
+use ureq::unversioned::resolver::{DefaultResolver, ResolvedSocketAddrs, Resolver};
+use ureq::unversioned::transport::{ConnectProxyConnector, Connector, NextTimeout, RustlsConnector, TcpConnector};
 use ureq::{Agent, Body, Error, Timeout};
 
 use crate::pace::{Pace, Paced};
@@ -87,7 +88,7 @@ impl HttpReader {
                 .chain(TcpConnector::default())
                 .chain(paced)
                 .chain(RustlsConnector::default());
-        Ok(Self { agent: Agent::with_parts(config.build(), connector, DefaultResolver::default()), base })
+        Ok(Self { agent: Agent::with_parts(config.build(), connector, Hosts(DefaultResolver::default())), base })
     }
 
     /// The answer to `GET url`. A connection that closes without one says nothing of the file (mostly it was kept, and the
@@ -106,13 +107,11 @@ impl HttpReader {
     fn error(&self, path: &str, limit: u64, error: Error) -> ReadError {
         let (place, path) = (self.describe(), path.to_owned());
         match error {
+            error if is_nobody(&error) => ReadError::NoAnswer { place, path, message: error.to_string() },
             Error::Timeout(Timeout::PerRead) => ReadError::Timeout { place, path, phase: "nothing came any more".to_owned() },
-            Error::Timeout(phase) if !matches!(phase, Timeout::Resolve | Timeout::Connect) => {
-                ReadError::Timeout { place, path, phase: phase.to_string() }
-            }
+            Error::Timeout(phase) => ReadError::Timeout { place, path, phase: phase.to_string() },
             Error::BodyExceedsLimit(_) => ReadError::TooLarge { place, path, limit },
             Error::StatusCode(status) => ReadError::Status { place, path, status },
-            error if is_nobody(&error) => ReadError::NoAnswer { place, path, message: error.to_string() },
             error => ReadError::Failed { place, path, message: error.to_string() },
         }
     }
@@ -122,6 +121,18 @@ impl HttpReader {
 fn is_hang_up(kind: ErrorKind) -> bool {
     use ErrorKind::*;
     matches!(kind, UnexpectedEof | ConnectionReset | ConnectionAborted | BrokenPipe | NotConnected)
+}
+
+/// Finds hosts by their names. Where there is no network the system fails to, in ways that it does not name.
+#[derive(Debug)]
+struct Hosts<R>(R);
+
+impl<R: Resolver> Resolver for Hosts<R> {
+    fn resolve(&self, uri: &Uri, config: &Config, timeout: NextTimeout) -> Result<ResolvedSocketAddrs, Error> {
+        self.0
+            .resolve(uri, config, timeout)
+            .map_err(|error| if matches!(error, Error::Io(_)) { Error::HostNotFound } else { error })
+    }
 }
 
 /// Whether an error says that nobody is there: who hangs up in the middle is.
@@ -182,6 +193,24 @@ impl Reader for HttpReader {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// As the system does without a network.
+    #[derive(Debug)]
+    struct NoNetwork;
+
+    impl Resolver for NoNetwork {
+        fn resolve(&self, _: &Uri, _: &Config, _: NextTimeout) -> Result<ResolvedSocketAddrs, Error> {
+            Err(Error::Io(std::io::Error::other("failed to lookup address information: Temporary failure in name resolution")))
+        }
+    }
+
+    #[test]
+    fn without_a_network_nobody_answers() {
+        let agent = Agent::with_parts(Config::builder().proxy(None).build(), TcpConnector::default(), Hosts(NoNetwork));
+        let error = agent.get("http://example.org/x.city").call().expect_err("no such host is found");
+        let reader = HttpReader::new("http://example.org/x.city").expect("an address");
+        assert!(reader.error("city.veduta", 9, error).is_outage());
+    }
 
     #[test]
     fn addresses_lose_what_does_not_belong_to_the_folder() {

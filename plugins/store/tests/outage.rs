@@ -65,6 +65,12 @@ fn what_nobody_could_tell_of_is_waited_for() {
         visit.steps(seconds, fail);
         assert_eq!([0, 1, 2].map(|cell| visit.gave_up(cell)), [false; 3], "at {} s", visit.now_s);
     }
+    // What comes meanwhile, as from a cache, makes nothing else count.
+    for _ in 0..100 {
+        visit.client.forget(0, One);
+        visit.steps(1.0, |what| if what == (What::Packet { cell: 0, level: One }) { None } else { no_answer(what) });
+        assert!(visit.client.has(0, One) && !visit.gave_up(1) && !visit.gave_up(2));
+    }
     // It is there again, and says as before that it does not have it: the time before counts, that in between does not.
     visit.steps(patience_s / 2.0 - 5.0, not_found);
     assert!(!visit.gave_up(1) && visit.client.has(2, One));

@@ -278,11 +278,11 @@ fn on_event(world: &mut World, store: &mut Store, event: ClientEvent, bytes: u64
     }
 }
 
-/// What is told once of all that fails because nobody answers.
+/// What is told alike of all that fails because nobody answers.
 fn outage(world: &World, error: &StoreError) -> Option<String> {
     let place = &world.get_resource::<OpenCity>()?.0;
     let is_outage = matches!(error, StoreError::Read(error) if error.is_outage());
-    is_outage.then(|| format!("{place} does not answer: what is here stays, and the rest follows when it does"))
+    is_outage.then(|| format!("{place} cannot be reached: what is here stays, and the rest follows when it can"))
 }
 
 fn open(world: &mut World, index: &CityIndex) {

@@ -11,7 +11,7 @@ pub struct StreamingDiagnosticsPlugin;
 impl StreamingDiagnosticsPlugin {
     /// Cells that are loaded.
     pub const CELLS: DiagnosticPath = DiagnosticPath::const_new("streaming/cells");
-    /// Cells in sight that do not stand yet, and regions that are to tell of such: 0 where nothing is missing.
+    /// Cells in sight, or about to be, that do not stand yet ([`Awaited`]): 0 where nothing is missing.
     pub const AWAITED: DiagnosticPath = DiagnosticPath::const_new("streaming/awaited");
     /// Requests under way.
     pub const IN_FLIGHT: DiagnosticPath = DiagnosticPath::const_new("streaming/in_flight");
@@ -39,14 +39,20 @@ impl Plugin for StreamingDiagnosticsPlugin {
         for (path, unit) in units {
             app.register_diagnostic(Diagnostic::new(path).with_suffix(unit));
         }
-        app.add_systems(Update, measure.after(VedutaSystems::Stream));
+        app.add_systems(Update, measure.after(VedutaSystems::Stream).run_if(resource_exists::<StreamingStats>));
+    }
+
+    fn finish(&self, app: &mut App) {
+        if !app.world().contains_resource::<StreamingStats>() {
+            warn!("nothing streams, so there are no figures of it: add StreamingPlugin");
+        }
     }
 }
 
 fn measure(mut diagnostics: Diagnostics<'_, '_>, stats: Res<StreamingStats>, awaited: Res<Awaited>, pace: Res<Pace>) {
     use StreamingDiagnosticsPlugin as Of;
     diagnostics.add_measurement(&Of::CELLS, || stats.cells as f64);
-    diagnostics.add_measurement(&Of::AWAITED, || awaited.cells as f64);
+    diagnostics.add_measurement(&Of::AWAITED, || (awaited.cells + awaited.ahead) as f64);
     diagnostics.add_measurement(&Of::IN_FLIGHT, || stats.in_flight as f64);
     diagnostics.add_measurement(&Of::FAILURES, || stats.failures as f64);
     diagnostics.add_measurement(&Of::MEMORY, || stats.bytes_in_memory as f64 / f64::from(1 << 20));

@@ -128,7 +128,7 @@ pub struct StreamingSettings {
     pub packets_a_frame: usize,
     /// No more answers are taken in a frame that has brought so many bytes, as sent.
     pub bytes_a_frame: u64,
-    /// Nothing is asked for as long as this is set; what is on its way still arrives.
+    /// Nothing is asked for as long as this is set; what is on its way still arrives. Whoever waits in the dark, at a portal or on a tour waits on.
     pub paused: bool,
     /// Highest level asked for.
     pub finest: u8,

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 use veduta_city::{GridPos, Level};
 use veduta_ecs::{Awaited, DistrictMemory, Eye, Itinerary, OpenCells, StandingCells, Stop, Viewer};
+use veduta_store::CityIndex;
 
 use crate::deliver::LoadedCells;
 use crate::fetch::Store;
@@ -142,8 +143,8 @@ pub(crate) fn count_awaited(
     led: Query<Ref<Itinerary>, With<Viewer>>,
     mut awaited: ResMut<Awaited>,
 ) {
-    let is_over = !wanted.is_changed() && !standing.is_changed() && *awaited == Awaited::default();
-    if is_over && !led.iter().any(|itinerary| itinerary.is_changed()) {
+    let is_settled = !wanted.is_changed() && !standing.is_changed() && *awaited == Awaited::default();
+    if is_settled && !led.iter().any(|itinerary| itinerary.is_changed()) {
         return;
     }
     let index = store.as_ref().and_then(|store| store.client.index());
@@ -151,31 +152,62 @@ pub(crate) fn count_awaited(
         awaited.set_if_neq(Awaited::default());
         return;
     };
-    let lacks = |&cell: &u32| !standing.levels(cell).has(Level::One) && !store.gave_up(cell);
-    let is_told_later = |&region: &u32| index.region(region).is_none() && !store.gave_up_region(region);
-    // What the memory cap leaves out will not come.
-    let in_sight = || {
-        let regions = wanted.regions.iter().take(wanted.regions_in_sight).filter(|region| is_told_later(region));
-        regions.count() + wanted.in_sight.iter().filter(|&cell| wanted.wants(*cell) && lacks(cell)).count()
-    };
-    let (mut ahead, mut is_planned) = (0, true);
+    let lacking = Lacking { store, index, wanted: &wanted, standing: &standing };
+    let cells = if is_settled { 0 } else { lacking.in_sight() };
     let firsts = led.iter().filter_map(|itinerary| itinerary.0.first().copied());
+    let (mut ahead, mut is_planned) = (0, true);
     for stop in firsts.filter(|stop| stop.eye_m < settings.flying_from_m) {
-        let pos = GridPos::from_metres(stop.plan_pos);
-        let untold = index.regions_at(pos).filter(is_told_later).count();
-        let here = index.locate(pos).and_then(|cell| index.cell(cell));
-        for cell in here.map_or(&[][..], |entry| &entry.visible).iter().filter(|cell| lacks(cell)) {
-            let wish = wanted.wish(*cell);
-            ahead += usize::from(wish.is_none_or(|wish| wish.finest.is_some()));
-            is_planned &= wish.is_some() || untold > 0 || index.cell(*cell).is_none();
-        }
-        ahead += untold;
+        let (lacks, knows_all) = lacking.from(GridPos::from_metres(stop.plan_pos));
+        (ahead, is_planned) = (ahead + lacks, is_planned && knows_all);
     }
-    let cells = if is_over { 0 } else { in_sight() };
     awaited.set_if_neq(Awaited { cells, ahead });
     if !is_planned {
-        // He is led into a cell that none of the stops lay in when it was planned last.
+        // He is led to where none of the stops lay when it was planned last.
         wanted.plan_anew();
+    }
+}
+
+/// What does not stand, and may yet.
+struct Lacking<'a> {
+    store: &'a Store,
+    index: &'a CityIndex,
+    wanted: &'a Wanted,
+    standing: &'a StandingCells,
+}
+
+impl Lacking<'_> {
+    fn is_cell(&self, cell: u32) -> bool {
+        !self.standing.levels(cell).has(Level::One) && !self.store.gave_up(cell)
+    }
+
+    fn is_region(&self, region: u32) -> bool {
+        self.index.region(region).is_none() && !self.store.gave_up_region(region)
+    }
+
+    /// How many cells that are in sight, and regions that are to tell of such. What the memory cap leaves out will not come.
+    fn in_sight(&self) -> usize {
+        let regions = self.wanted.regions.iter().take(self.wanted.regions_in_sight).filter(|&&region| self.is_region(region));
+        let cells = self.wanted.in_sight.iter().filter(|&&cell| self.wanted.wants(cell) && self.is_cell(cell));
+        regions.count() + cells.count()
+    }
+
+    /// The same of a place on the ground; and whether all of them have been planned for.
+    fn from(&self, pos: GridPos) -> (usize, bool) {
+        let (mut count, mut is_planned) = (0, true);
+        for region in self.index.regions_at(pos).filter(|&region| self.is_region(region)) {
+            count += 1;
+            is_planned &= self.wanted.used.contains(&region);
+        }
+        let is_told = count == 0;
+        let here = self.index.locate(pos).and_then(|cell| self.index.cell(cell));
+        for &cell in here.map_or(&[][..], |entry| &entry.visible).iter().filter(|&&cell| self.is_cell(cell)) {
+            let wish = self.wanted.wish(cell);
+            count += usize::from(wish.is_none_or(|wish| wish.finest.is_some()));
+            let is_asked =
+                || self.index.region_of(cell).is_some_and(|region| self.is_region(region) && self.wanted.used.contains(&region));
+            is_planned &= !is_told || wish.is_some() || is_asked();
+        }
+        (count, is_planned)
     }
 }
 

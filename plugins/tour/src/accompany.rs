@@ -56,7 +56,7 @@ pub(crate) fn accompany(
     }
     // At the end of the tour the last words are heard out.
     let is_over = player.time_s() >= tour.duration_s();
-    let is_held = player.state() != TourState::Playing && !is_over;
+    let is_held = (player.state() != TourState::Playing || player.waits()) && !is_over;
     if told.is_held != is_held {
         told.is_held = is_held;
         accompany.write(if is_held { Accompany::Hold } else { Accompany::GoOn });
@@ -77,7 +77,7 @@ mod tests {
 
     use bevy::time::TimeUpdateStrategy;
     use veduta_city::Tour;
-    use veduta_ecs::{City, Viewer};
+    use veduta_ecs::{Awaited, City, Viewer};
 
     use super::*;
     use crate::{TourCommand, TourPlugin};
@@ -142,6 +142,10 @@ mod tests {
         assert_eq!(told(&mut app, 5), [Accompany::Hold]);
         app.world_mut().write_message(TourCommand::Play);
         assert_eq!(told(&mut app, 1), [Accompany::GoOn]);
+        for (ahead, heard) in [(1, Accompany::Hold), (0, Accompany::GoOn)] {
+            app.insert_resource(Awaited { cells: 0, ahead });
+            assert_eq!(told(&mut app, 5), [heard], "{ahead} cells are awaited");
+        }
         app.world_mut().write_message(TourCommand::Seek(0.0));
         let heard = told(&mut app, 5);
         assert!(

@@ -336,18 +336,20 @@ pub(crate) fn pose_of(eye: &Eye, hour: f64) -> Pose {
     }
 }
 
-/// So many seconds ahead it is told where the tour will be: the first is where it waits if that has not come.
-const AHEAD_S: [f64; 5] = [0.5, 3.0, 7.0, 12.0, 20.0];
-
 /// Tells where the viewers will be, and once that the tour leads nowhere any more: others may lead then.
 fn tell_ahead(player: &TourPlayer, has_told: &mut bool, itineraries: &mut Query<&mut Itinerary, With<Viewer>>) {
     let is_under_way = matches!(player.state, TourState::Waiting | TourState::Playing | TourState::Returning | TourState::Paused);
     let tour = player.compiled.as_ref().filter(|_| is_under_way);
     let stop = |tour: &CompiledTour, in_s: f64| {
-        let pose = tour.pose(player.t_s + in_s * player.speed());
+        let in_s_of_it = in_s * player.speed();
+        let pose = match &player.leg {
+            Some((leg, t_s)) if t_s + in_s_of_it < leg.duration_s() => leg.pose(t_s + in_s_of_it),
+            Some((leg, t_s)) => tour.pose(leg.resumes_at_s() + t_s + in_s_of_it - leg.duration_s()),
+            None => tour.pose(player.t_s + in_s_of_it),
+        };
         Stop { in_s, plan_pos: pose.plan_pos, eye_m: pose.eye_m }
     };
-    let stops = tour.map_or_else(Vec::new, |tour| AHEAD_S.iter().map(|&in_s| stop(tour, in_s)).collect());
+    let stops = tour.map_or_else(Vec::new, |tour| Itinerary::AHEAD_S.iter().map(|&in_s| stop(tour, in_s)).collect());
     if stops.is_empty() && !*has_told {
         return;
     }
@@ -407,8 +409,7 @@ pub(crate) fn play(
     if player.waits != waits {
         player.waits = waits;
     }
-    let is_still = was.is_still() || waits;
-    let dt = if is_still { 0.0 } else { seconds * player.speed() };
+    let dt = if was.is_still() || waits { 0.0 } else { seconds * player.speed() };
     let pose = match player.state {
         TourState::Playing => {
             let Some((end, title)) = player.compiled.as_ref().map(|t| (t.duration_s(), t.title().to_owned())) else { return };
@@ -439,7 +440,7 @@ pub(crate) fn play(
         TourState::Idle | TourState::Waiting | TourState::Wandering => None,
     };
     let Some(pose) = pose else { return };
-    let pose = following.lead(&player, pose, viewers.iter().next(), is_still, seconds);
+    let pose = following.lead(&player, pose, viewers.iter().next(), was.is_still(), seconds);
     if let Some(day) = player.compiled.as_ref().map(CompiledTour::day).filter(|day| *day != clock.day) {
         clock.day = day;
     }

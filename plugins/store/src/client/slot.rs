@@ -18,8 +18,10 @@ pub(super) struct Slot {
     pub(super) state: State,
     /// Failures in a row.
     pub(super) failures: u32,
-    /// When the first of them was told.
+    /// When the first of them was told; later by the time in which nobody was there to answer.
     pub(super) failing_since_s: f64,
+    /// Nobody has been there to answer since then.
+    pub(super) silent_since_s: Option<f64>,
     /// Not asked for before this time.
     pub(super) again_s: f64,
     /// It failed because nobody answered: when somebody does, it need not wait so long.
@@ -33,10 +35,18 @@ impl Slot {
 
     /// Notes that it failed, and returns in how many seconds it may be asked for again: so long after it was asked for as is waited after so
     /// many failures, but not at once. A failure that took long has waited already.
-    pub(super) fn fail(&mut self, settings: &ClientSettings, is_unreachable: bool, took_s: f64, now_s: f64) -> f64 {
+    pub(super) fn fail(&mut self, settings: &ClientSettings, failure: Failure, took_s: f64, now_s: f64) -> f64 {
+        if self.failures == 0 {
+            self.failing_since_s = now_s;
+        }
+        if failure.is_outage {
+            self.silent_since_s.get_or_insert(now_s);
+        } else if let Some(since_s) = self.silent_since_s.take() {
+            self.failing_since_s += now_s - since_s;
+        }
         self.failures = self.failures.saturating_add(1);
         self.state = State::Missing;
-        self.is_unreachable = is_unreachable;
+        self.is_unreachable = failure.is_unreachable;
         let wait_s = (back_off_s(settings, self.failures) - took_s).max(back_off_s(settings, 1));
         self.again_s = now_s + wait_s;
         wait_s
@@ -49,15 +59,20 @@ impl Slot {
         }
     }
 
-    /// Whether it cannot be had: nothing can help, or nothing has for so long, until then.
-    pub(super) fn gave_up(&self, until_s: f64, patience_s: f64) -> bool {
+    /// Whether it cannot be had: nothing can help, or nothing has for so long, not counting what nobody was there to answer.
+    pub(super) fn gave_up(&self, now_s: f64, patience_s: f64) -> bool {
+        let until_s = self.silent_since_s.unwrap_or(now_s);
         self.state == State::Dead || (self.failures > 0 && until_s - self.failing_since_s >= patience_s)
     }
+}
 
-    /// Notes that nobody could have answered for some time: it does not count.
-    pub(super) fn excuse(&mut self, (from_s, until_s): (f64, f64)) {
-        self.failing_since_s += (until_s - from_s.max(self.failing_since_s)).max(0.0);
-    }
+/// What a failure says beside that something did not come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Failure {
+    /// It did not come because nobody answered for it.
+    pub(super) is_unreachable: bool,
+    /// Nobody was there to answer for anything.
+    pub(super) is_outage: bool,
 }
 
 /// How it stands with a region and with its cells, by level.
