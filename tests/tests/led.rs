@@ -4,8 +4,7 @@ use std::time::Duration;
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use veduta::ecs::WalkTo;
-use veduta::ecs::{Awaited, Itinerary, StandingCells};
+use veduta::ecs::{Awaited, Itinerary, StandingCells, WalkTo};
 use veduta::guide::Lead;
 use veduta::prelude::*;
 use veduta::streaming::{Fetching, Link, StreamingSettings, Wanted};
@@ -53,10 +52,9 @@ impl Led {
     fn play(&mut self, seconds: f64) {
         for _ in 0..(seconds / STEP_S) as u32 {
             self.app.update();
-            let player = self.app.world().resource::<TourPlayer>();
-            self.waited_s += f64::from(u8::from(player.waits())) * STEP_S;
             self.check();
             let player = self.app.world().resource::<TourPlayer>();
+            self.waited_s += f64::from(u8::from(player.waits())) * STEP_S;
             if player.state() != TourState::Playing {
                 return;
             }

@@ -228,6 +228,9 @@ mod tests {
             notes.add(format!("more {n}"), false, 0.0);
         }
         assert_eq!(notes.shown.len(), MOST);
+        notes.add("more 5".to_owned(), false, 7.0);
+        let last = notes.shown.iter().filter(|note| note.text == "more 5").map(|note| note.since_s);
+        assert_eq!(last.collect::<Vec<_>>(), [7.0], "what goes on stays");
         assert_eq!(notes.shown.back().map(|n| n.text.as_str()), Some("more 5"));
     }
 }

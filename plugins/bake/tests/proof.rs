@@ -82,7 +82,7 @@ fn visible_sets_of_the_sample_city_lack_nothing_and_hold_little_more() {
     let proof = prove(&index, &shells, &ProofSettings { rays: 200_000, eyes_a_cell: 1, ..ProofSettings::default() });
     assert!(proof.rays > 190_000 && proof.hits > proof.rays / 2, "{} of {} rays hit", proof.hits, proof.rays);
     assert_eq!((proof.misses, &proof.missing[..]), (0, &[][..]));
-    // 12: of 62 in a million, over low roofs. Were sets to lack what they should hold, districts would not hide that here.
+    // All of this city is near enough to be seen as a district, which would hide what sets lack.
     assert!(
         proof.by_districts * 10_000 <= proof.rays,
         "{} of {} rays see what only districts tell of",

@@ -6,7 +6,7 @@ use sample::{TempDir, city};
 use veduta_city::Level::One;
 use veduta_store::*;
 
-/// Asks for all that is due; of the packet of the cell that is told, only an error comes.
+/// A client by hand: all that is due is asked for, and answered at once.
 struct Visit {
     client: Client,
     reader: DirReader,

@@ -89,11 +89,9 @@ impl Hold {
     fn next(self, seconds: f64, awaited: &Awaited) -> (Self, f64) {
         match self {
             Self::None => (Self::None, 0.0),
-            Self::Cut | Self::Dark if seconds <= 0.0 => {
-                (if self == Self::Dark && awaited.cells == 0 { Self::None } else { Self::Dark }, 0.0)
-            }
+            Self::Dark if awaited.cells == 0 && seconds <= 0.0 => (Self::None, 0.0),
             Self::Dark if awaited.cells == 0 => (Self::Clearing(1.0), 1.0),
-            Self::Cut | Self::Dark => (Self::Dark, 1.0),
+            Self::Cut | Self::Dark => (Self::Dark, if seconds > 0.0 { 1.0 } else { 0.0 }),
             Self::Clearing(dark) => {
                 let left = dark - seconds / CLEAR_S;
                 (if left > 0.0 { Self::Clearing(left) } else { Self::None }, left.max(0.0))
