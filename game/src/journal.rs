@@ -70,7 +70,7 @@ struct Walk {
 
 /// Kinds of what comes, beginning with what is no packet, and their colours. Level 4 is made of the others and sends nothing.
 const KINDS: [(&str, RGBColor); 4] = [
-    ("index, houses, maps", RGBColor(0x8C, 0x86, 0x7C)),
+    ("index, houses, maps, guide", RGBColor(0x8C, 0x86, 0x7C)),
     ("level 1", RGBColor(0x4E, 0x9A, 0x6A)),
     ("level 2", RGBColor(0x3A, 0x7F, 0xC4)),
     ("level 3", RGBColor(0xD9, 0xA2, 0x2B)),

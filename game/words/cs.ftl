@@ -190,7 +190,7 @@ expert-reach-auto = dosah sám, při { $frames ->
    *[other] { $frames } snímcích
 } za sekundu
 expert-downloaded = staženo { $bytes } za { $seconds } s
-expert-of-maps = rejstřík, domy, mapy { $bytes }
+expert-of-maps = rejstřík, domy, mapy, průvodce { $bytes }
 expert-of-level = úroveň { $level }: { $bytes }
 expert-by-cell = { $n ->
     [one] v poslední buňce; nejvýš { $bytes }

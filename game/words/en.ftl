@@ -187,7 +187,7 @@ expert-aloft = bird's eye: the wheel on the plan sets how high
 expert-reach = reach of levels
 expert-reach-auto = reach as far as { $frames } frames a second allow
 expert-downloaded = { $bytes } downloaded in { $seconds } s
-expert-of-maps = index, houses, maps { $bytes }
+expert-of-maps = index, houses, maps, guide { $bytes }
 expert-of-level = level { $level }: { $bytes }
 expert-by-cell = { $n ->
     [one] in the last cell; at most { $bytes }

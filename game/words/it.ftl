@@ -187,7 +187,7 @@ expert-aloft = a volo d’uccello: la rotella sulla pianta ne regola l’altezza
 expert-reach = portata dei livelli
 expert-reach-auto = portata automatica, a { $frames } fotogrammi al secondo
 expert-downloaded = scaricati { $bytes } in { $seconds } s
-expert-of-maps = indice, case, mappe { $bytes }
+expert-of-maps = indice, case, mappe, guida { $bytes }
 expert-of-level = livello { $level }: { $bytes }
 expert-by-cell = { $n ->
     [one] nell’ultima cella; al massimo { $bytes }
