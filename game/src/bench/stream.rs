@@ -17,8 +17,12 @@ use crate::{Failure, cities};
 const TOWN: &str = "(name: \"Fifty thousand\", seed: 11, size_m: 4000, plan: Medieval(), squares: 30)";
 /// How often both walks are made.
 const WALKS: usize = 7;
-/// How often walks that are compared are repeated.
-const REPEAT: usize = 7;
+/// How often walks that are compared are repeated at most.
+const REPEAT: usize = 40;
+/// They have settled when what their frames take at least has fallen by less than this share ...
+const SETTLED: f64 = 0.01;
+/// ... in so many rounds.
+const SETTLED_ROUNDS: usize = 5;
 /// Metres a second of the fast run through it.
 const RUN_M_S: f64 = 8.0;
 /// How far it leads, metres.
@@ -100,7 +104,8 @@ pub(super) fn stream(scene: &Path, json: bool) -> Result<(), Failure> {
     for (columns, rows, name) in TIMES {
         let (city, stats) = large(scene, &dir, (columns, rows), name)?;
         let (mut frames, mut bytes, mut memory, mut told) = ([Vec::new(), Vec::new()], 0.0, 0.0, Default::default());
-        for _ in 0..REPEAT {
+        let mut rounds: Vec<[f64; 2]> = Vec::new();
+        while rounds.len() < REPEAT && !settled(&rounds) {
             // In turn, so that a busy moment of the machine meets both.
             let small = Walk::run(&surrounded, &tour, Way::Streamed)?;
             let walk = Walk::run(&city, &tour, Way::Streamed)?;
@@ -108,11 +113,12 @@ pub(super) fn stream(scene: &Path, json: bool) -> Result<(), Failure> {
             memory = walk.memory as f64 / small.memory as f64;
             told = [small.told_bytes(), walk.told_bytes()];
             frames.iter_mut().zip([small.frames, walk.frames]).for_each(|(least, frames)| take_least(least, frames));
+            rounds.push(frames.clone().map(|mut least| median(&mut least)));
         }
         eprintln!("the sample tour in a city of {houses} houses: {}", told[0]);
         eprintln!("the sample tour in a city of {} houses: {}", stats.houses, told[1]);
-        let [small, walk] = frames.map(|mut frames| median(&mut frames));
-        eprintln!("its frames take {walk:.0} µs, and {small:.0} µs in the other");
+        let [small, walk] = rounds.last().copied().unwrap_or_default();
+        eprintln!("its frames take {walk:.0} µs, and {small:.0} µs in the other, the least of {} walks each", rounds.len());
         tell(&format!("frame_ratio_{name}"), walk / small, "1");
         tell(&format!("bytes_ratio_{name}"), bytes, "1");
         tell(&format!("memory_ratio_{name}"), memory, "1");
@@ -133,6 +139,13 @@ fn take_least(least: &mut Vec<f64>, frames: Vec<f64>) {
     } else {
         least.iter_mut().zip(frames).for_each(|(least, frame)| *least = least.min(frame));
     }
+}
+
+/// Whether two walks' frames took about as much some rounds ago as they do now: more rounds would hardly find less.
+fn settled(rounds: &[[f64; 2]]) -> bool {
+    let before = rounds.len().checked_sub(1 + SETTLED_ROUNDS).map(|n| rounds[n]);
+    let now = rounds.last().copied();
+    before.zip(now).is_some_and(|(before, now)| before.into_iter().zip(now).all(|(before, now)| now > (1.0 - SETTLED) * before))
 }
 
 /// What the frames of a walk take at most, in so large a share of them; 0 of none.
@@ -193,6 +206,16 @@ pub(super) fn fast_run(dir: &Path, sample: &Tour) -> Result<(PathBuf, Tour, u64)
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn walks_settle_when_neither_gets_quicker() {
+        let quicker = |n: usize| 100.0 * 0.99f64.powi(n as i32);
+        let falling: Vec<_> = (0..20).map(|n| [100.0, quicker(n)]).collect();
+        assert!(!settled(&falling) && !settled(&[]), "one still falls");
+        let fallen: Vec<_> = (0..20).map(|n| [100.0, quicker(n.min(8))]).collect();
+        let rounds = (1..=20).find(|&n| settled(&fallen[..n]));
+        assert_eq!(rounds, Some(8 + 1 + SETTLED_ROUNDS), "as soon as it falls no more");
+    }
 
     #[test]
     fn a_share_of_frames_is_counted_from_below() {
