@@ -1,9 +1,9 @@
-//! Directions of the lines that pass through a portal: the coarse brother of [`crate::lines::Lines`], two numbers a set.
+//! Directions of the lines that pass through a portal: the coarse brother of [`crate::lines::LineSets`], two numbers a set.
 //!
 //! Where a line crosses the first portal is forgotten, only its slope is kept: an interval that holds the slopes of all lines
 //! through the first portal, the present one, and all between. It never lacks one, but may hold some of no line.
 
-use crate::lines::{Frame, Lines, SLACK_M, STEEPEST};
+use crate::lines::{Frame, SLACK_M, STEEPEST};
 
 /// An interval of slopes in a portal's frame, least and greatest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,9 +16,8 @@ impl Directions {
     /// Every slope.
     pub(crate) const ALL: Self = Self { low: -STEEPEST, high: STEEPEST };
 
-    /// Those of some lines.
-    pub(crate) fn of(lines: &Lines) -> Self {
-        let (low, high) = lines.slopes();
+    /// From the least slope to the greatest.
+    pub(crate) const fn within((low, high): (f64, f64)) -> Self {
         Self { low, high }
     }
 
@@ -87,6 +86,7 @@ mod tests {
     use veduta_city::GridPos;
 
     use super::*;
+    use crate::lines::LineSets;
 
     fn at(x: i32, y: i32) -> GridPos {
         GridPos(x * 512, y * 512)
@@ -111,11 +111,12 @@ mod tests {
             portals in proptest::collection::vec((-60..60_i32, -60..60_i32, -60..60_i32, -60..60_i32), 1..5), width in 1..30_i32,
         ) {
             let frame = Frame::new(at(0, width), at(0, 0)).unwrap();
-            let mut lines = Some(Lines::all(&frame));
+            let mut sets = LineSets::default();
+            let mut lines = Some(sets.all(&frame));
             let mut slopes = Some(Directions::ALL);
             for (a, b, c, d) in portals {
                 let (left, right) = (frame.local(at(a, b)), frame.local(at(c, d)));
-                lines = lines.and_then(|lines| lines.through(left, right));
+                lines = lines.and_then(|lines| sets.through(lines, left, right));
                 slopes = slopes.and_then(|slopes| slopes.both(Directions::between(&frame, left, right)?));
                 prop_assert!(lines.is_none() || slopes.is_some());
             }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use veduta_city::bounds::{self, Bounds};
-use veduta_city::{Cells, CityPlan, GridPos};
+use veduta_city::{Cells, CityPlan, GridPolygon, GridPos, House};
 
 use crate::directions::Directions;
 use crate::lines::Frame;
@@ -48,17 +48,18 @@ impl Square {
 
 /// All squares in which the middles of cells lie, by their first cells.
 pub(crate) fn squares(plan: &CityPlan, cells: &Cells) -> Vec<Square> {
+    let about = |polygon: &GridPolygon| polygon.bounds();
+    let about_house = |house: &House| house.volumes.iter().filter_map(|volume| about(&volume.footprint)).reduce(bounds::joined);
+    let houses: Vec<Option<Bounds>> = plan.houses.iter().map(about_house).collect();
     let mut squares: BTreeMap<u64, Square> = BTreeMap::new();
     for (number, cell) in (0..).zip(&cells.cells) {
-        let houses = cell.houses.iter().chain(cell.walls.iter().map(|(house, ..)| house));
-        let volumes = houses.filter_map(|&house| plan.houses.get(house as usize)).flat_map(|house| &house.volumes);
-        let spans = cell.spans.iter().filter_map(|&span| plan.spans.get(span as usize)).map(|span| span.outline());
-        let spans: Vec<_> = spans.collect();
-        let drawn = core::iter::once(&cell.outline).chain(&cell.yards).chain(volumes.map(|volume| &volume.footprint)).chain(&spans);
-        for bounds in drawn.filter_map(|polygon| polygon.bounds()) {
-            let square = squares.entry(cell.outline.middle().square()).or_insert(Square { cell: number, bounds });
-            square.bounds = bounds::joined(square.bounds, bounds);
-        }
+        let faced = cell.walls.chunk_by(|a, b| a.0 == b.0).map(|walls| &walls[0].0);
+        let houses = cell.houses.iter().chain(faced).filter_map(|&house| *houses.get(house as usize)?);
+        let spans = cell.spans.iter().filter_map(|&span| about(&plan.spans.get(span as usize)?.outline()));
+        let ground = core::iter::once(&cell.outline).chain(&cell.yards).filter_map(about);
+        let Some(bounds) = ground.chain(houses).chain(spans).reduce(bounds::joined) else { continue };
+        let square = squares.entry(cell.outline.middle().square()).or_insert(Square { cell: number, bounds });
+        square.bounds = bounds::joined(square.bounds, bounds);
     }
     let mut squares: Vec<Square> = squares.into_values().collect();
     squares.sort_unstable_by_key(|square| square.cell);

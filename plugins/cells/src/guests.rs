@@ -19,10 +19,12 @@ pub(crate) struct Guest {
     pub(crate) owner: u32,
 }
 
-/// What is seen in each room and belongs to another cell than the room, that of one room side by side.
+/// What is seen in each room and belongs to another cell than the room: that of one room side by side, and there that of one owner.
 pub(crate) struct Guests {
     all: Vec<Guest>,
-    /// The first of each room, and the end.
+    /// The first of each room and owner, and the end.
+    groups: Vec<u32>,
+    /// The first group of each room, and the end.
     first: Vec<u32>,
 }
 
@@ -41,16 +43,31 @@ impl Guests {
         };
         let of_rooms: Vec<Vec<Guest>> = rooms.par_iter().map(at_border).collect();
         let mut within = within.into_iter();
-        let (mut all, mut first) = (Vec::new(), vec![0]);
-        for at_border in of_rooms {
-            all.extend(at_border);
-            all.extend(within.next().into_iter().flatten());
-            first.push(all.len() as u32);
+        let mut guests = Self { all: Vec::new(), groups: vec![0], first: vec![0] };
+        for mut of_room in of_rooms {
+            of_room.extend(within.next().into_iter().flatten());
+            guests.add_room(of_room);
         }
-        Self { all, first }
+        guests
     }
 
-    /// Numbers of those in a room.
+    /// Adds those of the next room, by owners in the order in which they come first.
+    fn add_room(&mut self, mut of_room: Vec<Guest>) {
+        let mut owners: Vec<u32> = Vec::new();
+        for guest in &of_room {
+            if !owners.contains(&guest.owner) {
+                owners.push(guest.owner);
+            }
+        }
+        of_room.sort_by_key(|guest| owners.iter().position(|owner| *owner == guest.owner));
+        for group in of_room.chunk_by(|a, b| a.owner == b.owner) {
+            self.all.extend(group);
+            self.groups.push(self.all.len() as u32);
+        }
+        self.first.push(self.groups.len() as u32 - 1);
+    }
+
+    /// Numbers of the groups in a room.
     pub(crate) fn of(&self, room: u32) -> core::ops::Range<u32> {
         self.first[room as usize]..self.first[room as usize + 1]
     }
@@ -58,17 +75,17 @@ impl Guests {
     /// Those in a room.
     pub(crate) fn within(&self, room: u32) -> &[Guest] {
         let of_room = self.of(room);
-        &self.all[of_room.start as usize..of_room.end as usize]
+        &self.all[self.groups[of_room.start as usize] as usize..self.groups[of_room.end as usize] as usize]
     }
 
-    /// One of them by number.
-    pub(crate) fn get(&self, guest: u32) -> &Guest {
-        &self.all[guest as usize]
+    /// Those of a group, which are never none.
+    pub(crate) fn group(&self, group: u32) -> &[Guest] {
+        &self.all[self.groups[group as usize] as usize..self.groups[group as usize + 1] as usize]
     }
 
-    /// How many there are.
-    pub(crate) const fn len(&self) -> usize {
-        self.all.len()
+    /// How many groups there are.
+    pub(crate) const fn count(&self) -> usize {
+        self.groups.len() - 1
     }
 }
 
@@ -155,9 +172,23 @@ mod tests {
             let cells = Cells { cells: vec![cell(0, vec![]), cell(20, vec![0])], ..Cells::default() };
             let guests = Guests::new(&plan, &cells, &rooms(&cells));
             assert!(guests.of(1).is_empty(), "nothing is its own guest");
-            guests.of(0).map(|guest| guests.get(guest).owner).collect::<Vec<u32>>()
+            guests.within(0).iter().map(|guest| guest.owner).collect::<Vec<u32>>()
         };
         assert_eq!(owners_before(ObjectKind::Tree, 12), [1; 4], "a crown is looked at across both diagonals, both ways");
         assert_eq!(owners_before(ObjectKind::Tree, 6), []);
+    }
+
+    #[test]
+    fn those_of_one_owner_stand_together_in_the_order_of_the_first() {
+        let guest = |x: i32, owner: u32| Guest { left: at(x, 0), right: at(x + 1, 0), owner };
+        let mut guests = Guests { all: Vec::new(), groups: vec![0], first: vec![0] };
+        guests.add_room(vec![guest(0, 7), guest(1, 3), guest(2, 7)]);
+        guests.add_room(vec![]);
+        guests.add_room(vec![guest(4, 3)]);
+        assert_eq!([0, 1, 2].map(|room| guests.of(room)), [0..2, 2..2, 2..3]);
+        assert_eq!(guests.group(0), [guest(0, 7), guest(2, 7)]);
+        assert_eq!(guests.within(0), [guest(0, 7), guest(2, 7), guest(1, 3)]);
+        assert_eq!((guests.within(1), guests.group(2)), (&[][..], &[guest(4, 3)][..]));
+        assert_eq!(guests.count(), 3);
     }
 }

@@ -76,6 +76,7 @@
 
 mod afar;
 mod assign;
+mod buckets;
 mod check;
 mod chord;
 mod directions;

@@ -49,41 +49,86 @@ fn offset(from: GridPos, to: GridPos) -> (f64, f64) {
     (metres(to.0) - metres(from.0), metres(to.1) - metres(from.1))
 }
 
-/// A set of lines: corners (s, m) of a convex polygon, counter-clockwise, never empty.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Lines(Vec<[f64; 2]>);
+/// A set of lines among [`LineSets`]: a convex polygon, never empty.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Lines {
+    first: u32,
+    end: u32,
+}
 
 impl Lines {
+    const fn corners(self) -> core::ops::Range<usize> {
+        self.first as usize..self.end as usize
+    }
+}
+
+/// Sets of lines in one frame. The corners (s, m) of all polygons, each counter-clockwise, lie in one piece of memory, because a search
+/// makes thousands of sets and forgets all of them together.
+#[derive(Debug, Default)]
+pub(crate) struct LineSets {
+    corners: Vec<[f64; 2]>,
+    /// What is left of a polygon after the first of two cuts.
+    half: Vec<[f64; 2]>,
+}
+
+impl LineSets {
+    /// Forgets all sets, before those in another frame are made.
+    pub(crate) fn clear(&mut self) {
+        self.corners.clear();
+    }
+
     /// All lines through the frame's portal.
-    pub(crate) fn all(frame: &Frame) -> Self {
+    pub(crate) fn all(&mut self, frame: &Frame) -> Lines {
         let (low, high) = (-SLACK_M, frame.width_m + SLACK_M);
-        Self(vec![[low, -STEEPEST], [high, -STEEPEST], [high, STEEPEST], [low, STEEPEST]])
+        self.add(&[[low, -STEEPEST], [high, -STEEPEST], [high, STEEPEST], [low, STEEPEST]])
     }
 
-    /// Those that also cross a further portal, with its ends in the frame; `None` if there are none.
-    pub(crate) fn through(&self, left: (f64, f64), right: (f64, f64)) -> Option<Self> {
-        if left.0 < -SLACK_M && right.0 < -SLACK_M {
-            return None; // Behind the first portal.
+    /// The set with these corners.
+    fn add(&mut self, corners: &[[f64; 2]]) -> Lines {
+        let first = self.corners.len();
+        self.corners.extend_from_slice(corners);
+        self.since(first)
+    }
+
+    /// The set whose corners have been added last.
+    fn since(&self, first: usize) -> Lines {
+        Lines { first: first as u32, end: self.corners.len() as u32 }
+    }
+
+    /// Those lines of a set that also cross a further portal, with its ends in the frame; `None` if there are none.
+    pub(crate) fn through(&mut self, lines: Lines, left: (f64, f64), right: (f64, f64)) -> Option<Lines> {
+        let corners = &self.corners[lines.corners()];
+        let (above, below) = (|corner: &[f64; 2]| above(corner, left), |corner: &[f64; 2]| below(corner, right));
+        if is_behind(left, right) || corners.iter().all(|c| above(c) > 0.0) || corners.iter().all(|c| below(c) > 0.0) {
+            return None;
         }
-        let below = cut(&self.0, |s, m| s + m * left.0 - left.1 - SLACK_M)?;
-        cut(&below, |s, m| right.1 - SLACK_M - s - m * right.0).map(Self)
+        self.half.clear();
+        cut(corners, above, &mut self.half);
+        let first = self.corners.len();
+        cut(&self.half, below, &mut self.corners);
+        let through = self.since(first);
+        (through.first < through.end).then_some(through)
     }
 
-    /// Whether some of them cross a further portal: whether [`Self::through`] gives any.
-    pub(crate) fn meet(&self, left: (f64, f64), right: (f64, f64)) -> bool {
-        let passes = |&[s, m]: &[f64; 2]| s + m * left.0 - left.1 <= SLACK_M && right.1 - s - m * right.0 <= SLACK_M;
-        let is_behind = left.0 < -SLACK_M && right.0 < -SLACK_M;
-        !is_behind && (self.0.iter().any(passes) || self.through(left, right).is_some())
+    /// Whether some lines of a set cross a further portal: whether [`Self::through`] gives any.
+    pub(crate) fn meet(&mut self, lines: Lines, left: (f64, f64), right: (f64, f64)) -> bool {
+        let passes = |corner: &[f64; 2]| above(corner, left) <= 0.0 && below(corner, right) <= 0.0;
+        if !is_behind(left, right) && self.corners[lines.corners()].iter().any(passes) {
+            return true;
+        }
+        let count = self.corners.len();
+        let through = self.through(lines, left, right);
+        self.corners.truncate(count);
+        through.is_some()
     }
 
-    /// Whether every line of another set is in this one (but for less than the slack).
-    pub(crate) fn contains(&self, other: &Self) -> bool {
-        let n = self.0.len();
-        (0..n).all(|i| {
-            let (a, b) = (self.0[i], self.0[(i + 1) % n]);
+    /// Whether every line of a set is in another one (but for less than the slack).
+    pub(crate) fn contains(&self, lines: Lines, inner: Lines) -> bool {
+        let (corners, inner) = (&self.corners[lines.corners()], &self.corners[inner.corners()]);
+        corners.iter().zip(corners[1..].iter().chain(&corners[..1])).all(|(a, b)| {
             let edge = [b[0] - a[0], b[1] - a[1]];
             let tolerance = 1e-12 * (edge[0].abs() + edge[1].abs());
-            other.0.iter().all(|p| {
+            inner.iter().all(|p| {
                 let to = [p[0] - a[0], p[1] - a[1]];
                 edge[0] * to[1] - edge[1] * to[0] >= -tolerance * (1.0 + to[0].abs() + to[1].abs())
             })
@@ -91,14 +136,15 @@ impl Lines {
     }
 
     /// The smallest convex set that holds two.
-    pub(crate) fn hull(&self, other: &Self) -> Self {
-        let mut points: Vec<[f64; 2]> = self.0.iter().chain(&other.0).copied().collect();
+    pub(crate) fn hull(&mut self, a: Lines, b: Lines) -> Lines {
+        let mut points = [&self.corners[a.corners()], &self.corners[b.corners()]].concat();
         points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
         points.dedup();
         if points.len() < 3 {
-            return Self(points);
+            return self.add(&points);
         }
-        let mut corners: Vec<[f64; 2]> = Vec::with_capacity(points.len() + 1);
+        let first = self.corners.len();
+        let corners = &mut self.corners;
         for round in 0..2 {
             let start = corners.len();
             for &p in &points {
@@ -112,44 +158,56 @@ impl Lines {
                 points.reverse();
             }
         }
-        Self(corners)
+        self.since(first)
     }
 
-    /// Least and greatest slope.
-    pub(crate) fn slopes(&self) -> (f64, f64) {
-        self.0.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &[_, m]| (low.min(m), high.max(m)))
+    /// Least and greatest slope of a set.
+    pub(crate) fn slopes(&self, lines: Lines) -> (f64, f64) {
+        let corners = self.corners[lines.corners()].iter();
+        corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &[_, m]| (low.min(m), high.max(m)))
     }
 
-    /// Area in the dual plane: a measure of how many lines there are.
-    pub(crate) fn measure(&self) -> f64 {
-        let first = self.0[0];
-        self.0.windows(2).map(|pair| cross(first, pair[0], pair[1])).sum()
+    /// Area of a set in the dual plane: a measure of how many lines there are.
+    pub(crate) fn measure(&self, lines: Lines) -> f64 {
+        let corners = &self.corners[lines.corners()];
+        corners.windows(2).map(|pair| cross(corners[0], pair[0], pair[1])).sum()
     }
+}
+
+/// Whether a further portal lies behind the first one.
+fn is_behind(left: (f64, f64), right: (f64, f64)) -> bool {
+    left.0 < -SLACK_M && right.0 < -SLACK_M
+}
+
+/// How far a line (s, m) passes a portal's left end on the wrong side, metres.
+fn above(&[s, m]: &[f64; 2], left: (f64, f64)) -> f64 {
+    s + m * left.0 - left.1 - SLACK_M
+}
+
+/// How far a line (s, m) passes a portal's right end on the wrong side, metres.
+fn below(&[s, m]: &[f64; 2], right: (f64, f64)) -> f64 {
+    right.1 - SLACK_M - s - m * right.0
 }
 
 fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// The part of a convex polygon where `excess` is not positive.
-fn cut(corners: &[[f64; 2]], excess: impl Fn(f64, f64) -> f64) -> Option<Vec<[f64; 2]>> {
-    if corners.iter().all(|&[s, m]| excess(s, m) > 0.0) {
-        return None;
-    }
-    let n = corners.len();
-    let mut kept = Vec::with_capacity(n + 1);
-    for i in 0..n {
-        let (a, b) = (corners[i], corners[(i + 1) % n]);
-        let (fa, fb) = (excess(a[0], a[1]), excess(b[0], b[1]));
+/// Adds the corners of that part of a convex polygon where `excess` is not positive.
+fn cut(corners: &[[f64; 2]], excess: impl Fn(&[f64; 2]) -> f64, kept: &mut Vec<[f64; 2]>) {
+    let Some(mut a) = corners.first() else { return };
+    let mut fa = excess(a);
+    for b in corners[1..].iter().chain(&corners[..1]) {
+        let fb = excess(b);
         if fa <= 0.0 {
-            kept.push(a);
+            kept.push(*a);
         }
         if (fa < 0.0 && fb > 0.0) || (fa > 0.0 && fb < 0.0) {
             let t = fa / (fa - fb);
             kept.push([a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t]);
         }
+        (a, fa) = (b, fb);
     }
-    (!kept.is_empty()).then_some(kept)
 }
 
 #[cfg(test)]
@@ -166,22 +224,24 @@ mod tests {
     fn through_two_portals_in_a_row_but_not_round_a_corner() {
         // Going east through a portal from (0, 0) to (0, 10).
         let frame = Frame::new(at(0, 10), at(0, 0)).unwrap();
-        let crossing = |lines: &Lines, left, right| lines.through(frame.local(left), frame.local(right));
-        let all = Lines::all(&frame);
-        let ahead = crossing(&all, at(30, 10), at(30, 0)).expect("straight on");
-        assert!(crossing(&ahead, at(60, 20), at(60, 11)).is_some(), "within the wedge");
-        assert!(crossing(&ahead, at(60, 40), at(60, 21)).is_none(), "beyond the wedge");
-        assert!(crossing(&ahead, at(60, 40), at(60, 20)).is_some(), "touching is seeing");
-        assert!(crossing(&all, at(-5, 0), at(-5, 10)).is_none(), "behind");
-        assert!(all.contains(&ahead) && !ahead.contains(&all));
+        let mut sets = LineSets::default();
+        let all = sets.all(&frame);
+        let mut crossing = |lines, left, right| sets.through(lines, frame.local(left), frame.local(right));
+        let ahead = crossing(all, at(30, 10), at(30, 0)).expect("straight on");
+        assert!(crossing(ahead, at(60, 20), at(60, 11)).is_some(), "within the wedge");
+        assert!(crossing(ahead, at(60, 40), at(60, 21)).is_none(), "beyond the wedge");
+        assert!(crossing(ahead, at(60, 40), at(60, 20)).is_some(), "touching is seeing");
+        assert!(crossing(all, at(-5, 0), at(-5, 10)).is_none(), "behind");
+        assert!(sets.contains(all, ahead) && !sets.contains(ahead, all));
     }
 
     proptest! {
         #[test]
         fn lines_meet_what_they_lead_through(c in corners(), x in 1..40_i32, y in -40..40_i32, dx in -20..20_i32, dy in 1..40_i32) {
-            let lines = c.into_iter().map(|p| Lines(vec![p])).reduce(|a, b| a.hull(&b)).unwrap();
+            let mut sets = LineSets::default();
+            let lines = convex(&mut sets, c);
             let (left, right) = ((f64::from(x + dx), f64::from(y + dy)), (f64::from(x), f64::from(y)));
-            prop_assert_eq!(lines.meet(left, right), lines.through(left, right).is_some());
+            prop_assert_eq!(sets.meet(lines, left, right), sets.through(lines, left, right).is_some());
         }
 
         #[test]
@@ -197,11 +257,12 @@ mod tests {
             };
             let (left, right) = frame_at(0);
             let frame = Frame::new(left, right).unwrap();
-            let mut lines = Lines::all(&frame);
+            let mut sets = LineSets::default();
+            let mut lines = sets.all(&frame);
             for i in 1..ys.len() {
                 let (left, right) = frame_at(i);
-                let next = lines.through(frame.local(left), frame.local(right));
-                prop_assert!(lines.meet(frame.local(left), frame.local(right)));
+                let next = sets.through(lines, frame.local(left), frame.local(right));
+                prop_assert!(sets.meet(lines, frame.local(left), frame.local(right)));
                 prop_assert!(next.is_some(), "lost at portal {}", i);
                 lines = next.unwrap();
             }
@@ -209,13 +270,17 @@ mod tests {
 
         #[test]
         fn a_hull_contains_both(a in corners(), b in corners()) {
-            let point = |p: [f64; 2]| Lines(vec![p]);
-            let set = |c: Vec<[f64; 2]>| c.into_iter().map(point).reduce(|x, y| x.hull(&y)).unwrap();
-            let (a, b) = (set(a), set(b));
-            let hull = a.hull(&b);
-            prop_assert!(hull.contains(&a) && hull.contains(&b));
-            prop_assert!(hull.measure() >= a.measure().max(b.measure()) - 1e-9);
+            let mut sets = LineSets::default();
+            let (a, b) = (convex(&mut sets, a), convex(&mut sets, b));
+            let hull = sets.hull(a, b);
+            prop_assert!(sets.contains(hull, a) && sets.contains(hull, b));
+            prop_assert!(sets.measure(hull) >= sets.measure(a).max(sets.measure(b)) - 1e-9);
         }
+    }
+
+    fn convex(sets: &mut LineSets, points: Vec<[f64; 2]>) -> Lines {
+        let points: Vec<Lines> = points.into_iter().map(|p| sets.add(&[p])).collect();
+        points.into_iter().reduce(|a, b| sets.hull(a, b)).unwrap()
     }
 
     fn corners() -> impl Strategy<Value = Vec<[f64; 2]>> {

@@ -3,12 +3,13 @@
 use std::collections::VecDeque;
 
 use rayon::prelude::*;
+use smallvec::SmallVec;
 use veduta_city::{Cells, CityPlan, Finding, GridPos, Id, PortalSide, Severity};
 
 use crate::directions::Directions;
 use crate::far::{Square, squares};
 use crate::guests::{Guest, Guests};
-use crate::lines::{Frame, Lines};
+use crate::lines::{Frame, LineSets, Lines};
 use crate::partition::PartitionSettings;
 use crate::rooms::{Mouth, Room, mouths, rooms};
 
@@ -101,8 +102,9 @@ pub(crate) struct Surroundings {
 
 impl Surroundings {
     pub(crate) fn new(plan: &CityPlan, cells: &Cells, rooms: &[Room<'_>]) -> Self {
-        let (guests, web) = rayon::join(|| Guests::new(plan, cells, rooms), || Web::new(cells, rooms));
-        Self { web, guests, squares: squares(plan, cells) }
+        let ways = || (Web::new(cells, rooms), squares(plan, cells));
+        let (guests, (web, squares)) = rayon::join(|| Guests::new(plan, cells, rooms), ways);
+        Self { web, guests, squares }
     }
 }
 
@@ -156,7 +158,7 @@ impl Web {
 /// The lines known to reach one crossing.
 #[derive(Default)]
 struct Reached {
-    sets: Vec<Lines>,
+    sets: SmallVec<[Lines; 2]>,
     merges: u8,
 }
 
@@ -199,15 +201,15 @@ impl About {
         Self { known: Vec::new(), slots: vec![0; crossings] }
     }
 
-    /// What is known of a crossing, `ahead` telling where it lies when it is first asked for.
-    fn of(&mut self, crossing: u32, ahead: impl FnOnce() -> Ahead) -> &mut Known {
+    /// Where what is known of a crossing stands in `known`, `ahead` telling where it lies when it is first asked for.
+    fn of(&mut self, crossing: u32, ahead: impl FnOnce() -> Ahead) -> usize {
         let mut slot = self.slots[crossing as usize] as usize;
         if self.known.get(slot).is_none_or(|known| known.crossing != crossing) {
             slot = self.known.len();
             self.slots[crossing as usize] = slot as u32;
             self.known.push(Known { crossing, ahead: ahead(), reached: Reached::default(), coarse: None });
         }
-        &mut self.known[slot]
+        slot
     }
 }
 
@@ -223,6 +225,7 @@ pub(crate) struct Search<'a> {
     sight_m: f64,
     far_m: f64,
     about: About,
+    sets: LineSets,
     is_seen: Vec<bool>,
     /// Directions of the lines through one first crossing that leave the sight.
     leaving: Vec<Directions>,
@@ -231,7 +234,7 @@ pub(crate) struct Search<'a> {
     keeps: bool,
     squares: &'a [Square],
     is_far: Vec<bool>,
-    /// Guests that are seen, by room, and whether each is.
+    /// Groups of guests of which some are seen, by room, and whether each is.
     met: Vec<(u32, u32)>,
     is_met: Vec<bool>,
 }
@@ -248,6 +251,7 @@ impl<'a> Search<'a> {
             sight_m: settings.sight_m,
             far_m: settings.far_m,
             about: About::new(web.crossings.len()),
+            sets: LineSets::default(),
             is_seen: vec![false; web.first.len()],
             leaving: Vec::new(),
             kept: Vec::new(),
@@ -255,20 +259,21 @@ impl<'a> Search<'a> {
             squares,
             is_far: vec![false; squares.len()],
             met: Vec::new(),
-            is_met: vec![false; guests.len()],
+            is_met: vec![false; guests.count()],
         }
     }
 
     /// Rooms looked into from a cell, ascending, and the rest that was found.
     pub(crate) fn seen_from(&mut self, cell: u32) -> (Vec<u32>, Rest) {
         let (mut seen, mut far) = (vec![cell], Vec::new());
-        self.see_guests(cell, |_| true);
+        self.see_guests(cell, |_, _| true);
         let mut is_coarse = false;
         self.is_seen[cell as usize] = true;
         for first in self.web.out(cell) {
             let start = &self.web.crossings[first as usize];
             let Some(frame) = Frame::new(start.left, start.right) else { continue };
             self.about.known.clear();
+            self.sets.clear();
             // What one crossing leaves open, all others of the cell may as well.
             is_coarse = is_coarse || self.follow(cell, first, &frame, &mut seen).is_err();
             if is_coarse {
@@ -277,7 +282,7 @@ impl<'a> Search<'a> {
             self.look_far(&frame, &mut far);
         }
         if is_coarse {
-            seen.iter().for_each(|&cell| self.see_guests(cell, |_| true));
+            seen.iter().for_each(|&cell| self.see_guests(cell, |_, _| true));
         }
         far.iter().for_each(|&square| self.is_far[square as usize] = false);
         for &cell in &seen {
@@ -288,22 +293,22 @@ impl<'a> Search<'a> {
         seen.sort_unstable();
         seen.shrink_to_fit();
         let mut beside: Vec<(u32, u32)> = Vec::new();
-        for (room, guest) in self.met.drain(..) {
-            self.is_met[guest as usize] = false;
-            beside.push((room, self.guests.get(guest).owner));
+        for (room, group) in self.met.drain(..) {
+            self.is_met[group as usize] = false;
+            beside.push((room, self.guests.group(group)[0].owner));
         }
         beside.sort_unstable();
-        beside.dedup();
         beside.shrink_to_fit();
         (seen, Rest { far, is_coarse, beside, leaving: core::mem::take(&mut self.kept) })
     }
 
     /// Notes what in a room belongs to other cells, as far as it is reached.
-    fn see_guests(&mut self, room: u32, is_reached: impl Fn(&Guest) -> bool) {
-        for guest in self.guests.of(room) {
-            if !self.is_met[guest as usize] && is_reached(self.guests.get(guest)) {
-                self.is_met[guest as usize] = true;
-                self.met.push((room, guest));
+    fn see_guests(&mut self, room: u32, mut is_reached: impl FnMut(&mut LineSets, &Guest) -> bool) {
+        let guests = self.guests;
+        for group in guests.of(room) {
+            if !self.is_met[group as usize] && guests.group(group).iter().any(|guest| is_reached(&mut self.sets, guest)) {
+                self.is_met[group as usize] = true;
+                self.met.push((room, group));
             }
         }
     }
@@ -312,7 +317,7 @@ impl<'a> Search<'a> {
     /// reaches whatever comes after by the shorter way, without the loop.
     fn follow(&mut self, source: u32, first: u32, frame: &Frame, seen: &mut Vec<u32>) -> Result<(), TooMany> {
         let web = self.web;
-        let mut queue = VecDeque::from([(first, source, Lines::all(frame))]);
+        let mut queue = VecDeque::from([(first, source, self.sets.all(frame))]);
         let mut steps = 0;
         while let Some((crossing, from, lines)) = queue.pop_front() {
             let here = web.crossings[crossing as usize].into;
@@ -320,14 +325,15 @@ impl<'a> Search<'a> {
             if steps > self.most_steps {
                 return Err(TooMany);
             }
-            self.see_guests(here, |guest| lines.meet(frame.local(guest.left), frame.local(guest.right)));
+            self.see_guests(here, |sets, guest| sets.meet(lines, frame.local(guest.left), frame.local(guest.right)));
             for next in web.out(here) {
-                let Some(Ahead { left, right, is_in_sight }) = self.onward(frame, next, from, source) else { continue };
+                let Some(slot) = self.onward(frame, next, from, source) else { continue };
+                let Ahead { left, right, is_in_sight } = self.about.known[slot].ahead;
                 steps += usize::from(is_in_sight);
-                let Some(lines) = lines.through(left, right) else { continue };
+                let Some(lines) = self.sets.through(lines, left, right) else { continue };
                 if !is_in_sight {
-                    self.leaving.push(Directions::of(&lines));
-                } else if let Some(lines) = self.add(frame, next, lines, || Lines::all(frame).through(left, right)) {
+                    self.leaving.push(Directions::within(self.sets.slopes(lines)));
+                } else if let Some(lines) = self.add(frame, slot, lines) {
                     queue.push_back((next, here, lines));
                 }
             }
@@ -343,15 +349,17 @@ impl<'a> Search<'a> {
             let here = web.crossings[crossing as usize].into;
             self.see(here, seen);
             // What has grown since is followed from its own place in the queue.
-            let coarse = self.known(frame, crossing).coarse;
+            let slot = self.known(frame, crossing);
+            let coarse = self.about.known[slot].coarse;
             if crossing != first && coarse.and_then(|coarse| coarse.known).is_some_and(|now| now != slopes) {
                 continue;
             }
             for next in web.out(here) {
-                let Some(Ahead { left, right, is_in_sight }) = self.onward(frame, next, from, source) else { continue };
+                let Some(slot) = self.onward(frame, next, from, source) else { continue };
+                let Ahead { left, right, is_in_sight } = self.about.known[slot].ahead;
                 if !is_in_sight {
                     self.leaving.extend(Directions::between(frame, left, right).and_then(|across| across.both(slopes)));
-                } else if let Some(slopes) = self.add_directions(next, slopes, frame) {
+                } else if let Some(slopes) = self.add_directions(frame, slot, slopes) {
                     queue.push_back((next, here, slopes));
                 }
             }
@@ -389,27 +397,28 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Where a crossing lies in the frame of the first, if it leads on.
-    fn onward(&mut self, frame: &Frame, crossing: u32, from: u32, source: u32) -> Option<Ahead> {
+    /// Where what is known of a crossing stands, if it leads on.
+    fn onward(&mut self, frame: &Frame, crossing: u32, from: u32, source: u32) -> Option<usize> {
         let into = self.web.crossings[crossing as usize].into;
-        (into != from && into != source).then(|| self.known(frame, crossing).ahead)
+        (into != from && into != source).then(|| self.known(frame, crossing))
     }
 
-    /// What is known of a crossing.
-    fn known(&mut self, frame: &Frame, crossing: u32) -> &mut Known {
+    /// Where what is known of a crossing stands.
+    fn known(&mut self, frame: &Frame, crossing: u32) -> usize {
         let (web, sight_m) = (self.web, self.sight_m);
         self.about.of(crossing, || {
             let Crossing { left, right, .. } = web.crossings[crossing as usize];
             let (left, right) = (frame.local(left), frame.local(right));
             let middle = (0.5 * (left.0 + right.0), 0.5 * (left.1 + right.1 - frame.width_m()));
-            let off_m = libm::hypot(middle.0, middle.1) - 0.5 * (frame.width_m() + libm::hypot(left.0 - right.0, left.1 - right.1));
+            let length_m = |(x, y): (f64, f64)| libm::sqrt(x * x + y * y);
+            let off_m = length_m(middle) - 0.5 * (frame.width_m() + length_m((left.0 - right.0, left.1 - right.1)));
             Ahead { left, right, is_in_sight: off_m <= sight_m }
         })
     }
 
     /// Notes directions that reach a crossing; returns those to follow from there, if any are new.
-    fn add_directions(&mut self, crossing: u32, slopes: Directions, frame: &Frame) -> Option<Directions> {
-        let known = self.known(frame, crossing);
+    fn add_directions(&mut self, frame: &Frame, slot: usize, slopes: Directions) -> Option<Directions> {
+        let known = &mut self.about.known[slot];
         let ahead = known.ahead;
         let coarse = known.coarse.get_or_insert_with(|| Coarse {
             growths: 0,
@@ -433,26 +442,31 @@ impl<'a> Search<'a> {
 
     /// Notes lines that reach a crossing; returns the set to follow from there, if it is new. A few sets are told apart, further
     /// ones are merged, and in the end all lines are let pass: work stays bounded and nothing is lost.
-    fn add(&mut self, frame: &Frame, crossing: u32, lines: Lines, all: impl Fn() -> Option<Lines>) -> Option<Lines> {
-        let most_sets = self.most_sets;
-        let reached = &mut self.known(frame, crossing).reached;
-        if reached.sets.iter().any(|set| set.contains(&lines)) {
+    fn add(&mut self, frame: &Frame, slot: usize, mut lines: Lines) -> Option<Lines> {
+        let (sets, Known { ahead, reached, .. }) = (&mut self.sets, &mut self.about.known[slot]);
+        if reached.sets.iter().any(|&set| sets.contains(set, lines)) {
             return None;
         }
-        let mut lines = lines;
-        if reached.sets.len() >= most_sets {
+        if reached.sets.len() >= self.most_sets {
             reached.merges = reached.merges.saturating_add(1);
-            lines = if reached.merges > MOST_MERGES { all()? } else { merged(&reached.sets, &lines) };
+            lines = if reached.merges > MOST_MERGES {
+                let all = sets.all(frame);
+                sets.through(all, ahead.left, ahead.right)?
+            } else {
+                merged(sets, &reached.sets, lines)
+            };
         }
-        reached.sets.retain(|set| !lines.contains(set));
-        reached.sets.push(lines.clone());
+        reached.sets.retain(|set| !sets.contains(lines, *set));
+        reached.sets.push(lines);
         Some(lines)
     }
 }
 
 /// The hull of some lines with the set that grows least by it.
-fn merged(sets: &[Lines], lines: &Lines) -> Lines {
-    let hulls = sets.iter().map(|set| (set, set.hull(lines)));
-    let least = hulls.map(|(set, hull)| (hull.measure() - set.measure(), hull)).min_by(|a, b| a.0.total_cmp(&b.0));
-    least.map_or_else(|| lines.clone(), |(_, hull)| hull)
+fn merged(sets: &mut LineSets, known: &[Lines], lines: Lines) -> Lines {
+    let hulls = known.iter().map(|&set| {
+        let hull = sets.hull(set, lines);
+        (sets.measure(hull) - sets.measure(set), hull)
+    });
+    hulls.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(lines, |(_, hull)| hull)
 }
