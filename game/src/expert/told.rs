@@ -5,12 +5,12 @@ use veduta::city::Level;
 use veduta::ecs::Words;
 use veduta::streaming::{Event, Reason, What, Why};
 
-/// A number of bytes as people read it.
+/// A number of bytes as people read it. No line ends between a number and its unit.
 pub(super) fn bytes(words: &Words, n: u64) -> String {
     match n {
-        0..1_000 => format!("{n} B"),
-        1_000..1_000_000 => format!("{} kB", words.number(n as f64 / 1e3, 1)),
-        _ => format!("{} MB", words.number(n as f64 / 1e6, 2)),
+        0..1_000 => format!("{n}\u{a0}B"),
+        1_000..1_000_000 => format!("{}\u{a0}kB", words.number(n as f64 / 1e3, 1)),
+        _ => format!("{}\u{a0}MB", words.number(n as f64 / 1e6, 2)),
     }
 }
 
@@ -264,9 +264,9 @@ mod tests {
     fn numbers_are_written_and_counted_as_the_language_does() {
         for words in tongues() {
             let point = if words.language() == "en" { '.' } else { ',' };
-            assert_eq!(bytes(&words, 999), "999 B");
-            assert_eq!(bytes(&words, 1_500), format!("1{point}5 kB"));
-            assert_eq!(bytes(&words, 2_250_000), format!("2{point}25 MB"));
+            assert_eq!(bytes(&words, 999), "999\u{a0}B");
+            assert_eq!(bytes(&words, 1_500), format!("1{point}5\u{a0}kB"));
+            assert_eq!(bytes(&words, 2_250_000), format!("2{point}25\u{a0}MB"));
             let told = |houses| cell_told(&words, 3, "Ungelt", houses, None, None);
             let forms: &[(u32, &str)] = match words.language() {
                 "cs" => &[(1, ": 1 dům,"), (3, ": 3 domy,"), (5, ": 5 domů,")],

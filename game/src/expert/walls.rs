@@ -3,10 +3,9 @@
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
-use bevy_egui::EguiContexts;
 use bevy_egui::egui::Color32;
 use veduta::city::Viewpoint;
-use veduta::ecs::{Ground, JumpTo, OpenCells, WorldOrigin};
+use veduta::ecs::{Ground, JumpTo, OpenCells, PointersTaken, WorldOrigin};
 use veduta::prelude::*;
 use veduta::streaming::{CurrentCell, Streamed};
 use veduta::walker::{Gait, Intent, WalkerSystems};
@@ -87,8 +86,7 @@ pub(super) fn draw(
 
 /// A click on a wall.
 fn click(
-    mut contexts: EguiContexts,
-    buttons: Res<ButtonInput<MouseButton>>,
+    (buttons, taken): (Res<ButtonInput<MouseButton>>, Res<PointersTaken>),
     windows: Query<&Window, With<PrimaryWindow>>,
     cameras: Query<(&Camera, &GlobalTransform)>,
     streamed: Streamed<'_>,
@@ -97,21 +95,21 @@ fn click(
     mut expert: ResMut<Expert>,
     mut jumps: MessageWriter<JumpTo>,
     mut through: ResMut<WalkThrough>,
-) -> Result {
+) {
     if let (Some(pos), Some((eye, _))) = (expert.leap.take(), viewers.iter().next()) {
         jumps.write(JumpTo(Viewpoint { pos, heading_deg: eye.heading_deg, ..Viewpoint::default() }));
     }
-    if !buttons.just_pressed(MouseButton::Left) || contexts.ctx_mut()?.egui_wants_pointer_input() {
-        return Ok(());
+    if !buttons.just_pressed(MouseButton::Left) || taken.mouse {
+        return;
     }
     let (Some(index), Ok(window), Some((eye, current))) = (streamed.index(), windows.single(), viewers.iter().next()) else {
-        return Ok(());
+        return;
     };
-    let Some(here) = current.and_then(|current| current.0) else { return Ok(()) };
+    let Some(here) = current.and_then(|current| current.0) else { return };
     let ray = window
         .cursor_position()
         .and_then(|at| cameras.iter().find_map(|(camera, transform)| camera.viewport_to_world(transform, at).ok()));
-    let Some(ray) = ray else { return Ok(()) };
+    let Some(ray) = ray else { return };
     let (from, _) = origin.plan_from_world(ray.origin);
     let (to, _) = origin.plan_from_world(ray.origin + *ray.direction);
     let hits = index.portals(here).filter(|portal| !portal.is_blind()).filter_map(|portal| {
@@ -126,7 +124,6 @@ fn click(
     if let Some((_, target)) = hits.min_by(|a, b| a.0.total_cmp(&b.0)) {
         through.0 = Some(Way { to: target, least_m: f64::INFINITY, for_s: 0.0 });
     }
-    Ok(())
 }
 
 /// Walks on through a wall that was clicked, until the visitor moves or is through.
@@ -169,7 +166,6 @@ mod tests {
     use bevy::input::mouse::MouseButtonInput;
     use bevy::input::{ButtonState, InputPlugin};
     use bevy::time::TimeUpdateStrategy;
-    use bevy_egui::{EguiContext, EguiUserTextures, PrimaryEguiContext};
     use veduta::buildings::{Building, BuildingsPlugin};
     use veduta::streaming::Fetching;
     use veduta::walker::{Jump, SolidCells};
@@ -201,11 +197,9 @@ mod tests {
                 ))
                 .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(33)))
                 .insert_resource(OpenCity(city.display().to_string()))
-                .insert_resource(Expert { is_shown: true, is_aloft: false, reach_m: 200.0, leap: None })
-                .init_resource::<EguiUserTextures>();
+                .insert_resource(Expert { is_shown: true, is_aloft: false, reach_m: 200.0, leap: None });
             add_clicks(&mut app);
             let window = app.world_mut().spawn((Window { resolution: SIZE.into(), ..default() }, PrimaryWindow)).id();
-            app.world_mut().spawn((EguiContext::default(), PrimaryEguiContext));
             let mut lens = PerspectiveProjection { fov: Eye::default().fov_deg.to_radians() as f32, ..default() };
             lens.update(SIZE.x as f32, SIZE.y as f32);
             let mut camera = Camera::default();
@@ -295,6 +289,10 @@ mod tests {
         let place = crate::cities::project_root().join("plugins/bake/tests/places/riverside/riverside.graph.ron");
         bake(&place, &city, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
         let mut visit = Visit::begin(&city);
+        visit.app.world_mut().resource_mut::<PointersTaken>().mouse = true;
+        visit.click(visit.wall().expect("a wall is seen").0);
+        assert!(visit.app.world().resource::<WalkThrough>().0.is_none(), "a click on a window means no wall behind it");
+        visit.app.world_mut().resource_mut::<PointersTaken>().mouse = false;
         walks_through(&mut visit);
         visit.hold(&[KeyCode::KeyO], 1);
         visit.hold(&[KeyCode::ArrowDown, KeyCode::KeyS], 40);

@@ -116,7 +116,7 @@ pub(crate) fn click(
     mut taps: MessageReader<Tap>,
     windows: Query<&Window, With<PrimaryWindow>>,
     viewers: Query<&Eye, With<Viewer>>,
-    (picking, pointed, steering): (Picking<'_, '_>, Res<Pointed>, Res<Steering>),
+    (picking, taken, steering): (Picking<'_, '_>, Res<PointersTaken>, Res<Steering>),
     mut pressed: Local<Option<(Vec2, f64, Pointed)>>,
     mut pin: ResMut<Pin>,
     mut walks: MessageWriter<WalkTo>,
@@ -127,7 +127,8 @@ pub(crate) fn click(
     for event in buttons.read().filter(|event| event.button == MouseButton::Left) {
         let Some(at) = at else { continue };
         if event.state == ButtonState::Pressed {
-            *pressed = Some((at, time.elapsed_secs_f64(), pointed.clone()));
+            // Looked for anew: what was pointed at of late may lie elsewhere than where the pointer has come to.
+            *pressed = (!taken.mouse).then(|| (at, time.elapsed_secs_f64(), picking.at(at)));
             continue;
         }
         let Some((from, since_s, what)) = pressed.take() else { continue };
@@ -219,6 +220,28 @@ mod tests {
         app.world_mut().write_message(Tap { at: Vec2::new(640.0, 5.0) });
         app.update();
         assert!(app.world().resource::<Messages<WalkTo>>().is_empty(), "a tap into the sky leads nowhere");
+    }
+
+    #[test]
+    fn a_click_means_what_lies_where_it_began_and_nothing_beneath_a_window() {
+        let mut app = outdoors();
+        let at = Vec2::new(640.0, 360.0);
+        let mut window = Window { resolution: (1280, 720).into(), ..default() };
+        window.set_cursor_position(Some(at));
+        let window = app.world_mut().spawn((window, PrimaryWindow)).id();
+        let mut click = |is_taken: bool, pointed: Pointed| {
+            app.world_mut().resource_mut::<PointersTaken>().mouse = is_taken;
+            app.insert_resource(pointed);
+            for state in [ButtonState::Pressed, ButtonState::Released] {
+                app.world_mut().write_message(MouseButtonInput { button: MouseButton::Left, state, window });
+            }
+            app.update();
+            app.world_mut().resource_mut::<Messages<WalkTo>>().drain().map(|walk| walk.to.pos).collect::<Vec<_>>()
+        };
+        let elsewhere = Pointed::Ground(DVec2::new(90.0, 90.0));
+        assert_eq!(click(true, elsewhere.clone()), [], "the pointer came over a window since it was last looked at");
+        let walks = click(false, elsewhere);
+        assert!(matches!(&walks[..], [to] if to.distance(DVec2::new(0.0, 4.53)) < 0.05), "{walks:?}");
     }
 
     #[test]

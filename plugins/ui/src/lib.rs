@@ -24,7 +24,8 @@ mod symbol;
 
 use bevy::input::touch::Touches;
 use bevy::prelude::*;
-use bevy_egui::{EguiContexts, EguiPlugin, EguiPrimaryContextPass, egui};
+use bevy::window::PrimaryWindow;
+use bevy_egui::{EguiContexts, EguiPlugin, EguiPreUpdateSet, EguiPrimaryContextPass, egui};
 use veduta_ecs::{Interface, InterfaceSystems, PointersTaken, Words};
 
 pub use ask::{AskLink, ask_panel};
@@ -54,7 +55,7 @@ impl Plugin for UiPlugin {
             .init_resource::<picture::Shelf>()
             .add_systems(
                 PreUpdate,
-                (watch_typing, watch_pointers).after(bevy_egui::EguiPreUpdateSet::BeginPass).in_set(InterfaceSystems::Watch),
+                (watch_typing, watch_pointers).after(EguiPreUpdateSet::ProcessInput).in_set(InterfaceSystems::Watch),
             )
             .add_systems(EguiPrimaryContextPass, ask::ask.in_set(UiSystems::Ask))
             .configure_sets(EguiPrimaryContextPass, (UiSystems::Draw, UiSystems::Ask).chain());
@@ -102,16 +103,68 @@ fn watch_typing(mut contexts: EguiContexts, mut interface: ResMut<Interface>, mu
     }
 }
 
-/// Pointers belong to the interface that are over something of it, or have begun there.
-fn watch_pointers(mut contexts: EguiContexts, touches: Option<Res<Touches>>, mut taken: ResMut<PointersTaken>) {
+/// Pointers belong to the interface that are over something of it, or have begun there. Where they are, the window says: the interface itself
+/// hears of it only when it is drawn, after what has been clicked in the city.
+fn watch_pointers(
+    mut contexts: EguiContexts,
+    windows: Query<&Window, With<PrimaryWindow>>,
+    touches: Option<Res<Touches>>,
+    mut taken: ResMut<PointersTaken>,
+) {
     let Ok(context) = contexts.ctx_mut() else { return };
-    let is_over = |at: egui::Pos2| context.layer_id_at(at).is_some_and(|layer| layer.order != egui::Order::Background);
-    let mouse = context.egui_is_using_pointer() || context.pointer_latest_pos().is_some_and(is_over);
+    let is_over = |at: Vec2| {
+        let at = at / context.zoom_factor();
+        context.layer_id_at(egui::pos2(at.x, at.y)).is_some_and(|layer| layer.order != egui::Order::Background)
+    };
+    let cursor = windows.single().ok().and_then(Window::cursor_position);
+    let mouse = context.egui_is_using_pointer() || cursor.is_some_and(is_over);
     let mut fingers = taken.touches.clone();
     if let Some(touches) = touches {
-        fingers.extend(touches.iter_just_pressed().filter(|t| is_over(egui::pos2(t.position().x, t.position().y))).map(|t| t.id()));
+        fingers.extend(touches.iter_just_pressed().filter(|touch| is_over(touch.position())).map(|touch| touch.id()));
         // A finger that is lifted is known until its last word has been heard.
         fingers.retain(|id| touches.get_pressed(*id).is_some() || touches.just_released(*id) || touches.just_canceled(*id));
     }
     taken.set_if_neq(PointersTaken { mouse, touches: fingers });
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy_egui::{EguiContext, EguiUserTextures, PrimaryEguiContext};
+
+    use super::*;
+
+    #[test]
+    fn a_pointer_is_taken_in_the_very_frame_in_which_it_comes_over_a_window() {
+        let mut app = App::new();
+        app.add_plugins(MinimalPlugins)
+            .init_resource::<EguiUserTextures>()
+            .init_resource::<PointersTaken>()
+            .add_systems(Update, watch_pointers);
+        let window = app.world_mut().spawn((Window::default(), PrimaryWindow)).id();
+        let mut own = EguiContext::default();
+        let context = own.get_mut().clone();
+        app.world_mut().spawn((own, PrimaryEguiContext));
+        let draw = |zoom: f32| {
+            context.set_zoom_factor(zoom);
+            for _ in 0..3 {
+                let mut drawn = context.run_ui(egui::RawInput::default(), |ui| {
+                    let area = egui::Area::new(egui::Id::new("a panel")).fixed_pos((100.0, 100.0));
+                    area.show(ui.ctx(), |ui| ui.allocate_space(egui::vec2(200.0, 50.0)));
+                });
+                drawn.textures_delta.clear();
+            }
+        };
+        let mut is_taken = |at: Option<Vec2>| {
+            app.world_mut().get_mut::<Window>(window).expect("spawned").set_cursor_position(at);
+            app.update();
+            app.world().resource::<PointersTaken>().mouse
+        };
+        draw(1.0);
+        assert!(!is_taken(Some(Vec2::new(50.0, 120.0))));
+        assert!(is_taken(Some(Vec2::new(150.0, 120.0))));
+        assert!(!is_taken(None), "it has left the window");
+        draw(2.0);
+        assert!(!is_taken(Some(Vec2::new(150.0, 120.0))));
+        assert!(is_taken(Some(Vec2::new(590.0, 290.0))), "what is drawn twice as large");
+    }
 }
