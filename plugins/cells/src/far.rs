@@ -2,11 +2,16 @@
 
 use std::collections::BTreeMap;
 
+use rstar::{
+    AABB, RTree, SelectionFunction,
+    primitives::{GeomWithData, Rectangle},
+};
 use veduta_city::bounds::{self, Bounds};
 use veduta_city::{Cells, CityPlan, GridPolygon, GridPos, House};
 
 use crate::directions::Directions;
 use crate::lines::Frame;
+use crate::patches::corner;
 
 /// What is drawn with the cells whose middles lie in one [square](GridPos::square). None is larger than the smallest regions of a stored
 /// city, so that no region is missed of which something is seen.
@@ -22,7 +27,7 @@ impl Square {
     /// Whether lines through a frame's portal in some of the directions in which they leave the sight may reach something of it: something
     /// beyond the sight, and no farther away than one sees.
     pub(crate) fn is_reached(&self, frame: &Frame, leaving: &[Directions], (sight_m, far_m): (f64, f64)) -> bool {
-        if !self.is_about(frame.origin(), GridPos::steps(far_m + frame.width_m())) {
+        if !is_about(self.bounds, frame, far_m) {
             return false;
         }
         let corners = self.corners().map(|corner| frame.local(corner));
@@ -34,15 +39,70 @@ impl Square {
         is_beyond && leaving.iter().any(|slopes| slopes.reach(frame, corners))
     }
 
-    /// Whether something of it may lie within so many grid steps of a place.
-    fn is_about(&self, at: GridPos, reach: i32) -> bool {
-        bounds::holds(bounds::grown(self.bounds, reach), at)
-    }
-
     /// Corners of its bounds, around.
     pub(crate) const fn corners(&self) -> [GridPos; 4] {
-        let (lo, hi) = self.bounds;
-        [lo, GridPos(hi.0, lo.1), hi, GridPos(lo.0, hi.1)]
+        around(self.bounds)
+    }
+}
+
+const fn around((lo, hi): Bounds) -> [GridPos; 4] {
+    [lo, GridPos(hi.0, lo.1), hi, GridPos(lo.0, hi.1)]
+}
+
+/// Whether something of a box may lie so far from some line through a frame's portal.
+fn is_about(bounds: Bounds, frame: &Frame, far_m: f64) -> bool {
+    bounds::holds(bounds::grown(bounds, GridPos::steps(far_m + frame.width_m())), frame.origin())
+}
+
+/// Squares, which are told by their numbers, found by where lines lead.
+pub(crate) struct Squares {
+    pub(crate) all: Vec<Square>,
+    tree: RTree<Numbered>,
+}
+
+type Numbered = GeomWithData<Rectangle<[f64; 2]>, u32>;
+
+impl Squares {
+    pub(crate) fn new(all: Vec<Square>) -> Self {
+        let numbered = (0..)
+            .zip(&all)
+            .map(|(n, &Square { bounds: (lo, hi), .. })| GeomWithData::new(Rectangle::from_corners(corner(lo), corner(hi)), n));
+        let tree = RTree::bulk_load(numbered.collect());
+        Self { all, tree }
+    }
+
+    /// Those that [are reached](Square::is_reached), but for some that need not be looked at.
+    pub(crate) fn reached<'a>(
+        &'a self,
+        frame: &'a Frame,
+        leaving: &'a [Directions],
+        range: (f64, f64),
+        but: &'a [bool],
+    ) -> impl Iterator<Item = u32> + 'a {
+        self.tree.locate_with_selection_function(Reach { squares: &self.all, frame, leaving, range, but }).map(|square| square.data)
+    }
+}
+
+/// Looks for what is reached: of what holds many squares, whether any direction leads there tells whether to look on.
+struct Reach<'a> {
+    squares: &'a [Square],
+    frame: &'a Frame,
+    leaving: &'a [Directions],
+    range: (f64, f64),
+    but: &'a [bool],
+}
+
+impl SelectionFunction<Numbered> for Reach<'_> {
+    fn should_unpack_parent(&self, envelope: &AABB<[f64; 2]>) -> bool {
+        let whole = |[x, y]: [f64; 2]| GridPos(x as i32, y as i32);
+        let bounds = (whole(envelope.lower()), whole(envelope.upper()));
+        let corners = around(bounds).map(|corner| self.frame.local(corner));
+        is_about(bounds, self.frame, self.range.1) && self.leaving.iter().any(|slopes| slopes.reach(self.frame, corners))
+    }
+
+    fn should_unpack_leaf(&self, square: &Numbered) -> bool {
+        let n = square.data as usize;
+        !self.but[n] && self.squares[n].is_reached(self.frame, self.leaving, self.range)
     }
 }
 

@@ -100,7 +100,7 @@ impl Recut {
         let count = open.len();
         open.into_iter().zip(looked).for_each(|(cell, looked)| found[cell as usize] = Some(looked));
         let (seen, rest): (Vec<Vec<u32>>, Vec<Rest>) = found.into_iter().map(Option::unwrap_or_default).unzip();
-        let (told, notes) = settled(&here, &about.squares, (seen.clone(), rest.clone()));
+        let (told, notes) = settled(&here, &about.squares.all, (seen.clone(), rest.clone()));
         drop(here);
         findings.extend(notes);
         see(plan, &mut cells, told, &self.settings);
@@ -154,13 +154,13 @@ impl Carrying {
                 && guests.iter().zip(guests_now).all(is_guest)
         };
         let stayed = (0..).zip(room.iter().copied()).map(stayed).collect();
-        let of_cell: HashMap<u32, u32> = about.squares.iter().zip(0..).map(|(square, n)| (square.cell, n)).collect();
+        let of_cell: HashMap<u32, u32> = about.squares.all.iter().zip(0..).map(|(square, n)| (square.cell, n)).collect();
         let square = |old: &Square| {
             let new = *of_cell.get(&room[old.cell as usize]?)?;
-            (about.squares[new as usize].bounds == old.bounds).then_some(new)
+            (about.squares.all[new as usize].bounds == old.bounds).then_some(new)
         };
-        let square: Vec<Option<u32>> = known.about.squares.iter().map(square).collect();
-        let mut is_old = vec![false; about.squares.len()];
+        let square: Vec<Option<u32>> = known.about.squares.all.iter().map(square).collect();
+        let mut is_old = vec![false; about.squares.all.len()];
         square.iter().flatten().for_each(|&new| is_old[new as usize] = true);
         let new_squares = (0..).zip(is_old).filter(|(_, is_old)| !is_old).map(|(n, _)| n).collect();
         Self { room, stayed, square, new_squares }
@@ -188,7 +188,7 @@ fn carry(
         let mut beside: Vec<(u32, u32)> = beside.collect();
         beside.sort_unstable();
         let is_far = |&&n: &&u32| {
-            let square = &about.squares[n as usize];
+            let square = &about.squares.all[n as usize];
             rest.leaving.iter().any(|(frame, leaving)| square.is_reached(frame, leaving, range))
         };
         let mut far: Vec<u32> = rest.far.iter().filter_map(|&square| carrying.square[square as usize]).collect();

@@ -7,7 +7,7 @@ use smallvec::SmallVec;
 use veduta_city::{Cells, CityPlan, Finding, GridPos, Id, PortalSide, Severity};
 
 use crate::directions::Directions;
-use crate::far::{Square, squares};
+use crate::far::{Square, Squares, squares};
 use crate::guests::{Guest, Guests};
 use crate::lines::{Frame, LineSets, Lines};
 use crate::partition::PartitionSettings;
@@ -41,7 +41,7 @@ pub fn visible_sets(plan: &CityPlan, cells: &Cells, settings: &PartitionSettings
         .into_par_iter()
         .map_init(|| Search::new(&about, settings, false), |search, cell| search.seen_from(cell))
         .unzip();
-    settled(&rooms, &about.squares, found)
+    settled(&rooms, &about.squares.all, found)
 }
 
 /// What is seen from every cell, of what was found from each: the rooms that it looks into, and the rest.
@@ -97,12 +97,12 @@ pub(crate) struct Rest {
 pub(crate) struct Surroundings {
     pub(crate) web: Web,
     pub(crate) guests: Guests,
-    pub(crate) squares: Vec<Square>,
+    pub(crate) squares: Squares,
 }
 
 impl Surroundings {
     pub(crate) fn new(plan: &CityPlan, cells: &Cells, rooms: &[Room<'_>]) -> Self {
-        let ways = || (Web::new(cells, rooms), squares(plan, cells));
+        let ways = || (Web::new(cells, rooms), Squares::new(squares(plan, cells)));
         let (guests, (web, squares)) = rayon::join(|| Guests::new(plan, cells, rooms), ways);
         Self { web, guests, squares }
     }
@@ -232,7 +232,7 @@ pub(crate) struct Search<'a> {
     /// The same of all first crossings of the cell, if they are kept.
     kept: Vec<(Frame, Vec<Directions>)>,
     keeps: bool,
-    squares: &'a [Square],
+    squares: &'a Squares,
     is_far: Vec<bool>,
     /// Groups of guests of which some are seen, by room, and whether each is.
     met: Vec<(u32, u32)>,
@@ -257,7 +257,7 @@ impl<'a> Search<'a> {
             kept: Vec::new(),
             keeps,
             squares,
-            is_far: vec![false; squares.len()],
+            is_far: vec![false; squares.all.len()],
             met: Vec::new(),
             is_met: vec![false; guests.count()],
         }
@@ -381,9 +381,7 @@ impl<'a> Search<'a> {
             joins
         });
         let range = (self.sight_m, self.far_m);
-        let reached = |square: &Square| square.is_reached(frame, &self.leaving, range);
-        let new = self.squares.iter().zip(0..).filter(|&(square, n)| !self.is_far[n as usize] && reached(square));
-        far.extend(new.map(|(_, n)| n));
+        far.extend(self.squares.reached(frame, &self.leaving, range, &self.is_far));
         far.iter().for_each(|&n| self.is_far[n as usize] = true);
         if self.keeps {
             self.kept.push((*frame, core::mem::take(&mut self.leaving)));
