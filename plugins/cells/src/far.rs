@@ -125,3 +125,36 @@ pub(crate) fn squares(plan: &CityPlan, cells: &Cells) -> Vec<Square> {
     squares.sort_unstable_by_key(|square| square.cell);
     squares
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn place() -> impl Strategy<Value = GridPos> {
+        (-4_000..4_000_i32, -4_000..4_000_i32).prop_map(|(x, y)| GridPos(x * 1024, y * 1024))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn the_tree_finds_what_is_reached_square_by_square(
+            boxes in proptest::collection::vec((place(), 1..200_i32, 1..200_i32), 1..300), portal in (place(), 1..30_i32, -30..30_i32),
+            slopes in proptest::collection::vec((-3.0..3.0_f64, 0.0..0.3_f64), 1..6), far_m in 500.0..4_000.0_f64,
+        ) {
+            let square = |(lo, width, depth): (GridPos, i32, i32)| Square { cell: 0, bounds: (lo, lo + GridPos(width * 1024, depth * 1024)) };
+            let squares = Squares::new(boxes.into_iter().map(square).collect());
+            let (right, x, y) = portal;
+            let frame = Frame::new(right + GridPos(x * 1024, y * 1024), right).unwrap();
+            let leaving: Vec<Directions> = slopes.into_iter().map(|(low, more)| Directions::within((low, low + more))).collect();
+            let but: Vec<bool> = (0..squares.all.len()).map(|n| n % 5 == 0).collect();
+            let range = (300.0, far_m);
+            let mut reached: Vec<u32> = squares.reached(&frame, &leaving, range, &but).collect();
+            reached.sort_unstable();
+            let each = (0..).zip(&squares.all).filter(|&(n, square)| !but[n as usize] && square.is_reached(&frame, &leaving, range));
+            prop_assert_eq!(reached, each.map(|(n, _)| n).collect::<Vec<u32>>());
+        }
+    }
+}

@@ -20,7 +20,7 @@ pub(crate) struct CellsBench {
     #[arg(value_name = "MAP")]
     map: Option<PathBuf>,
     /// How many times over the city is laid side by side; each is measured.
-    #[arg(long, value_delimiter = ',', default_value = "1,4")]
+    #[arg(long, value_delimiter = ',', default_value = "1,4,8")]
     copies: Vec<u32>,
     /// How often each is done; the best counts.
     #[arg(long, default_value_t = 3)]
