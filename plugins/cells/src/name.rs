@@ -3,9 +3,9 @@
 use rstar::PointDistance;
 use rstar::{
     AABB, RTree,
-    primitives::{GeomWithData, Line},
+    primitives::{GeomWithData, Line, Rectangle},
 };
-use veduta_city::{Cells, CityPlan, GRID_PER_METRE, GridPos, PlaceKind};
+use veduta_city::{Cells, CityPlan, GRID_PER_METRE, GridPos, Place, PlaceKind};
 
 /// How far beyond a street's own width its name still reaches, metres.
 const REACH_M: f64 = 15.0;
@@ -19,25 +19,29 @@ pub(crate) fn name_cells(plan: &CityPlan, cells: &mut Cells) {
     let lines = named.iter().enumerate().flat_map(|(i, street)| {
         street.line.windows(2).map(move |pair| GeomWithData::new(Line::new(float(pair[0]), float(pair[1])), i))
     });
-    let tree = RTree::bulk_load(lines.collect());
+    let lines = RTree::bulk_load(lines.collect());
     let widest = named.iter().map(|street| f64::from(street.width.max(0))).fold(0.0, f64::max);
+    let square = |(i, Place { kind, pos, radius_m, .. }): (usize, &Place)| {
+        let (lo, hi) = (*pos - *radius_m, *pos + *radius_m);
+        let is_square = *kind == PlaceKind::Square && lo.is_finite() && hi.is_finite();
+        is_square.then(|| GeomWithData::new(Rectangle::from_corners(lo.to_array(), hi.to_array()), i))
+    };
+    let squares = RTree::bulk_load(plan.places.iter().enumerate().filter_map(square).collect());
     for cell in &mut cells.cells {
         let centroid = cell.outline.centroid();
-        let square = plan
-            .places
-            .iter()
-            .filter(|place| {
-                place.kind == PlaceKind::Square && place.pos.distance_squared(centroid) <= place.radius_m * place.radius_m
-            })
-            .min_by(|a, b| a.pos.distance_squared(centroid).total_cmp(&b.pos.distance_squared(centroid)));
-        if let Some(square) = square {
-            cell.name.clone_from(&square.name);
+        let square = squares
+            .locate_all_at_point(&centroid.to_array())
+            .map(|square| (plan.places[square.data].pos.distance_squared(centroid), square.data))
+            .filter(|&(distance, i)| distance <= plan.places[i].radius_m * plan.places[i].radius_m)
+            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        if let Some((_, i)) = square {
+            cell.name.clone_from(&plan.places[i].name);
             continue;
         }
         let [x, y] = [centroid.x * step, centroid.y * step];
         let reach = REACH_M * step + widest / 2.0;
         let around = AABB::from_corners([x - reach, y - reach], [x + reach, y + reach]);
-        let street = tree
+        let street = lines
             .locate_in_envelope_intersecting(&around)
             .map(|line| (libm::sqrt(line.distance_2(&[x, y])) - f64::from(named[line.data].width) / 2.0, line.data))
             .filter(|&(distance, _)| distance <= REACH_M * step)

@@ -302,12 +302,34 @@ fn cells_are_named_after_square_or_street() {
         ..PlanStreet::default()
     };
     plan.streets = vec![street(15.0, "South Street"), street(45.0, "North Street")];
-    let square = DVec2::new(5.0, 30.0);
-    plan.places =
-        vec![Place { name: "Lane Square".into(), kind: PlaceKind::Square, pos: square, radius_m: 8.0, ..Place::default() }];
+    let square = |name: &str, x, y, radius_m| Place {
+        name: name.into(),
+        kind: PlaceKind::Square,
+        pos: DVec2::new(x, y),
+        radius_m,
+        ..Place::default()
+    };
+    plan.places = vec![
+        square("Nowhere", f64::NAN, 15.0, 500.0),
+        square("Fifty", 50.0, 15.0, 35.0),
+        Place { kind: PlaceKind::Shop, ..square("The Two Streets", 60.0, 15.0, 500.0) },
+        square("Eighty", 80.0, 15.0, 35.0),
+    ];
     let made = cut(&plan);
-    let name = |x, y| made.cells.cells[made.cells.locate(at(x, y)).unwrap() as usize].name.as_str();
-    assert_eq!((name(190.0, 15.0), name(190.0, 45.0)), ("South Street", "North Street"));
+    let mut met = BTreeSet::new();
+    for cell in &made.cells.cells {
+        let at = cell.outline.centroid();
+        let away = |x: f64| at.distance(DVec2::new(x, 15.0));
+        let named = match (away(50.0), away(80.0)) {
+            (fifty, eighty) if fifty <= eighty.min(35.0) => "Fifty",
+            (_, eighty) if eighty <= 35.0 => "Eighty",
+            _ if at.y <= 30.0 => "South Street",
+            _ => "North Street",
+        };
+        assert_eq!(cell.name, named, "{at}");
+        met.insert(named);
+    }
+    assert_eq!(met.len(), 4, "{met:?}");
 }
 
 #[test]
