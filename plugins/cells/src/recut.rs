@@ -35,7 +35,7 @@ use crate::visible::{Crossing, Rest, Search, Surroundings, settled};
 /// ```
 ///
 /// # Method
-/// Free space is triangulated and cut as a whole: that takes a third of the time, and its triangles depend on each other. What is seen
+/// Free space is triangulated and cut as a whole: that takes half of the time, and its triangles depend on each other. What is seen
 /// from a cell follows from the rooms that it looks into, their portals and what stands at their borders, and from nothing else; so a cell
 /// of which all that is as it was, but for numbers, has seen what it would see. Squares farther away are asked for anew where they have
 /// changed, in the directions that were kept.
