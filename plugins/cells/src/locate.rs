@@ -9,6 +9,7 @@ use rstar::{
 use veduta_city::{Cell, GridPos};
 
 use crate::buckets::Buckets;
+use crate::patches::corner;
 
 /// Finds cells by place.
 pub(crate) struct Locator<'a> {
@@ -31,7 +32,7 @@ impl<'a> Locator<'a> {
 
     fn edges(&self) -> &RTree<GeomWithData<Line<[f64; 2]>, u32>> {
         self.edges.get_or_init(|| {
-            let edge = |i, (a, b)| GeomWithData::new(Line::new(float(a), float(b)), i);
+            let edge = |i, (a, b)| GeomWithData::new(Line::new(corner(a), corner(b)), i);
             let edges = (0..).zip(self.cells).flat_map(|(i, cell)| cell.outline.edges().map(move |ends| edge(i, ends)));
             RTree::bulk_load(edges.collect())
         })
@@ -40,7 +41,7 @@ impl<'a> Locator<'a> {
     /// The cell whose border is nearest, the first of several, and the distance squared in grid steps squared; `None` if there
     /// are no cells.
     pub(crate) fn nearest(&self, pos: GridPos) -> Option<(u32, f64)> {
-        let mut nearest = self.edges().nearest_neighbor_iter(&float(pos)).map(|edge| (edge.data, edge.distance_2(&float(pos))));
+        let mut nearest = self.edges().nearest_neighbor_iter(&corner(pos)).map(|edge| (edge.data, edge.distance_2(&corner(pos))));
         let (first, distance_2) = nearest.next()?;
         let cell = nearest.take_while(|&(_, d)| d <= distance_2).map(|(cell, _)| cell).fold(first, u32::min);
         Some((cell, distance_2))
@@ -50,8 +51,4 @@ impl<'a> Locator<'a> {
     pub(crate) fn find_or_nearest(&self, pos: GridPos) -> Option<u32> {
         self.find(pos).or_else(|| self.nearest(pos).map(|(cell, _)| cell))
     }
-}
-
-fn float(p: GridPos) -> [f64; 2] {
-    [f64::from(p.0), f64::from(p.1)]
 }

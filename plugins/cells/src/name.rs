@@ -5,7 +5,9 @@ use rstar::{
     AABB, RTree,
     primitives::{GeomWithData, Line, Rectangle},
 };
-use veduta_city::{Cells, CityPlan, GRID_PER_METRE, GridPos, Place, PlaceKind};
+use veduta_city::{Cells, CityPlan, GRID_PER_METRE, Place, PlaceKind};
+
+use crate::patches::corner;
 
 /// How far beyond a street's own width its name still reaches, metres.
 const REACH_M: f64 = 15.0;
@@ -15,9 +17,8 @@ const REACH_M: f64 = 15.0;
 pub(crate) fn name_cells(plan: &CityPlan, cells: &mut Cells) {
     let step = f64::from(GRID_PER_METRE);
     let named: Vec<_> = plan.streets.iter().filter(|street| !street.name.is_empty() && street.layer >= 0).collect();
-    let float = |p: GridPos| [f64::from(p.0), f64::from(p.1)];
     let lines = named.iter().enumerate().flat_map(|(i, street)| {
-        street.line.windows(2).map(move |pair| GeomWithData::new(Line::new(float(pair[0]), float(pair[1])), i))
+        street.line.windows(2).map(move |pair| GeomWithData::new(Line::new(corner(pair[0]), corner(pair[1])), i))
     });
     let lines = RTree::bulk_load(lines.collect());
     let widest = named.iter().map(|street| f64::from(street.width.max(0))).fold(0.0, f64::max);
