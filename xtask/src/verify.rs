@@ -21,27 +21,6 @@ pub const CORE: [&str; 12] = [
     "xtask",
 ];
 
-/// The crates that need the engine. They are checked apart from the core: the core's test libraries turn on features of
-/// small crates under the engine, and together with them the engine would be built a second time for `cargo play`.
-pub const ENGINE: [&str; 16] = [
-    "veduta-ecs",
-    "veduta-ui",
-    "veduta-controls",
-    "veduta-streaming",
-    "veduta-buildings",
-    "veduta-facade",
-    "veduta-tour",
-    "veduta-minimap",
-    "veduta-guide",
-    "veduta-walker",
-    "veduta-sky",
-    "veduta-sound",
-    "veduta-life",
-    "veduta",
-    "veduta-game",
-    "veduta-tests",
-];
-
 /// One check.
 struct Check {
     /// Arguments for cargo.
@@ -66,10 +45,14 @@ impl Check {
         Self { args: args.to_vec(), env: &[], tool: None }
     }
 
-    /// A subcommand over some packages, with what follows them.
-    fn of(subcommand: &'static str, packages: &[&'static str], rest: &[&'static str]) -> Self {
-        let packages = packages.iter().flat_map(|&name| ["--package", name]);
-        Self::new(&[subcommand].into_iter().chain(packages).chain(rest.iter().copied()).collect::<Vec<_>>())
+    /// With these arguments, too.
+    fn and(mut self, args: &[&'static str]) -> Self {
+        self.args.extend(args);
+        self
+    }
+
+    fn under(self, env: &'static [(&'static str, &'static str)]) -> Self {
+        Self { env, ..self }
     }
 
     fn with(self, tool: Tool) -> Self {
@@ -85,18 +68,20 @@ impl Check {
 fn checks() -> Vec<Check> {
     let rustfmt = Tool::Component { subcommand: "fmt", name: "rustfmt" };
     let clippy = Tool::Component { subcommand: "clippy", name: "clippy" };
-    let doc = |packages| Check { env: &[("RUSTDOCFLAGS", "-D warnings")], ..Check::of("doc", packages, &["--no-deps"]) };
-    vec![
-        Check::new(&["fmt", "--all", "--check"]).with(rustfmt),
-        Check::of("clippy", &CORE, &["--all-targets", "--", "-D", "warnings"]).with(clippy),
-        Check::of("clippy", &ENGINE, &["--all-targets", "--", "-D", "warnings"]).with(clippy),
-        Check::of("test", &CORE, &[]),
-        // What a visit needs is there by now: it is made, not left out.
-        Check { env: &[("VEDUTA_VISIT", "1")], ..Check::of("test", &ENGINE, &[]) },
-        doc(&CORE),
-        doc(&ENGINE),
+    // All but this program in one selection, so that every crate is built once and as `cargo play` builds it, and this one
+    // apart: what reads the manifests in its tests would turn on features of small crates under the engine.
+    let all = |subcommand| Check::new(&[subcommand, "--workspace", "--exclude", "xtask"]);
+    let own = |subcommand| Check::new(&[subcommand, "--package", "xtask"]);
+    let mut checks = vec![Check::new(&["fmt", "--all", "--check"]).with(rustfmt)];
+    let lints = ["--all-targets", "--", "-D", "warnings"];
+    checks.extend([own("clippy"), all("clippy")].map(|check| check.and(&lints).with(clippy)));
+    // What a visit needs is there by now: it is made, not left out.
+    checks.extend([own("test"), all("test").under(&[("VEDUTA_VISIT", "1")])]);
+    checks.extend([own("doc"), all("doc")].map(|check| check.and(&["--no-deps"]).under(&[("RUSTDOCFLAGS", "-D warnings")])));
+    checks.push(
         Check::new(&["deny", "--all-features", "check", "licenses", "bans", "sources"]).with(Tool::Own { subcommand: "deny" }),
-    ]
+    );
+    checks
 }
 
 /// Runs every check; the exit code of the first that fails, else 0.
@@ -112,7 +97,8 @@ pub fn everything() -> u8 {
 
 /// Runs the tests of the crates that need no engine, and no set-up.
 pub fn core() -> u8 {
-    in_order(&[Check::of("test", &CORE, &[])])
+    let packages: Vec<_> = CORE.iter().flat_map(|&name| ["--package", name]).collect();
+    in_order(&[Check::new(&["test"]).and(&packages)])
 }
 
 /// Compares plans grown here with plans grown on wasm32. Where there is no toolchain for it, that is a failure only if it was asked for.
@@ -189,27 +175,6 @@ fn is_there(subcommand: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_crate_is_checked_in_every_way() {
-        // Tests run in their package's folder; a path from build time may be that of another clone with the same target directory.
-        let root = std::path::Path::new("..");
-        let mut crates = ["veduta-game", "veduta-tests", "veduta-digests", "xtask"].map(str::to_owned).to_vec();
-        for entry in std::fs::read_dir(root.join("plugins")).expect("the project's plugins") {
-            let name = entry.expect("a folder").file_name().into_string().expect("plain names");
-            crates.push(if name == "veduta" { name } else { format!("veduta-{name}") });
-        }
-        for subcommand in ["clippy", "test", "doc"] {
-            let mut checked: Vec<String> = checks()
-                .iter()
-                .filter(|check| check.args[0] == subcommand)
-                .flat_map(|check| check.args.windows(2).filter(|w| w[0] == "--package").map(|w| w[1].to_owned()))
-                .collect();
-            checked.sort();
-            crates.sort();
-            assert_eq!(checked, crates, "by cargo {subcommand}");
-        }
-    }
 
     #[test]
     fn the_tests_themselves_are_never_skipped() {

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 
@@ -424,4 +425,23 @@ fn the_fast_verification_covers_every_crate_without_an_engine() {
     for name in CORE.into_iter().chain(["veduta-city", "veduta-bake"]) {
         assert!(list.contains(&format!("\"{name}\"")), "`cargo verify core` leaves out {name}");
     }
+}
+
+/// Every package with its features, as cargo selects them for these arguments.
+fn selected(arguments: &[&str]) -> BTreeSet<String> {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.current_dir(root()).args(["tree", "--prefix", "none", "--format", "{p} [{f}]"]).args(arguments);
+    let output = cargo.output().expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let tree = String::from_utf8(output.stdout).expect("cargo tells in UTF-8");
+    tree.lines().filter(|line| !line.is_empty()).map(|line| line.trim_end_matches(" (*)").to_owned()).collect()
+}
+
+#[test]
+fn tests_are_built_upon_what_the_game_is_built_upon() {
+    let played = selected(&["--package", "veduta-game", "--edges", "normal,build"]);
+    let verified = selected(&["--workspace", "--exclude", "xtask", "--edges", "normal,build,dev"]);
+    assert!(played.iter().any(|line| line.starts_with("bevy ")), "the tree is read");
+    let other: Vec<_> = played.difference(&verified).collect();
+    assert!(other.is_empty(), "`cargo verify` and `cargo play` each build their own of {other:#?}");
 }

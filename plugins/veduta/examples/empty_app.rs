@@ -1,6 +1,6 @@
 //! An empty Bevy app gains a city in three lines: the plugins, the city, a walker.
 //!
-//! Bake a city first: `cargo run -p veduta-bake -- bake scenes/old_prague -o town.city`, then
+//! Bake a city first: `cargo run --bin veduta-bake -- bake scenes/old_prague -o town.city`, then
 //! `cargo run -p veduta --example empty_app`.
 
 use bevy::prelude::*;

@@ -4,7 +4,7 @@
 //!
 //! ```sh
 //! for city in scenes/old_prague plugins/store/training/*.words.ron; do
-//!     cargo run -p veduta-bake -- bake $city -o /tmp/training/$(basename $city).city
+//!     cargo run --bin veduta-bake -- bake $city -o /tmp/training/$(basename $city).city
 //! done
 //! VEDUTA_CITIES="$(echo /tmp/training/*.city)" cargo test -p veduta-store --lib train_priors -- --ignored
 //! ```
