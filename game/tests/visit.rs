@@ -172,11 +172,12 @@ impl Visit {
     }
 
     fn quit(&mut self) {
+        self.forget();
         self.press("ctrl+q");
         let mut game = self.game.take().expect("it runs");
         let began = Instant::now();
         while game.0.try_wait().expect("a child").is_none() {
-            assert!(began.elapsed() < PATIENCE, "it does not quit");
+            assert!(began.elapsed() < PATIENCE, "it does not quit:\n{}", self.told());
             std::thread::sleep(Duration::from_millis(100));
         }
     }

@@ -14,23 +14,6 @@ use veduta_tests::{root, walker_in, workplace};
 /// Portland spans 70 km²: its sight is cut short here, so that the test is.
 const PORTLAND_SIGHT_M: f64 = 120.0;
 
-const EXTRACTS: [&str; 14] = [
-    "munich_altstadt/munich_altstadt.osm.gz",
-    "krems_donau/krems_2013.osm.gz",
-    "lauf_pegnitz/lauf_an_der_pegnitz_2020.osm.pbf",
-    "helsinki_centre/helsinki_centre_2019.osm.pbf",
-    "rome_esquilino/rome_piazza_vittorio.osm.pbf",
-    "valletta/valletta_2016.osm.pbf",
-    "new_york_greenwich/nyc_greenwich_village_2015.osm.pbf",
-    "frederiksted_grid/frederiksted.osm.pbf",
-    "marrakech_koutoubia/marrakech.osm.gz",
-    "berlin_neukoelln/neukoelln.osm",
-    "heidelberg_altstadt_roads/heidelberg_altstadt_roads.osm.pbf",
-    "prague_new_town_roads/prague_new_town_roads_2017.osm",
-    "prague_karlovo_namesti_tiny/karlovo_namesti_2011.osm",
-    "portland_dem/portland-central-filtered.osm.pbf",
-];
-
 /// The shared extracts; `None`, told aloud, where there are none.
 fn data() -> Option<PathBuf> {
     let folder = std::env::var_os("VEDUTA_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from);
@@ -70,21 +53,48 @@ fn longest_walk(city: &Path, name: &str) -> f64 {
     longest
 }
 
-#[test]
-fn every_extract_bakes_and_can_be_walked_in() {
+fn is_baked_and_walked_in(name: &str, file: &str) {
     let Some(data) = data() else { return };
-    let dir = workplace("extracts");
-    for file in EXTRACTS {
-        let city = dir.join("x.city");
-        let _ = std::fs::remove_dir_all(&city);
-        let mut settings = BakeSettings::default();
-        if file.starts_with("portland") {
-            settings.partition.sight_m = PORTLAND_SIGHT_M;
-        }
-        bake(&data.join(file), &city, &settings, &mut |_| ()).unwrap_or_else(|e| panic!("{file}: {e}"));
-        let walked = longest_walk(&city, file);
-        println!("{file}: {walked:.1} m");
-        assert!(walked > 8.0, "{file}: a runner comes only {walked:.1} m in five seconds");
+    let dir = workplace(&format!("extract-{name}"));
+    let city = dir.join("x.city");
+    let mut settings = BakeSettings::default();
+    if file.starts_with("portland") {
+        settings.partition.sight_m = PORTLAND_SIGHT_M;
     }
+    bake(&data.join(file), &city, &settings, &mut |_| ()).unwrap_or_else(|e| panic!("{file}: {e}"));
+    let walked = longest_walk(&city, file);
+    println!("{file}: {walked:.1} m");
+    assert!(walked > 8.0, "{file}: a runner comes only {walked:.1} m in five seconds");
     let _ = std::fs::remove_dir_all(dir);
+}
+
+/// A test for each extract: two or more are walked in at once.
+macro_rules! every_extract_bakes_and_can_be_walked_in {
+    ($($name:ident: $file:literal,)*) => {
+        mod every_extract_bakes_and_can_be_walked_in {
+            $(
+                #[test]
+                fn $name() {
+                    super::is_baked_and_walked_in(stringify!($name), $file);
+                }
+            )*
+        }
+    };
+}
+
+every_extract_bakes_and_can_be_walked_in! {
+    munich: "munich_altstadt/munich_altstadt.osm.gz",
+    krems: "krems_donau/krems_2013.osm.gz",
+    lauf: "lauf_pegnitz/lauf_an_der_pegnitz_2020.osm.pbf",
+    helsinki: "helsinki_centre/helsinki_centre_2019.osm.pbf",
+    rome: "rome_esquilino/rome_piazza_vittorio.osm.pbf",
+    valletta: "valletta/valletta_2016.osm.pbf",
+    new_york: "new_york_greenwich/nyc_greenwich_village_2015.osm.pbf",
+    frederiksted: "frederiksted_grid/frederiksted.osm.pbf",
+    marrakech: "marrakech_koutoubia/marrakech.osm.gz",
+    berlin: "berlin_neukoelln/neukoelln.osm",
+    heidelberg: "heidelberg_altstadt_roads/heidelberg_altstadt_roads.osm.pbf",
+    prague_new_town: "prague_new_town_roads/prague_new_town_roads_2017.osm",
+    prague_karlovo_namesti: "prague_karlovo_namesti_tiny/karlovo_namesti_2011.osm",
+    portland: "portland_dem/portland-central-filtered.osm.pbf",
 }

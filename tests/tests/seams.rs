@@ -186,8 +186,7 @@ fn approach(change: Change) -> Pairs {
 }
 
 /// A level of all cells arrives at once, after a tenth of a second, before an eye that stands still.
-fn arrival(level: Level, change: Change) -> Pairs {
-    let mut studio = street(Change::Soft);
+fn arrival(studio: &mut Studio, level: Level, change: Change) -> Pairs {
     let fade_s = if change == Change::Soft { f64::from(FadeSettings::default().seconds) } else { 1e-9 };
     let mut at = |time: f64| {
         let share = if change == Change::Never { 0.0 } else { ((time - 0.1) / fade_s).clamp(0.0, 1.0) as f32 };
@@ -199,7 +198,7 @@ fn arrival(level: Level, change: Change) -> Pairs {
         });
         world.query_filtered::<&mut LevelFade, With<Cell>>().iter_mut(world).for_each(|mut now| now.0 = fades);
         studio.advance(Duration::ZERO);
-        shoot(&mut studio)
+        shoot(studio)
     };
     // All of the fade, in steps of a twentieth of it; where there is none, the moment of the change.
     let span = if change == Change::Soft { fade_s / 20.0 } else { 0.1 / 20.0 };
@@ -230,8 +229,9 @@ fn levels_change_unseen() {
     let approach = p95(&added(&near, &away));
     println!("FLIP that changes of level add, 95th percentile: approach {approach:.4}");
     assert!(approach <= 0.01);
+    let mut studio = street(Change::Soft);
     for level in [Level::Two, Level::Four] {
-        let [soft, hard, never] = [Change::Soft, Change::Hard, Change::Never].map(|change| arrival(level, change));
+        let [soft, hard, never] = [Change::Soft, Change::Hard, Change::Never].map(|change| arrival(&mut studio, level, change));
         let (soft, hard) = (added(&soft, &never), added(&hard, &never));
         let (p95, most, at_once) = (p95(&soft), soft[soft.len() - 1], hard[hard.len() - 1]);
         println!("{level} arrives: {p95:.4}, most {most:.4}, at once {at_once:.4}");

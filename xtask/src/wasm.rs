@@ -12,7 +12,7 @@ const RUN: &str = "WebAssembly.instantiate(require('fs').readFileSync(process.ar
     for (let i = 0, d; (d = instance.exports.plan_digest(i)) !== 0n; i++) \
     console.log(BigInt.asUintN(64, d).toString(16).padStart(16, '0')) })";
 /// Optimised lightly, without debug information: it runs once.
-const PROFILE: [&str; 4] = ["--config", "profile.dev.package.\"*\".opt-level=1", "--config", "profile.dev.debug=false"];
+const PROFILE: [&str; 4] = ["--config", "profile.dev.opt-level=1", "--config", "profile.dev.debug=false"];
 
 /// A toolchain that builds for the web.
 enum Toolchain {

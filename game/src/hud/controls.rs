@@ -58,6 +58,7 @@ pub(super) fn read_keys(
     mut editor: MessageWriter<EditorCommand>,
 ) {
     if presses.begins::<Quit>() {
+        info!("visit: leaves");
         // Which asks about what is not saved.
         editor.write(EditorCommand::Leave);
     }

@@ -33,26 +33,6 @@ const fn least(file: &'static str, houses: u64, streets: usize, squares: usize) 
     Expected { file, houses, streets, squares }
 }
 
-const CITIES: &[Expected] = &[
-    least("munich_altstadt/munich_altstadt.osm.gz", 470, 80, 10),
-    least("krems_donau/krems_2013.osm.gz", 3500, 150, 0),
-    least("lauf_pegnitz/lauf_an_der_pegnitz_2020.osm.pbf", 6400, 330, 0),
-    least("helsinki_centre/helsinki_centre_2019.osm.pbf", 3300, 205, 5),
-    least("rome_esquilino/rome_piazza_vittorio.osm.pbf", 900, 70, 3),
-    least("valletta/valletta_2016.osm.pbf", 1700, 140, 1),
-    least("new_york_greenwich/nyc_greenwich_village_2015.osm.pbf", 1500, 34, 0),
-    least("frederiksted_grid/frederiksted.osm.pbf", 310, 20, 0),
-    least("marrakech_koutoubia/marrakech.osm.gz", 310, 17, 0),
-    least("berlin_neukoelln/neukoelln.osm", 130, 7, 0),
-    least("heidelberg_altstadt_roads/heidelberg_altstadt_roads.osm.pbf", 7000, 195, 3),
-    least("prague_new_town_roads/prague_new_town_roads_2017.osm", 5500, 165, 0),
-    least("prague_karlovo_namesti_tiny/karlovo_namesti_2011.osm", 30, 2, 0),
-    least("portland_dem/portland-central-filtered.osm.pbf", 65_000, 600, 0),
-    least("osm_tiny/berlin_siegessaeule.osm.gz", 12, 7, 0),
-    least("osm_tiny/tiny_roundabout.osm", 18, 1, 0),
-    least("roof_shapes/roof_shapes_real.osm", 20, 0, 0),
-];
-
 /// A folder of its own that is removed in the end.
 struct Folder(PathBuf);
 
@@ -239,70 +219,108 @@ fn check_index(opened: &Opened) {
     assert!(here > 0.9 * all, "{}: {here:.0} m² of {all:.0} m² can be reached from the start", index.name);
 }
 
-#[test]
-fn the_ground_of_every_extract_is_whole() {
+fn ground_is_whole(expected: &Expected) {
     let Some(data) = shared::data() else { return };
-    for expected in CITIES {
-        let input = Input::of(&data.join(expected.file)).unwrap_or_else(|e| panic!("{e}"));
-        let plan = plan(&input, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).plan;
-        println!("{}: {} patches", expected.file, plan.ground.len());
-        prove_partition(&plan);
-        prove_mesh(&plan);
+    let input = Input::of(&data.join(expected.file)).unwrap_or_else(|e| panic!("{e}"));
+    let plan = plan(&input, &BakeSettings::default(), &mut |_| ()).unwrap_or_else(|e| panic!("{e}")).plan;
+    println!("{}: {} patches", expected.file, plan.ground.len());
+    prove_partition(&plan);
+    prove_mesh(&plan);
+}
+
+/// Prints a line of a table: file, houses, cells, portals, named streets, squares, seen from a cell, findings, seconds, seconds a km².
+fn becomes_a_city(name: &str, expected: &Expected) {
+    let Some(data) = shared::data() else { return };
+    let folder = Folder::new(name);
+    let out = folder.0.join("x.city");
+    let began = Instant::now();
+    let mut settings = BakeSettings::default();
+    if expected.file.starts_with("portland") {
+        (settings.partition.sight_m, settings.partition.far_m) = (PORTLAND_SIGHT_M, PORTLAND_SIGHT_M);
+    }
+    let baked = bake(&data.join(expected.file), &out, &settings, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
+    let seconds = began.elapsed().as_secs_f64();
+    let opened = opened(&out);
+    check_index(&opened);
+    if !expected.file.starts_with("portland") {
+        let proof = prove(&opened.index, &opened.shells, &ProofSettings { rays: RAYS, ..ProofSettings::default() });
+        assert!(proof.hits > RAYS / 3, "{}: {} hits", expected.file, proof.hits);
+        assert_eq!(proof.misses, 0, "{}: {:?}", expected.file, proof.missing);
+        // Without districts near by, only what is seen over roofs is missing.
+        let alone = ProofSettings { rays: RAYS, districts_m: -1.0, ..ProofSettings::default() };
+        let alone = prove(&opened.index, &opened.shells, &alone);
+        println!("{}: {} of {} rays see what districts near by tell of", expected.file, alone.misses, alone.hits);
+        assert!(alone.misses as f64 <= MOST_OVER_ROOFS * alone.hits as f64, "{}: {} misses", expected.file, alone.misses);
+    }
+    let Opened { index, overview, named: streets, .. } = opened;
+    let squares = overview.places.iter().filter(|p| p.kind == PlaceKind::Square).count();
+    let seen: usize = index.cells().map(|(_, cell)| cell.visible.len()).sum();
+    println!(
+        "| {} | {} | {} | {} | {streets} | {squares} | {:.1} | {} | {seconds:.1} | {:.2} |",
+        expected.file.split('/').next().unwrap_or_default(),
+        baked.stats.houses,
+        index.cell_count(),
+        index.regions_here().map(|(_, region)| region.portals.len()).sum::<usize>(),
+        seen as f64 / f64::from(index.cell_count()),
+        baked.findings.len(),
+        seconds / index.extent.area_m2() * 1e6
+    );
+    for (what, got, least) in [
+        ("houses", baked.stats.houses, expected.houses),
+        ("named streets", streets as u64, expected.streets as u64),
+        ("squares", squares as u64, expected.squares as u64),
+    ] {
+        assert!(got >= least, "{}: {got} {what}, at least {least} are in the map", expected.file);
+    }
+    assert_eq!(index.cells().map(|(_, cell)| u64::from(cell.houses)).sum::<u64>(), baked.stats.houses);
+    for finding in &baked.findings {
+        assert!(finding.message.len() > 10 && !finding.message.ends_with('.'), "{}: {finding}", expected.file);
     }
 }
 
-#[test]
-fn every_extract_becomes_a_city() {
-    let Some(data) = shared::data() else { return };
-    let folder = Folder::new("all");
-    println!("| file | houses | cells | portals | named streets | squares | seen from a cell | findings | s | s a km² |");
-    for expected in CITIES {
-        let out = folder.0.join("x.city");
-        let _ = std::fs::remove_dir_all(&out);
-        let began = Instant::now();
-        let mut settings = BakeSettings::default();
-        if expected.file.starts_with("portland") {
-            (settings.partition.sight_m, settings.partition.far_m) = (PORTLAND_SIGHT_M, PORTLAND_SIGHT_M);
+/// Two tests for each extract: as many run at once as there are cores.
+macro_rules! every_extract {
+    ($($name:ident: $expected:expr,)*) => {
+        mod the_ground_of_every_extract_is_whole {
+            use super::{ground_is_whole, least};
+            $(
+                #[test]
+                fn $name() {
+                    ground_is_whole(&$expected);
+                }
+            )*
         }
-        let baked = bake(&data.join(expected.file), &out, &settings, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
-        let seconds = began.elapsed().as_secs_f64();
-        let opened = opened(&out);
-        check_index(&opened);
-        if !expected.file.starts_with("portland") {
-            let proof = prove(&opened.index, &opened.shells, &ProofSettings { rays: RAYS, ..ProofSettings::default() });
-            assert!(proof.hits > RAYS / 3, "{}: {} hits", expected.file, proof.hits);
-            assert_eq!(proof.misses, 0, "{}: {:?}", expected.file, proof.missing);
-            // Without districts near by, only what is seen over roofs is missing.
-            let alone = ProofSettings { rays: RAYS, districts_m: -1.0, ..ProofSettings::default() };
-            let alone = prove(&opened.index, &opened.shells, &alone);
-            println!("{}: {} of {} rays see what districts near by tell of", expected.file, alone.misses, alone.hits);
-            assert!(alone.misses as f64 <= MOST_OVER_ROOFS * alone.hits as f64, "{}: {} misses", expected.file, alone.misses);
+
+        mod every_extract_becomes_a_city {
+            use super::{becomes_a_city, least};
+            $(
+                #[test]
+                fn $name() {
+                    becomes_a_city(stringify!($name), &$expected);
+                }
+            )*
         }
-        let Opened { index, overview, named: streets, .. } = opened;
-        let squares = overview.places.iter().filter(|p| p.kind == PlaceKind::Square).count();
-        let seen: usize = index.cells().map(|(_, cell)| cell.visible.len()).sum();
-        println!(
-            "| {} | {} | {} | {} | {streets} | {squares} | {:.1} | {} | {seconds:.1} | {:.2} |",
-            expected.file.split('/').next().unwrap_or_default(),
-            baked.stats.houses,
-            index.cell_count(),
-            index.regions_here().map(|(_, region)| region.portals.len()).sum::<usize>(),
-            seen as f64 / f64::from(index.cell_count()),
-            baked.findings.len(),
-            seconds / index.extent.area_m2() * 1e6
-        );
-        for (what, got, least) in [
-            ("houses", baked.stats.houses, expected.houses),
-            ("named streets", streets as u64, expected.streets as u64),
-            ("squares", squares as u64, expected.squares as u64),
-        ] {
-            assert!(got >= least, "{}: {got} {what}, at least {least} are in the map", expected.file);
-        }
-        assert_eq!(index.cells().map(|(_, cell)| u64::from(cell.houses)).sum::<u64>(), baked.stats.houses);
-        for finding in &baked.findings {
-            assert!(finding.message.len() > 10 && !finding.message.ends_with('.'), "{}: {finding}", expected.file);
-        }
-    }
+    };
+}
+
+every_extract! {
+    munich: least("munich_altstadt/munich_altstadt.osm.gz", 470, 80, 10),
+    krems: least("krems_donau/krems_2013.osm.gz", 3500, 150, 0),
+    lauf: least("lauf_pegnitz/lauf_an_der_pegnitz_2020.osm.pbf", 6400, 330, 0),
+    helsinki: least("helsinki_centre/helsinki_centre_2019.osm.pbf", 3300, 205, 5),
+    rome: least("rome_esquilino/rome_piazza_vittorio.osm.pbf", 900, 70, 3),
+    valletta: least("valletta/valletta_2016.osm.pbf", 1700, 140, 1),
+    new_york: least("new_york_greenwich/nyc_greenwich_village_2015.osm.pbf", 1500, 34, 0),
+    frederiksted: least("frederiksted_grid/frederiksted.osm.pbf", 310, 20, 0),
+    marrakech: least("marrakech_koutoubia/marrakech.osm.gz", 310, 17, 0),
+    berlin: least("berlin_neukoelln/neukoelln.osm", 130, 7, 0),
+    heidelberg: least("heidelberg_altstadt_roads/heidelberg_altstadt_roads.osm.pbf", 7000, 195, 3),
+    prague_new_town: least("prague_new_town_roads/prague_new_town_roads_2017.osm", 5500, 165, 0),
+    prague_karlovo_namesti: least("prague_karlovo_namesti_tiny/karlovo_namesti_2011.osm", 30, 2, 0),
+    portland: least("portland_dem/portland-central-filtered.osm.pbf", 65_000, 600, 0),
+    berlin_siegessaeule: least("osm_tiny/berlin_siegessaeule.osm.gz", 12, 7, 0),
+    tiny_roundabout: least("osm_tiny/tiny_roundabout.osm", 18, 1, 0),
+    roof_shapes: least("roof_shapes/roof_shapes_real.osm", 20, 0, 0),
 }
 
 #[test]

@@ -53,13 +53,13 @@ impl Presses<'_, '_> {
 mod tests {
     use bevy::input::ButtonState;
     use bevy::input::gamepad::{Gamepad, GamepadAxis, RawGamepadAxisChangedEvent, RawGamepadEvent};
-    use bevy::input::keyboard::{Key, KeyboardInput};
+    use bevy::input::keyboard::{Key, KeyboardInput, NativeKey};
     use bevy_enhanced_input::prelude::ActionMock;
     use bevy_enhanced_input::prelude::TriggerState;
     use veduta_ecs::Interface;
 
     use super::*;
-    use crate::testing::{Bow, Dive, Find, Flies, Forward, Run, Shine, app};
+    use crate::testing::{Bow, Dive, End, Find, Flies, Forward, Run, Shine, app};
     use crate::{Controls, Device, Input, LastDevice};
 
     fn read<C: Control>(app: &mut App) -> (f64, bool) {
@@ -102,6 +102,36 @@ mod tests {
         assert!(!app.world().resource::<ButtonInput<KeyCode>>().pressed(KeyCode::KeyR), "to all others it is up");
         app.update();
         assert_eq!(read::<Run>(&mut app), (0.0, false));
+    }
+
+    #[test]
+    fn a_modifier_counts_that_is_let_go_of_in_the_frame_of_its_key() {
+        let mut app = app();
+        let send = |app: &mut App, key_code, state| {
+            let logical_key = Key::Unidentified(NativeKey::Unidentified);
+            let window = Entity::PLACEHOLDER;
+            app.world_mut().write_message(KeyboardInput { key_code, logical_key, state, text: None, repeat: false, window });
+        };
+        send(&mut app, KeyCode::ControlLeft, ButtonState::Pressed);
+        app.update();
+        assert!(!read::<End>(&mut app).1);
+        // The next frame is long.
+        send(&mut app, KeyCode::KeyQ, ButtonState::Pressed);
+        send(&mut app, KeyCode::ControlLeft, ButtonState::Released);
+        send(&mut app, KeyCode::KeyQ, ButtonState::Released);
+        app.update();
+        assert!(read::<End>(&mut app).1);
+        let keys = app.world().resource::<ButtonInput<KeyCode>>();
+        assert!(keys.get_pressed().next().is_none() && !keys.just_pressed(KeyCode::ControlLeft), "to all others it is up");
+        app.update();
+        assert!(!read::<End>(&mut app).1);
+        // Let go of before the key goes down, it is no part of it.
+        send(&mut app, KeyCode::ControlLeft, ButtonState::Pressed);
+        app.update();
+        send(&mut app, KeyCode::ControlLeft, ButtonState::Released);
+        send(&mut app, KeyCode::KeyQ, ButtonState::Pressed);
+        app.update();
+        assert!(!read::<End>(&mut app).1);
     }
 
     #[test]

@@ -133,19 +133,35 @@ fn is_bound(list: &ControlList, key: KeyCode) -> bool {
 #[derive(Resource, Default)]
 pub(crate) struct Tapped {
     keys: Vec<KeyCode>,
+    /// Modifiers that were let go of in this frame after a key had gone down: of `Ctrl+Q`, Control may have been down for long.
+    modifiers: Vec<KeyCode>,
     buttons: Vec<MouseButton>,
 }
 
 /// Holds what was tapped until it has been heard: actions ask what is down, and would miss it.
 pub(crate) fn hold_taps(
+    mut typed: MessageReader<KeyboardInput>,
     mut keys: Option<ResMut<ButtonInput<KeyCode>>>,
     mut buttons: Option<ResMut<ButtonInput<MouseButton>>>,
     mut tapped: ResMut<Tapped>,
 ) {
+    let Tapped { keys: short, modifiers, .. } = &mut *tapped;
+    modifiers.clear();
+    let mut has_pressed = false;
+    for key in typed.read() {
+        if !ModKeys::from(key.key_code).is_empty() {
+            if has_pressed && !key.state.is_pressed() {
+                modifiers.push(key.key_code);
+            }
+        } else {
+            has_pressed |= key.state.is_pressed() && !key.repeat;
+        }
+    }
     if let Some(keys) = &mut keys {
-        let short = keys.get_just_pressed().filter(|key| !keys.pressed(**key)).copied();
-        tapped.keys = short.collect();
-        tapped.keys.iter().for_each(|key| keys.bypass_change_detection().press(*key));
+        let keys = keys.bypass_change_detection();
+        *short = keys.get_just_pressed().filter(|key| !keys.pressed(**key)).copied().collect();
+        modifiers.retain(|key| !keys.pressed(*key) && !short.contains(key));
+        short.iter().chain(&*modifiers).for_each(|key| keys.press(*key));
     }
     if let Some(buttons) = &mut buttons {
         let short = buttons.get_just_pressed().filter(|button| !buttons.pressed(**button)).copied();
@@ -161,7 +177,13 @@ pub(crate) fn release_taps(
     mut tapped: ResMut<Tapped>,
 ) {
     if let Some(keys) = &mut keys {
-        tapped.keys.drain(..).for_each(|key| keys.bypass_change_detection().release(key));
+        let keys = keys.bypass_change_detection();
+        tapped.keys.drain(..).for_each(|key| keys.release(key));
+        for key in tapped.modifiers.drain(..) {
+            keys.release(key);
+            // It went down before this frame.
+            keys.clear_just_pressed(key);
+        }
     }
     if let Some(buttons) = &mut buttons {
         tapped.buttons.drain(..).for_each(|button| buttons.bypass_change_detection().release(button));

@@ -32,6 +32,7 @@ control! {
     pub(crate) Dive: InAir = "fly.dive", [Input::key(KeyCode::KeyB)];
     pub(crate) Find: Always = "find", [Input::Letter('/')];
     pub(crate) Shine: Always = "shine", [Input::key(KeyCode::F9)];
+    pub(crate) End: Always = "end", [Input::ctrl(KeyCode::KeyQ)];
 }
 
 /// Whether somebody flies.
@@ -47,7 +48,8 @@ fn declare(app: &mut App) {
         .add_control::<Bow>()
         .add_control::<Dive>()
         .add_control::<Find>()
-        .add_control::<Shine>();
+        .add_control::<Shine>()
+        .add_control::<End>();
 }
 
 /// Keys of a keyboard and buttons of a mouse go down, or up: what the engine is told by the system.
