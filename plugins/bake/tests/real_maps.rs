@@ -95,24 +95,24 @@ struct Opened {
 /// How far a crown reaches from its stem, grid steps.
 const CROWN: i32 = 8 * 1024;
 
+/// The box about some points.
+fn around(mut points: impl Iterator<Item = GridPos>) -> Option<Box2> {
+    let first = points.next()?;
+    let grown = |(lo, hi): Box2, p: GridPos| (GridPos(lo.0.min(p.0), lo.1.min(p.1)), GridPos(hi.0.max(p.0), hi.1.max(p.1)));
+    Some(points.fold((first, first), grown))
+}
+
 fn boxes(shell: &CellShell) -> (Vec<Box2>, Vec<Box2>) {
-    let around = |points: &mut dyn Iterator<Item = GridPos>| {
-        let first = points.next()?;
-        Some(
-            points
-                .fold((first, first), |(lo, hi), p| (GridPos(lo.0.min(p.0), lo.1.min(p.1)), GridPos(hi.0.max(p.0), hi.1.max(p.1)))),
-        )
-    };
     let houses = shell.houses.iter().flat_map(|house| &house.volumes);
-    let houses = houses.filter_map(|volume| around(&mut volume.footprint.outer.iter().copied()));
+    let houses = houses.filter_map(|volume| around(volume.footprint.outer.iter().copied()));
     let objects = shell.objects.iter().map(|object| {
         let reach = GridPos(CROWN, CROWN);
         (object.pos - reach, object.pos + reach)
     });
     let spans =
-        shell.spans.iter().filter_map(|span| around(&mut span.stations.iter().flat_map(|station| [station.left, station.right])));
+        shell.spans.iter().filter_map(|span| around(span.stations.iter().flat_map(|station| [station.left, station.right])));
     let yards = shell.ground.iter().filter(|patch| !shell.outline.contains(patch.outline.middle()));
-    let yards = yards.filter_map(|patch| around(&mut patch.outline.outer.iter().copied()));
+    let yards = yards.filter_map(|patch| around(patch.outline.outer.iter().copied()));
     let placed = |(lo, hi): Box2| (lo + shell.origin, hi + shell.origin);
     (houses.chain(objects).chain(spans).map(placed).collect(), yards.map(placed).collect())
 }
@@ -186,12 +186,14 @@ fn check_index(opened: &Opened) {
         assert!(sees(i) && neighbours(i).into_iter().all(sees), "{}: cell {i} does not see its neighbours", index.name);
         all_seen += cell.visible.len();
         let is_blind = |&seen: &u32| cells[seen as usize].visible.binary_search(&i).is_err();
+        let rooms = |k: u32| cells[k as usize].outline.bounds().into_iter().chain(opened.yards[k as usize].iter().copied());
+        let rooms: Vec<(u32, Box2)> = cell.visible.iter().flat_map(|&k| rooms(k).map(move |room| (k, room))).collect();
         for seen in cell.visible.iter().copied().filter(is_blind) {
             one_sided += 1;
-            let rooms = |k: u32| cells[k as usize].outline.bounds().into_iter().chain(opened.yards[k as usize].iter().copied());
-            let others: Vec<Box2> = cell.visible.iter().filter(|&&k| k != seen).flat_map(|&k| rooms(k)).collect();
-            let mut there = opened.things[seen as usize].iter().chain(&opened.yards[seen as usize]);
-            let is_met = there.any(|&thing| others.iter().any(|&other| touch(thing, other)));
+            let there: Vec<Box2> = [&opened.things, &opened.yards].into_iter().flat_map(|of| &of[seen as usize]).copied().collect();
+            let whole = around(there.iter().flat_map(|&(lo, hi)| [lo, hi]));
+            let meets = |&&(k, room): &&(u32, Box2)| k != seen && whole.is_some_and(|whole| touch(room, whole));
+            let is_met = rooms.iter().filter(meets).any(|&(_, room)| there.iter().any(|&thing| touch(thing, room)));
             let is_met = is_met || [i, seen].iter().any(|&cell| opened.has_tunnel[cell as usize]);
             unmet += usize::from(!is_met);
         }
