@@ -62,9 +62,14 @@ fn play(args: &[&str]) -> u8 {
     run(command)
 }
 
-/// The cargo that runs this program.
+/// The cargo that runs this program, without what it tells this program of its package: build scripts of others would be run again for it.
 fn cargo() -> Command {
-    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let names = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok());
+    for name in names.filter(|name| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_")) {
+        command.env_remove(name);
+    }
+    command
 }
 
 /// Runs a command to its end and gives its exit code; 1 if it could not be started or was killed.
