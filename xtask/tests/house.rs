@@ -438,10 +438,12 @@ fn selected(arguments: &[&str]) -> BTreeSet<String> {
 }
 
 #[test]
-fn tests_are_built_upon_what_the_game_is_built_upon() {
+fn tests_and_baking_are_built_upon_what_the_game_is_built_upon() {
     let played = selected(&["--package", "veduta-game", "--edges", "normal,build"]);
+    // What `cargo run --bin veduta-bake` selects from.
+    let baked = selected(&["--edges", "normal,build"]);
     let verified = selected(&["--workspace", "--exclude", "xtask", "--edges", "normal,build,dev"]);
     assert!(played.iter().any(|line| line.starts_with("bevy ")), "the tree is read");
-    let other: Vec<_> = played.difference(&verified).collect();
-    assert!(other.is_empty(), "`cargo verify` and `cargo play` each build their own of {other:#?}");
+    let other: Vec<_> = played.difference(&verified).chain(played.symmetric_difference(&baked)).collect();
+    assert!(other.is_empty(), "`cargo verify`, `cargo play` and `cargo run --bin veduta-bake` each build their own of {other:#?}");
 }
